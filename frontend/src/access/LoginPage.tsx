@@ -1,5 +1,5 @@
 import { Paper, Stack, Text, Title } from "@mantine/core";
-import { usePageTitle } from "../ui/usePageTitle";
+import { usePageTitle } from "../ui/PageTitle";
 import classes from "./access.module.css";
 import LoginForm from "./LoginForm";
 

@@ -1,4 +1,4 @@
-import { Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Code, Group, Skeleton, Stack, Text } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
@@ -10,9 +10,9 @@ import { Dialog, RemovalDialog } from "../ui/Dialog";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Trouble } from "../ui/errors";
 import { Fact } from "../ui/Fact";
+import { PageTitle } from "../ui/PageTitle";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
-import { usePageTitle } from "../ui/usePageTitle";
 import { AccountItem } from "./AccountItem";
 import classes from "./access.module.css";
 import { OpenNotice } from "./OpenNotice";
@@ -22,7 +22,6 @@ import { loginName } from "./who";
 
 /** The tokens of those who use the gateway; for admins. */
 export default function TokensPage() {
-  usePageTitle("Tokens");
   const forbidden = useForbidden("GET /tokens");
   const { tokens, error, refetch, create, revoke } = useTokens();
   const [creating, setCreating] = useState(false);
@@ -39,14 +38,11 @@ export default function TokensPage() {
   };
   return (
     <Stack gap="md">
-      <Group justify="space-between" gap="xs">
-        <Title order={1} size="h3">
-          Tokens
-        </Title>
+      <PageTitle title="Tokens">
         <ReasonButton reason={reason} onClick={() => setCreating(true)}>
           New token
         </ReasonButton>
-      </Group>
+      </PageTitle>
       <OpenNotice />
       <Trouble what="The tokens could not be loaded" error={error} onRetry={() => void refetch()} />
       {tokens !== undefined ? (

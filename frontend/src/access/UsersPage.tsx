@@ -9,9 +9,9 @@ import { Dialog, RemovalDialog } from "../ui/Dialog";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Trouble } from "../ui/errors";
 import { Fact } from "../ui/Fact";
+import { PageTitle } from "../ui/PageTitle";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
-import { usePageTitle } from "../ui/usePageTitle";
 import { AccountItem, sessionWords } from "./AccountItem";
 import { OpenNotice } from "./OpenNotice";
 import { UserForm } from "./UserForm";
@@ -20,7 +20,6 @@ import { loginName } from "./who";
 
 /** Those who log in with a name and a password, or with the identity provider; for admins. */
 export default function UsersPage() {
-  usePageTitle("Users");
   const forbidden = useForbidden("GET /users");
   const { provider } = useSession();
   const { users, error, refetch, save, remove, logOut } = useUsers();
@@ -44,14 +43,11 @@ export default function UsersPage() {
     });
   return (
     <Stack gap="md">
-      <Group justify="space-between" gap="xs">
-        <Title order={1} size="h3">
-          Users
-        </Title>
+      <PageTitle title="Users">
         <ReasonButton reason={reason} onClick={() => setEdited(null)}>
           New user
         </ReasonButton>
-      </Group>
+      </PageTitle>
       <OpenNotice />
       <Trouble what="The users could not be loaded" error={error} onRetry={() => void refetch()} />
       {users !== undefined ? (

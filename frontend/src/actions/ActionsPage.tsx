@@ -1,10 +1,10 @@
-import { Group, Skeleton, Stack, Text, TextInput, Title } from "@mantine/core";
+import { Group, Skeleton, Stack, Text, TextInput } from "@mantine/core";
 import { useSearchParams } from "react-router";
 import type { ActionInfo } from "../api/types";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
+import { PageTitle } from "../ui/PageTitle";
 import { Section } from "../ui/Section";
-import { usePageTitle } from "../ui/usePageTitle";
 import { ActionsTable } from "./ActionsTable";
 import { useActions } from "./useActions";
 import { sendLine } from "./words";
@@ -14,7 +14,6 @@ const MANY = 6;
 
 /** Every action on the graph; `?q=` is what is searched for. */
 export default function ActionsPage() {
-  usePageTitle("Actions");
   const [query, setQuery] = useSearchParams();
   const wanted = query.get("q") ?? "";
   const { data, error, refetch } = useActions();
@@ -22,9 +21,7 @@ export default function ActionsPage() {
 
   return (
     <Stack gap="md">
-      <Title order={1} size="h3">
-        Actions
-      </Title>
+      <PageTitle title="Actions" />
       <CommandErrorAlert command="Looking for actions" error={error} onClose={() => void refetch()} />
       <Section
         title="On the graph"

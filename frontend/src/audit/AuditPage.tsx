@@ -1,4 +1,4 @@
-import { Button, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Button, Group, Skeleton, Stack, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { useSearchParams } from "react-router";
 import { auditExportUrl } from "../api/audit";
@@ -6,7 +6,7 @@ import { useForbidden } from "../api/permissions";
 import { useFleet } from "../fleet/context";
 import { Downloads } from "../ui/Downloads";
 import { Trouble } from "../ui/errors";
-import { usePageTitle } from "../ui/usePageTitle";
+import { PageTitle } from "../ui/PageTitle";
 import { AuditFilters } from "./AuditFilters";
 import { AuditTable } from "./AuditTable";
 import { readFilter, toQuery, writeFilter } from "./filter";
@@ -14,7 +14,6 @@ import { type AuditList, useAudit } from "./useAudit";
 
 /** Who did what, from where, to which robot, with which outcome; for admins. */
 export default function AuditPage() {
-  usePageTitle("Audit");
   const forbidden = useForbidden("GET /audit");
   const { store } = useFleet();
   const [parameters, setParameters] = useSearchParams();
@@ -22,10 +21,7 @@ export default function AuditPage() {
   const list = useAudit(filter);
   return (
     <Stack gap="md">
-      <Group justify="space-between" gap="xs">
-        <Title order={1} size="h3">
-          Audit
-        </Title>
+      <PageTitle title="Audit">
         {forbidden === null && (
           <Group gap="xs">
             <Button variant="default" size="compact-sm" disabled={list.loading} onClick={list.refresh}>
@@ -37,7 +33,7 @@ export default function AuditPage() {
             />
           </Group>
         )}
-      </Group>
+      </PageTitle>
       {forbidden !== null ? (
         <Text size="sm">{forbidden}</Text>
       ) : (

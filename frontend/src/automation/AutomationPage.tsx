@@ -1,11 +1,11 @@
-import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Skeleton, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Rule } from "../api/automation";
 import { useWhyNot } from "../fleet/context";
 import { Dialog } from "../ui/Dialog";
 import { Trouble } from "../ui/errors";
+import { PageTitle } from "../ui/PageTitle";
 import { ReasonButton } from "../ui/ReasonButton";
-import { usePageTitle } from "../ui/usePageTitle";
 import { Decisions } from "./Decisions";
 import { RuleCard } from "./RuleCard";
 import { RuleForm } from "./RuleForm";
@@ -16,7 +16,6 @@ type Edited = { rule: Rule | null };
 
 /** The rules of automatic docking, and what they have decided. */
 export default function AutomationPage() {
-  usePageTitle("Automatic docking");
   useFreshAutomation();
   const { data: rules, error, refetch } = useRules();
   const reason = useWhyNot("PUT /automation/rules/{rule_id}", rules !== undefined);
@@ -24,14 +23,11 @@ export default function AutomationPage() {
   const close = () => setEdited(null);
   return (
     <Stack gap="md">
-      <Group justify="space-between" gap="xs">
-        <Title order={1} size="h3">
-          Automatic docking
-        </Title>
+      <PageTitle title="Automatic docking">
         <ReasonButton reason={reason} onClick={() => setEdited({ rule: null })}>
           New rule
         </ReasonButton>
-      </Group>
+      </PageTitle>
       <Trouble what="The rules could not be loaded" error={error} onRetry={() => void refetch()} />
       {rules === undefined ? (
         error === null && <RulesSkeleton />

@@ -1,4 +1,4 @@
-import { Button, Group, Skeleton, Stack, Table, Text, Title } from "@mantine/core";
+import { Button, Group, Skeleton, Stack, Table, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { useSearchParams } from "react-router";
 import { goalsExportUrl } from "../api/goals";
@@ -6,8 +6,8 @@ import { useFleet, useFleetLive } from "../fleet/context";
 import { Command } from "../ui/CopyButton";
 import { Downloads } from "../ui/Downloads";
 import { Trouble } from "../ui/errors";
+import { PageTitle } from "../ui/PageTitle";
 import { SavedViews } from "../ui/SavedViews";
-import { usePageTitle } from "../ui/usePageTitle";
 import { type GoalFilter, isFiltered, NO_FILTER, readFilter, toQuery, writeFilter } from "./filter";
 import { GoalFilters } from "./GoalFilters";
 import { GoalsHead, GoalsTable } from "./GoalsTable";
@@ -15,7 +15,6 @@ import { type GoalList, useGoalList } from "./useGoalList";
 
 /** The goals on all actions, whoever sent them, as they come; narrowed by what the address says. */
 export default function GoalsPage() {
-  usePageTitle("Goals");
   const { store } = useFleet();
   const [parameters, setParameters] = useSearchParams();
   const filter = useMemo(() => readFilter(parameters), [parameters]);
@@ -23,10 +22,7 @@ export default function GoalsPage() {
   const list = useGoalList(filter);
   return (
     <>
-      <Group justify="space-between" gap="xs">
-        <Title order={1} size="h3">
-          Goals
-        </Title>
+      <PageTitle title="Goals">
         <Group gap="xs">
           <SavedViews page="goals" query={writeFilter(filter).toString()} />
           <Downloads
@@ -34,7 +30,7 @@ export default function GoalsPage() {
             url={(format) => goalsExportUrl(toQuery(filter, store.gatewayNow()), format)}
           />
         </Group>
-      </Group>
+      </PageTitle>
       <GoalFilters filter={filter} onChange={setFilter} />
       <Trouble what="The list of goals could not be loaded" error={list.error} onRetry={list.retry} />
       <Listed list={list} filter={filter} onClear={() => setFilter(NO_FILTER)} />

@@ -5,7 +5,7 @@ import type { Graph } from "../api/graph";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
-import { usePageTitle } from "../ui/usePageTitle";
+import { usePageTitle } from "../ui/PageTitle";
 import { DetailsPane } from "./DetailsPane";
 import { filterGraph, searchGraph } from "./filter";
 import { GraphFilters } from "./GraphFilters";

@@ -7,7 +7,7 @@ import OverviewPage from "../pages/overview/OverviewPage";
 import RobotPage from "../pages/robot/RobotPage";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
-import { usePageTitle } from "../ui/usePageTitle";
+import { usePageTitle } from "../ui/PageTitle";
 import { Shell } from "./Shell";
 
 const GoalsPage = lazyPart(() => import("../goals/GoalsPage"));

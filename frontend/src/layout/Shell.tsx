@@ -9,7 +9,7 @@ import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
 import { Guarded } from "../ui/Guarded";
-import { TitlePrefixProvider } from "../ui/usePageTitle";
+import { TitlePrefixProvider } from "../ui/PageTitle";
 import { ConnectionBanner } from "./ConnectionStatus";
 import { Header } from "./Header";
 import classes from "./layout.module.css";

@@ -1,16 +1,13 @@
-import { Stack, Title } from "@mantine/core";
-import { usePageTitle } from "../ui/usePageTitle";
+import { Stack } from "@mantine/core";
+import { PageTitle } from "../ui/PageTitle";
 import { ThisBrowser } from "./ThisBrowser";
 import { Webhooks } from "./Webhooks";
 
 /** Who receives alerts, and how. */
 export default function NotificationsPage() {
-  usePageTitle("Notifications");
   return (
     <Stack gap="md">
-      <Title order={1} size="h3">
-        Notifications
-      </Title>
+      <PageTitle title="Notifications" />
       <ThisBrowser />
       <Webhooks />
     </Stack>

@@ -1,11 +1,11 @@
-import { Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Skeleton, Stack, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { useSearchParams } from "react-router";
 import type { Statistics } from "../api/types";
 import { Trouble } from "../ui/errors";
+import { PageTitle } from "../ui/PageTitle";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { usePageTitle } from "../ui/usePageTitle";
 import { zoneName } from "../ui/zone";
 import { Controls } from "./Controls";
 import { ErrorTable } from "./ErrorTable";
@@ -16,15 +16,12 @@ import { GROUPINGS, MAX_DAYS, readView, writeView } from "./view";
 
 /** How goals ended, by day, robot or action; every number leads to its goals. */
 export default function StatisticsPage() {
-  usePageTitle("Statistics");
   const [parameters, setParameters] = useSearchParams();
   const view = useMemo(() => readView(parameters), [parameters]);
   const { data, error, isPlaceholderData, tooLong, live, refetch, dataUpdatedAt } = useStatistics(view);
   return (
     <Stack gap="md">
-      <Title order={1} size="h3">
-        Statistics
-      </Title>
+      <PageTitle title="Statistics" />
       <Controls view={view} onChange={(next) => setParameters(writeView(next), { replace: true })} />
       <Trouble what="The statistics could not be loaded" error={error} onRetry={() => void refetch()} />
       {tooLong ? (

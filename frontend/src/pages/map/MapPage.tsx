@@ -1,4 +1,4 @@
-import { Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Skeleton, Stack, Text } from "@mantine/core";
 import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
 import { useAtTime } from "../../clock/clock";
@@ -7,8 +7,8 @@ import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
 import { robotPath } from "../../fleet/path";
 import { freshnessOf, SCENE_STALE_MS } from "../../store/freshness";
 import { openStream, streamUrl } from "../../stream/stream";
+import { PageTitle } from "../../ui/PageTitle";
 import { Section } from "../../ui/Section";
-import { usePageTitle } from "../../ui/usePageTitle";
 import { FleetMap } from "./FleetMap";
 import { FleetScenes } from "./fleetScenes";
 import classes from "./map.module.css";
@@ -18,7 +18,6 @@ const FRESHNESS_MS = 400;
 
 /** All robots whose poses share a frame on one map, and the others beside it. */
 export default function MapPage() {
-  usePageTitle("Map");
   const scenes = useFleetScenes();
   const frames = useSyncExternalStore(scenes.subscribe, () => scenes.frames);
   const robots = useFleetTopic("robots");
@@ -29,9 +28,7 @@ export default function MapPage() {
   );
   return (
     <Stack gap="md">
-      <Title order={1} size="h3">
-        Map
-      </Title>
+      <PageTitle title="Map" />
       <div className={classes.page}>
         <Section title="Robots" aside={<Fresh scenes={scenes} />}>
           {frames === null ? (

@@ -6,7 +6,7 @@ import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
 import { lazyPart } from "../../ui/lazyPart";
-import { usePageTitle } from "../../ui/usePageTitle";
+import { usePageTitle } from "../../ui/PageTitle";
 import { RobotView } from "../robot/RobotPage";
 import { readView } from "./list";
 import { NoRobot } from "./NoRobot";

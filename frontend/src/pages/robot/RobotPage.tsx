@@ -6,7 +6,7 @@ import { byName, defaultRobot } from "../../fleet/names";
 import { DEVELOPER, OPERATE, readTab, robotPath, type Tab, withTab } from "../../fleet/path";
 import { isThere } from "../../fleet/words";
 import { type Services, ServicesProvider } from "../../store/context";
-import { usePageTitle } from "../../ui/usePageTitle";
+import { usePageTitle } from "../../ui/PageTitle";
 import { RobotHead } from "./RobotHead";
 import { RobotPanels } from "./RobotPanels";
 import classes from "./robot.module.css";

@@ -6,7 +6,7 @@ import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
 import { useStopping } from "../../stop/everywhere";
 import { useStopKeys } from "../../stop/keys";
-import { usePageTitle } from "../../ui/usePageTitle";
+import { usePageTitle } from "../../ui/PageTitle";
 import { listed, readView } from "../overview/list";
 import { Clock, State, WallAlerts } from "./head";
 import { useNewBuild } from "./newBuild";
