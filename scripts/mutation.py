@@ -90,13 +90,13 @@ def prepare(area: str, sources: list[str], tests: list[str]) -> Path:
     folder = WORK / area
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for name in ("backend/dock_gateway", "backend/docking", "tests", "pyproject.toml"):
+    for name in ("backend/dock_gateway", "backend/docking", "backend/robot_io", "tests", "pyproject.toml"):
         (folder / Path(name).name).symlink_to(Path(name).absolute())
     (folder / "frontend").mkdir()
     (folder / "frontend/openapi.json").symlink_to(Path("frontend/openapi.json").absolute())  # the tests read it
     settings = {
         "also_copy": ["frontend"],
-        "source_paths": ["dock_gateway", "docking"],
+        "source_paths": ["dock_gateway", "docking", "robot_io"],
         "only_mutate": sources,
         "pytest_add_cli_args_test_selection": tests,
         "pytest_add_cli_args": PYTEST,

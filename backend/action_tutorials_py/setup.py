@@ -1,6 +1,7 @@
 """The ROS package as colcon builds it.
 
-Its code is `docking`, a link to the folder beside this one. Without a ROS installation, use the wheel: /pyproject.toml.
+Its code is `docking` and `robot_io`, links to the folders next to this one. Without a ROS installation, use the wheel:
+/pyproject.toml.
 """
 
 from pathlib import Path
@@ -18,8 +19,8 @@ setup(
     license="Apache-2.0",
     python_requires=">=3.11",
     install_requires=["setuptools"],
-    packages=find_packages(include=["docking", "docking.*"]),
-    package_data={"docking": ["py.typed"]},
+    packages=find_packages(include=["docking", "docking.*", "robot_io"]),
+    package_data={"docking": ["py.typed"], "robot_io": ["py.typed"]},
     zip_safe=True,
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),

@@ -6,10 +6,14 @@ from pathlib import Path
 import pytest
 
 import docking
+import robot_io
 
 PACKAGE = Path(docking.__file__).parent
 MODULES = sorted(PACKAGE.rglob("*.py"))
 ROS = {"rclpy", "action_msgs", "action_tutorials_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs"}
+# Our own modules that import ROS.
+ROS_PARTS = {"docking.ros"} | {f"robot_io.{path.stem}" for path in Path(robot_io.__file__).parent.glob("*.py")}
+ROS_PARTS -= {"robot_io.__init__", "robot_io.velocity_types", "robot_io.stop_votes"}
 ROS |= {"rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "unique_identifier_msgs"}
 
 
@@ -19,7 +23,8 @@ def imported(module: Path) -> set[str]:
         if isinstance(node, ast.Import):
             names |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
-            names |= {node.module.split(".")[0]} | ({"docking.ros"} if node.module.startswith("docking.ros") else set())
+            names |= {node.module.split(".")[0]}
+            names |= {name for name in ROS_PARTS if node.module.startswith(name)}
     return names
 
 
@@ -28,4 +33,4 @@ def test_only_programs_import_ros_and_nothing_the_gateway(module: Path) -> None:
     names = imported(module)
     assert "dock_gateway" not in names
     if module.parent.name not in {"ros", "nodes", "clients", "tutorial"}:
-        assert not names & (ROS | {"docking.ros"})
+        assert not names & (ROS | ROS_PARTS)

@@ -14,10 +14,11 @@ from typing import Any
 import pytest
 import yaml
 
+import robot_io
 from docking.core.parameter import NodeSettings, from_values, parameters_of
 from docking.parameters import DockSettings, UndockSettings
 from docking.simulation.parameters import SimulatorSettings
-from tests.docking.test_imports import MODULES, imported
+from tests.docking.test_imports import MODULES, ROS_PARTS, imported
 
 PROJECT = Path(__file__).parents[2]
 PACKAGE = PROJECT / "backend" / "action_tutorials_py"
@@ -69,12 +70,14 @@ def test_there_is_one_version() -> None:
 
 def test_the_manifest_names_every_package_that_is_imported() -> None:
     dependencies = {str(dependency.text).removeprefix("python3-") for dependency in manifest().iter("exec_depend")}
-    standard = {"docking", "docking.ros", "__future__"} | sys.stdlib_module_names
-    assert dependencies == set().union(*map(imported, MODULES)) - standard | {"ros2launch"}
+    own = {"docking", "robot_io", "__future__"} | ROS_PARTS | sys.stdlib_module_names
+    modules = [*MODULES, *Path(robot_io.__file__).parent.rglob("*.py")]
+    assert dependencies == set().union(*map(imported, modules)) - own | {"ros2launch"}
 
 
-def test_the_code_is_a_link_and_no_copy() -> None:
-    assert (PACKAGE / "docking").readlink() == Path("../docking")
+@pytest.mark.parametrize("name", ["docking", "robot_io"])
+def test_the_code_is_a_link_and_no_copy(name: str) -> None:
+    assert (PACKAGE / name).readlink() == Path("..") / name
 
 
 @pytest.mark.parametrize("path", PARAMETER_FILES, ids=lambda path: path.name)

@@ -17,7 +17,7 @@ from docking.core.transform import spatial
 from docking.parameters import MotionLimits
 from docking.ros.geometry import pose_from, transform_message
 from docking.ros.process import Spinner
-from docking.ros.qos import LATCHED
+from robot_io.qos import LATCHED
 from tests.support.docking_servers import Server
 from tests.support.observer import ros_nodes
 from tf2_msgs.msg import TFMessage

@@ -12,8 +12,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from docking.ros.action_server import goal_id_text
 from docking.ros.process import Spinner, ros_context
+from robot_io.rclpy_private import goal_id_text
 from tests.support.waiting import PATIENCE, wait_until
 
 T = TypeVar("T")

@@ -9,8 +9,8 @@ from std_msgs.msg import Bool
 
 from docking.core.geometry import Pose
 from docking.ros import navigation
-from docking.ros.qos import LATCHED
 from docking.simulation.dock import DOCKED
+from robot_io.qos import LATCHED
 from tests.support.docking import ABORTED, CANCELED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator

@@ -9,7 +9,7 @@ from std_msgs.msg import Bool
 
 from docking.core.observation import Observation, Velocity
 from docking.goal.plan import SingleStage
-from docking.ros.qos import LATCHED
+from robot_io.qos import LATCHED
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
 from tests.support.waiting import wait_until

@@ -19,7 +19,7 @@ from docking.goal.behavior import Failed
 from docking.goal.plan import KnownPoses, SingleStage
 from docking.ros import transforms
 from docking.ros.geometry import pose_in_space, transform_message
-from docking.ros.qos import LATCHED
+from robot_io.qos import LATCHED
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.sensors import detection, infrared, odometry, stamp

@@ -21,7 +21,7 @@ from docking.core.observation import Observation, Velocity
 from docking.core.parameter import parameters_of
 from docking.goal.plan import SingleStage
 from docking.parameters import DockSettings
-from docking.ros.action_server import RESULT_TIMEOUT
+from robot_io.rclpy_private import RESULT_TIMEOUT
 from tests.support.docking import (
     ABORTED,
     ACTION,

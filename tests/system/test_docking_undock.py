@@ -9,7 +9,7 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool
 
 from docking.core.geometry import Pose
-from docking.ros.qos import LATCHED
+from robot_io.qos import LATCHED
 from tests.support.docking import (
     ABORTED,
     CANCELED,

@@ -15,8 +15,8 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool
 
 from docking.core.geometry import Pose, yaw_of
-from docking.ros.qos import LATCHED
 from docking.simulation.dock import DOCKED
+from robot_io.qos import LATCHED
 from tests.support.docking import (
     ABORTED,
     CANCELED,

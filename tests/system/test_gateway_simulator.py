@@ -8,7 +8,7 @@ import pytest
 from geometry_msgs.msg import PolygonStamped
 from nav_msgs.msg import Odometry
 
-from docking.ros.qos import LATCHED
+from robot_io.qos import LATCHED
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import ros_observer

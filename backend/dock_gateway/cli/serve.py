@@ -45,14 +45,20 @@ def check_exposure(settings: Settings) -> None:
 
 
 def check_ros(environment: Mapping[str, str]) -> None:
-    """Refuse an environment in which no ROS node can start.
+    """Refuse an environment in which no ROS node can start, and an rclpy that is not supported.
 
     Raises:
-        click.UsageError: The message names the variable.
+        click.UsageError: The message names the variable, or what rclpy lacks.
     """
     for finding in ros_variables.check(environment):
         if finding.fatal:
             raise click.UsageError(finding.sentence)
+    from robot_io.rclpy_private import UnsupportedRclpyError, require_supported  # noqa: PLC0415 - see above
+
+    try:
+        require_supported()
+    except UnsupportedRclpyError as error:
+        raise click.UsageError(str(error)) from None
 
 
 @click.command()

@@ -3,8 +3,7 @@
 from collections.abc import Collection
 
 from dock_gateway.core.graph import Topic
-
-PLAIN, STAMPED = TYPES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+from robot_io.velocity_types import PLAIN, STAMPED, TYPES, fitting_types
 
 
 def choose_types(
@@ -27,13 +26,11 @@ def choose_types(
     talking = {endpoint.node for endpoint in topic.publishers} | {own}
     bases = {endpoint.type: endpoint.node for endpoint in topic.subscribers if endpoint.node not in talking}
     first = before[0] if before else PLAIN
-    wanted = bases.keys() & set(TYPES)
-    if not wanted:
-        published = {endpoint.type for endpoint in topic.publishers if endpoint.node != own} & set(TYPES)
-        wanted = {min({first} & published or published or {first})}
+    published = {endpoint.type for endpoint in topic.publishers if endpoint.node != own} & set(TYPES)
+    wanted = fitting_types(bases.keys(), {min({first} & published or published or {first})})
     others = topic.types_but_of({own, *gateways})
     if others and not others & set(TYPES):
-        wanted = set()
+        wanted = frozenset()
     fault = None
     if bases and not bases.keys() & set(TYPES):
         kind, node = min(bases.items())

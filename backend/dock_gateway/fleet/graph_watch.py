@@ -10,7 +10,6 @@ from typing import TypeVar
 from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, MAX_ROBOTS
 from dock_gateway.core.graph import ACTION_PART, STATUS, Peer, Topic
-from dock_gateway.core.velocity_types import TYPES as VELOCITY_TYPES
 from dock_gateway.fleet.findings import (
     Expected,
     Finding,
@@ -26,6 +25,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import STOP_TYPE, Scan, count_publishers, count_subscribers, find_gateways, read_topic
 from dock_gateway.ros.scene_port import SCENE_TYPES
 from dock_gateway.settings import Settings
+from robot_io.velocity_types import TYPES as VELOCITY_TYPES
 
 DIAGNOSTICS_TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 UNHEARD = "What is said there does not stop the robot."

@@ -14,7 +14,6 @@ from typing import Any
 
 from action_msgs.srv import CancelGoal
 from rclpy.client import Client
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.serialization import serialize_message
 from unique_identifier_msgs.msg import UUID
 
@@ -28,6 +27,7 @@ from dock_gateway.ros.losses import OnLoss
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_action
 from dock_gateway.ros.status import text_of
+from robot_io.rclpy_private import InvalidHandle
 
 # Seconds that a server has for an answer when it is tried through another participant, seconds between two looks, and
 # seconds for the server to be found through the common participant.
@@ -211,7 +211,7 @@ class ActionPort:
             except Exception as error:
                 if link is not self._link:
                     continue  # it was replaced meanwhile
-                if isinstance(error, _rclpy.InvalidHandle):
+                if isinstance(error, InvalidHandle):
                     raise Unavailable("the action has left the ROS graph") from None
                 raise
             if not presence.available:

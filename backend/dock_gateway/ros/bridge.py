@@ -15,18 +15,17 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-import rclpy
 from rclpy.client import Client
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
-from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future as RosFuture
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.inbox import Inbox, Inboxes
 from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
 from dock_gateway.ros.threads import RosThread
+from robot_io.participants import create_context
+from robot_io.rclpy_private import InvalidHandle
+from robot_io.services import always_answer
 
 log = logging.getLogger(__name__)
 
@@ -121,13 +120,13 @@ class Bridge:
         self._closing = threading.Lock()
         self._closed = False
         os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", TRANSPORTS)
-        self._context = Context()
-        rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._context = create_context()
         self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
         self._answers = AnswerListener("ros-answers", self._context)
         # A second node of the same name must not register services and topics that the first one has.
         own = {} if loop is None else {"enable_rosout": False, "start_parameter_services": False}
         self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers, **own)
+        always_answer(self.node, log.exception)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = RosThread("ros", self._executor.spin)
@@ -312,7 +311,7 @@ class Bridge:
             if not client.service_is_ready():
                 raise Unavailable(f"there is no server for {client.service_name}")
             return PendingCall(self, client, request, self._loop.create_future(), read)
-        except _rclpy.InvalidHandle:
+        except InvalidHandle:
             raise Unavailable("the action has left the ROS graph") from None
 
     def _require_alive(self) -> None:

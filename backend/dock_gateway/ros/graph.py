@@ -24,10 +24,10 @@ from dock_gateway.core.graph import (
     Topic,
 )
 from dock_gateway.settings import NAME
+from robot_io.endpoints import node_name
 
 # Seconds of a survey step on the ROS thread.
 PIECE = 0.002
-UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 INFINITE_NS = 2**63 - 1
 # The type of stop topics.
 STOP_TYPE = "std_msgs/msg/Bool"
@@ -150,8 +150,7 @@ def read_topic(node: Node, name: str) -> Topic:
 
 
 def _endpoint(info: TopicEndpointInfo) -> Endpoint:
-    node = None if info.node_name == UNKNOWN_NODE else _full_name(info.node_name, info.node_namespace)
-    return Endpoint(node, info.topic_type, _quality(info.qos_profile), bytes(info.endpoint_gid))
+    return Endpoint(node_name(info) or None, info.topic_type, _quality(info.qos_profile), bytes(info.endpoint_gid))
 
 
 def _full_name(name: str, namespace: str) -> str:

@@ -17,9 +17,9 @@ from std_msgs.msg import Bool
 from dock_gateway.core.graph import Endpoint
 from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.graph import read_topic
-from dock_gateway.ros.qos import LATCHED, LISTEN
-from dock_gateway.ros.taking import Taken, take_bool
 from dock_gateway.ros.typed_topics import TypedTopics
+from robot_io.qos import LATCHED, LISTEN
+from robot_io.rclpy_private import Taken, take_bool
 
 # Nanoseconds after the start of a publish call within which a message's stamp may be our own.
 OWN_WITHIN = 1_000_000_000

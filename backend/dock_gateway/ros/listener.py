@@ -10,26 +10,22 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Iterable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from enum import StrEnum
 from typing import Any, Generic, TypeVar
 from weakref import WeakKeyDictionary
 
-from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.guard_condition import GuardCondition
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
-from rclpy.service import Service
 from rclpy.subscription import Subscription
 
-from dock_gateway.ros.taking import Buffer
 from dock_gateway.ros.threads import RosThread
+from robot_io.rclpy_private import Buffer, NotForExecutors, Waiter, take_response
 
 log = logging.getLogger(__name__)
 
@@ -46,21 +42,6 @@ REST = 20
 
 
 E = TypeVar("E", Subscription, Client)
-
-
-class NotForExecutors(CallbackGroup):  # type: ignore[misc]
-    """Hides entities from the executor."""
-
-    def can_execute(self, _: object) -> bool:
-        """Return False: an executor must not run anything in this group."""
-        return False
-
-    def beginning_execution(self, _: object) -> bool:
-        """Return False: an executor must not start anything in this group."""
-        return False
-
-    def ending_execution(self, _: object) -> None:
-        """Do nothing."""
 
 
 class Listener(ABC, Generic[E]):
@@ -115,37 +96,16 @@ class Listener(ABC, Generic[E]):
         while not self._thread.stopping:
             with self._lock:
                 wanted, self._changed = list(self._entities), False
-            # Held handles are not destroyed during the wait.
-            with ExitStack() as held:
-                held.enter_context(self._context.handle)
-                held.enter_context(self._wake.handle)
-                self._listen_to(dict(_hold(held, wanted)))
+            with Waiter(self._context, self._wake, wanted) as waiter:
+                while not (self._changed or self._thread.stopping):
+                    for entity in waiter.wait():
+                        self._take_some(entity)
 
-    def _listen_to(self, entities: dict[int, E]) -> None:
-        wait_set = self._wait_set(len(entities))
-        while not (self._changed or self._thread.stopping):
-            wait_set.clear_entities()
-            for entity in entities.values():
-                self._await(wait_set, entity)
-            wait_set.add_guard_condition(self._wake.handle)
-            wait_set.wait(-1)
-            for pointer in self._ready(wait_set):
-                until = time.perf_counter() + TURN
-                for _ in range(BURST):
-                    if not self._take(entities[pointer]) or time.perf_counter() > until:
-                        break
-
-    @abstractmethod
-    def _wait_set(self, size: int) -> Any:
-        """Return a wait set for `size` entities and one guard condition."""
-
-    @abstractmethod
-    def _await(self, wait_set: Any, entity: E) -> None:
-        """Add an entity to the wait set."""
-
-    @abstractmethod
-    def _ready(self, wait_set: Any) -> list[int]:
-        """Return the pointers of the entities that are ready."""
+    def _take_some(self, entity: E) -> None:
+        until = time.perf_counter() + TURN
+        for _ in range(BURST):
+            if not self._take(entity) or time.perf_counter() > until:
+                return
 
     @abstractmethod
     def _take(self, entity: E) -> bool:
@@ -176,15 +136,6 @@ class MessageListener(Listener[Subscription]):
         self._max_bytes = max_bytes
         self._buffer = Buffer()
         self._rests_until: WeakKeyDictionary[Subscription, float] = WeakKeyDictionary()
-
-    def _wait_set(self, size: int) -> Any:
-        return _rclpy.WaitSet(size, 1, 0, 0, 0, 0, self._context.handle)
-
-    def _await(self, wait_set: Any, entity: Subscription) -> None:
-        wait_set.add_subscription(entity.handle)
-
-    def _ready(self, wait_set: Any) -> list[int]:
-        return list(wait_set.get_ready_entities("subscription"))
 
     def _take(self, entity: Subscription) -> bool:
         if take := getattr(entity.callback, "take", None):
@@ -242,20 +193,11 @@ class AnswerListener(Listener[Client]):
         """Return when a request of a client last got a second response, on the monotonic clock."""
         return self._twice.get(client, float("-inf"))
 
-    def _wait_set(self, size: int) -> Any:
-        return _rclpy.WaitSet(0, 1, 0, size, 0, 0, self._context.handle)
-
-    def _await(self, wait_set: Any, entity: Client) -> None:
-        wait_set.add_client(entity.handle)
-
-    def _ready(self, wait_set: Any) -> list[int]:
-        return list(wait_set.get_ready_entities("client"))
-
     def _take(self, entity: Client) -> bool:
-        header, response = entity.handle.take_response(entity.srv_type.Response)
-        if header is None:
+        taken = take_response(entity)
+        if taken is None:
             return False
-        number = header.request_id.sequence_number
+        number, response = taken
         answered = self._answered.setdefault(entity, deque(maxlen=REMEMBERED))
         if number in answered:
             self._twice[entity] = time.monotonic()
@@ -264,15 +206,6 @@ class AnswerListener(Listener[Client]):
         with suppress(KeyError):  # no longer awaited
             entity.get_pending_request(number).set_result(response)
         return True
-
-
-def _hold(held: ExitStack, wanted: Iterable[E]) -> Iterable[tuple[int, E]]:
-    for entity in wanted:
-        try:
-            held.enter_context(entity.handle)
-        except _rclpy.InvalidHandle:  # destroyed meanwhile
-            continue
-        yield entity.handle.pointer, entity
 
 
 class ListeningNode(Node):  # type: ignore[misc]
@@ -311,21 +244,6 @@ class ListeningNode(Node):  # type: ignore[misc]
         """Like rclpy's, but removes it from its listener first."""
         self._messages.remove(subscription)
         return bool(super().destroy_subscription(subscription))
-
-    def create_service(self, srv_type: Any, srv_name: str, callback: Any, **options: Any) -> Service:
-        """Like rclpy's, but a request on which the callback raises gets the default response.
-
-        The callbacks of rclpy's own services raise on a parameter of an unknown type.
-        """
-
-        def answer(request: Any, response: Any) -> Any:
-            try:
-                return callback(request, response)
-            except Exception:
-                log.exception("a request to %s failed", srv_name)
-                return response
-
-        return super().create_service(srv_type, srv_name, answer, **options)
 
     def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Client:
         """Like rclpy's, but a listener takes the responses."""

@@ -18,8 +18,8 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.ros.qos import LISTEN, TALK
 from dock_gateway.ros.typed_topics import TypedTopics
+from robot_io.qos import LISTEN, TALK
 
 # The maximum number of facts about goals and simulators taken from one message.
 MAX_FACTS = 100

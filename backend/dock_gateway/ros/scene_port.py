@@ -18,8 +18,8 @@ from dock_gateway.core.footprint import footprint_document
 from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
 from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.messages.types import type_name
-from dock_gateway.ros.qos import LATCHED
 from dock_gateway.ros.typed_topics import TypedTopic, TypedTopics
+from robot_io.qos import LATCHED
 
 log = logging.getLogger(__name__)
 

@@ -12,13 +12,13 @@ from functools import partial
 from typing import Any
 
 from rclpy.exceptions import InvalidTopicNameException
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import find_gateways, read_topic
 from dock_gateway.ros.messages.types import type_name
+from robot_io.rclpy_private import RCLError
 
 log = logging.getLogger(__name__)
 
@@ -78,7 +78,7 @@ class TypedTopic:
                 self._make()
             # Another part of this process uses the topic with another type, or the robot's namespace is so long that
             # the topic's name would be longer than ROS allows.
-            except (_rclpy.RCLError, InvalidTopicNameException) as error:
+            except (RCLError, InvalidTopicNameException) as error:
                 if not self._failed:
                     log.warning("%s cannot be used yet: %s", self.name, error)
                 self._failed = True

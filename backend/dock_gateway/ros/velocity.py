@@ -16,24 +16,25 @@ from functools import partial
 from typing import Any, Generic, TypeVar
 
 from geometry_msgs.msg import Twist, TwistStamped
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
-from dock_gateway.core.velocity_types import PLAIN, STAMPED, choose_types
+from dock_gateway.core.velocity_types import choose_types
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.graph import find_gateways, read_topic
 from dock_gateway.ros.listener import ListeningNode
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.ros.qos import LISTEN, TALK
 from dock_gateway.ros.robot_ports import OnMessage
+from robot_io.qos import LISTEN, TALK
+from robot_io.rclpy_private import RCLError
+from robot_io.velocity import CLASSES, velocity_message
+from robot_io.velocity_types import PLAIN
 
 log = logging.getLogger(__name__)
 
 EndpointT = TypeVar("EndpointT", Publisher, Subscription)
 
-TYPES: dict[str, type] = {PLAIN: Twist, STAMPED: TwistStamped}
 # Seconds in which a listener's thread lets go of a subscription, which keeps the participant from another type.
 SETTLE = 0.05
 
@@ -64,7 +65,7 @@ class Endpoints(Generic[EndpointT]):
         """Add one of a type, on a bridge or a branch, on whose thread this is called."""
         with self._changing:
             if not self._closed and name not in self.of:
-                self.of = {**self.of, name: (bridge, self._make(bridge.node, TYPES[name]))}
+                self.of = {**self.of, name: (bridge, self._make(bridge.node, CLASSES[name]))}
 
     def drop(self, unwanted: Callable[[str, Bridge], bool] = lambda *_: True) -> None:
         """Destroy all, or those of unwanted types."""
@@ -128,7 +129,7 @@ class VelocityTopic:
         node = self._bridge.node
         topic, own = read_topic(node, self._name), node.get_fully_qualified_name()
         gateways = {own}
-        if topic.types_but_of({own}) - TYPES.keys():
+        if topic.types_but_of({own}) - CLASSES.keys():
             gateways = gateways.union(*(find_gateways(node, name) for name in self.stop_topics))
         types, fault = choose_types(topic, self.types, own, gateways)
         if fault != self.fault and fault is not None:
@@ -148,7 +149,7 @@ class VelocityTopic:
     def arrange(self) -> tuple[str, ...]:
         """Publish and listen to the first type; return the types that only a branch can have."""
         for name in self.types[:1]:
-            with suppress(_rclpy.RCLError):  # another part of this process listens to the former type
+            with suppress(RCLError):  # another part of this process listens to the former type
                 self.add(self._bridge, name)
         return self.missing
 
@@ -184,16 +185,10 @@ class VelocityTopic:
         """
         publishers = self._publishers.of
         for name, (_, publisher) in publishers.items():
-            publisher.publish(self._zero(name))
+            publisher.publish(velocity_message(name, Twist(), self._bridge.node))
         if not publishers or self.fault is not None:
             reason = "is changing its type" if self.types else "is of another type"
             raise RuntimeError(self.fault or f"{self._name} {reason}")
-
-    def _zero(self, name: str) -> Any:
-        message = TYPES[name]()
-        if name == STAMPED:
-            message.header.stamp = self._bridge.node.get_clock().now().to_msg()
-        return message
 
 
 class VelocityListener:
@@ -311,7 +306,7 @@ class VelocityTopics:
                 continue  # every base is reached
             try:
                 await self._follow(topic)
-            except _rclpy.RCLError:
+            except RCLError:
                 log.exception("the types of %s could not be followed; trying again", name)
 
     async def _follow(self, topic: VelocityTopic) -> None:

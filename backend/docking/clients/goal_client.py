@@ -20,8 +20,8 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from docking.clients.session import ExitCode, Patience, Phase, Request, Session
-from docking.ros.action_server import goal_id_text
 from docking.ros.process import Spinner, StopSignals, ros_context
+from robot_io.rclpy_private import goal_id_text
 
 STEP_PERIOD = 0.05
 LINGER = 0.2

@@ -25,11 +25,9 @@ from docking.core.geometry import Pose
 from docking.core.observation import Velocity
 from docking.goal.report import Level
 from docking.parameters import read_topics
-from docking.ros.endpoint import busy_publisher
 from docking.ros.geometry import pose_from, stamped_pose
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
-from docking.ros.qos import LATCHED, LATEST
 from docking.ros.simulator_frames import SimulatorFrames
 from docking.ros.simulator_messages import (
     ODOM,
@@ -46,6 +44,8 @@ from docking.simulation.faults import Fault
 from docking.simulation.parameters import SimulatorSettings
 from docking.simulation.simulation import Simulation
 from docking.simulation.status import Status, status_of
+from robot_io.endpoints import busy_publisher
+from robot_io.qos import LATCHED, LATEST
 
 PERIOD = 1.0 / 30.0
 TICKS_PER_BATTERY_MESSAGE = 3

@@ -11,7 +11,7 @@ from sensor_msgs.msg import BatteryState
 
 from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence, received_at
 from docking.ros.clock import control_time
-from docking.ros.qos import LATEST
+from robot_io.qos import LATEST
 
 BATTERY_TOPIC = "battery_status"
 SEARCH_PERIOD = 1.0

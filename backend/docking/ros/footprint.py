@@ -6,7 +6,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.core.footprint import Footprint
-from docking.ros.qos import LATCHED
+from robot_io.qos import LATCHED
 
 TOPIC = "footprint"
 

@@ -21,7 +21,6 @@ from docking.goal.admission import Rejection, admit
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
 from docking.parameters import read_topics
-from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.action_spec import ActionSpec, S
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, BatterySearch, battery_message
@@ -37,6 +36,7 @@ from docking.ros.sensors import MARKER_TOPIC, Sensor, Sensors
 from docking.ros.stop_listener import StopListener
 from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
+from robot_io.rclpy_private import IdentifyingActionServer, goal_id_text
 
 Event = TypeVar("Event", Command, Outcome)
 

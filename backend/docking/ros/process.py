@@ -13,18 +13,17 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Self, TypeVar
 
-import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import ParameterException
-from rclpy.executors import SingleThreadedExecutor, await_or_execute
-from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.service import Service
-from rclpy.signals import SignalHandlerOptions
 
 from docking.ros.given import given_to, read_arguments
+from robot_io.participants import create_context
+from robot_io.rclpy_private import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError, UnsupportedRclpyError
+from robot_io.services import always_answer
 
 T = TypeVar("T")
 
@@ -78,19 +77,15 @@ def ros_context(args: Sequence[str] | None = None, *, domain_id: int | None = No
         domain_id: None is the ROS_DOMAIN_ID of the environment.
 
     Raises:
-        ValueError: The ROS arguments are wrong.
+        ValueError: The ROS arguments are wrong, or this rclpy is not supported.
     """
-    context = Context()
     try:
-        rclpy.init(
-            args=None if args is None else list(args),
-            context=context,
-            domain_id=domain_id,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-    except (rclpy_implementation.UnknownROSArgsError, rclpy_implementation.RCLInvalidROSArgsError) as error:
+        context = create_context(args, domain_id=domain_id)
+    except UnsupportedRclpyError as error:
+        raise ValueError(str(error)) from error
+    except (UnknownROSArgsError, RCLInvalidROSArgsError) as error:
         raise ValueError(f"wrong ROS arguments: {error}") from error
-    except rclpy_implementation.RCLError as error:  # such as a parameter file that cannot be read
+    except RCLError as error:  # such as a parameter file that cannot be read
         raise ValueError(f"ROS does not start: {error}") from error
     read_arguments(context, args)
     try:
@@ -121,8 +116,7 @@ class Spinner:
         self._stopping = False
         self._executor = SingleThreadedExecutor(context=context)
         for node in nodes:
-            for service in node.services:
-                _always_answer(service, node)
+            always_answer(node, node.get_logger().error)
             self._executor.add_node(node)
         given_to(context).warn(nodes)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
@@ -173,24 +167,6 @@ class Spinner:
         self._executor.shutdown()
         for node in self._nodes:
             node.destroy_node()
-
-
-def _always_answer(service: Service, node: Node) -> None:
-    """Let no request end the process: one on which the callback raises is logged, and gets the default response.
-
-    rclpy's own callbacks raise on a transition that the lifecycle state does not allow, and on a parameter of an
-    unknown type.
-    """
-    callback = service.callback
-
-    async def answer(request: Any, response: Any) -> Any:
-        try:
-            return await await_or_execute(callback, request, response)
-        except Exception as error:  # noqa: BLE001 - whatever the requests of others bring about
-            node.get_logger().error(f"A request to {service.srv_name} failed: {error}")
-            return response
-
-    service.callback = answer
 
 
 def run_process(body: Callable[[Sequence[str] | None], int], args: Sequence[str] | None) -> int:

@@ -6,8 +6,8 @@ from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from docking.core.errors import ErrorCode
-from docking.ros.endpoint import node_name
 from docking.ros.velocity_publisher import TOPIC as CMD_VEL
+from robot_io.endpoints import node_name
 
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 PARTICIPANT = 12

@@ -23,8 +23,8 @@ from docking.estimation.track import Track
 from docking.parameters import DockPlace
 from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from, seconds_of, transform_from
-from docking.ros.qos import LATEST, volatile
 from docking.ros.transforms import Transforms
+from robot_io.qos import LATEST, volatile
 
 MARKER_TOPIC = "detected_dock_pose"
 RECEIVERS = ("left", "center", "right")

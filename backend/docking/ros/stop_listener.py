@@ -1,63 +1,21 @@
 """Listens for stops of the robot: on `stop_latched`, and on the topics of emergency stops."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
-from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
-from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Bool
 
-from docking.core.stop_votes import StopVotes
-from docking.ros.endpoint import node_name
-from docking.ros.qos import latched, volatile
-from docking.ros.taking import take_bool
+from robot_io.endpoints import node_name
+from robot_io.qos import LISTEN, latched
+from robot_io.rclpy_private import NotForExecutors, SubscriptionWaitable, take_bool
+from robot_io.stop_votes import StopVotes
 
 TOPIC = "stop_latched"
-DEPTH = 50
 # A subscription to what was said before hears no publisher that does not keep it, so each topic has two.
-QUALITIES = (latched(DEPTH), volatile(DEPTH))
-
-
-class _Hidden(CallbackGroup):  # type: ignore[misc] # rclpy has no types
-    """Keeps the executor from taking messages, as `_Ear` does that."""
-
-    def can_execute(self, entity: object) -> bool:
-        return False
-
-    def beginning_execution(self, entity: object) -> bool:
-        return False
-
-    def ending_execution(self, entity: object) -> None:
-        """Nothing ends."""
-
-
-class _Ear(Waitable):  # type: ignore[misc] # rclpy has no types
-    """Waits for the messages of one subscription, and hands them on with their publisher."""
-
-    def __init__(self, subscription: Subscription, take: Callable[[], None]) -> None:
-        super().__init__(ReentrantCallbackGroup())
-        self.subscription = subscription
-        self._take = take
-        self._index = -1
-
-    def get_num_entities(self) -> NumberOfEntities:
-        return NumberOfEntities(1)
-
-    def add_to_wait_set(self, wait_set: Any) -> None:
-        self._index = wait_set.add_subscription(self.subscription.handle)
-
-    def is_ready(self, wait_set: Any) -> bool:
-        return bool(wait_set.is_ready("subscription", self._index))
-
-    def take_data(self) -> None:
-        self._take()
-
-    async def execute(self, taken_data: None) -> None:
-        """All is done."""
+QUALITIES = (latched(LISTEN.depth), LISTEN)
 
 
 class StopListener:
@@ -80,41 +38,41 @@ class StopListener:
         self._node = node
         self._on_change = on_change
         self._votes: dict[str, StopVotes] = {}
-        self._ears: dict[str, list[_Ear]] = {}
+        self._subscriptions: dict[str, list[SubscriptionWaitable]] = {}
         self._subscribe(TOPIC)
 
     def listen_to(self, topics: Sequence[str]) -> None:
         """Listen to these topics, too, and to no others any longer; what was said on those counts no more."""
         wanted = dict.fromkeys((TOPIC, *topics))
-        for topic in self._ears.keys() - wanted.keys():
+        for topic in self._subscriptions.keys() - wanted.keys():
             del self._votes[topic]
-            for ear in self._ears.pop(topic):
-                self._node.remove_waitable(ear)
-                self._node.destroy_subscription(ear.subscription)
+            for waitable in self._subscriptions.pop(topic):
+                self._node.remove_waitable(waitable)
+                self._node.destroy_subscription(waitable.subscription)
         for topic in wanted:
-            if topic not in self._ears:
+            if topic not in self._subscriptions:
                 self._subscribe(topic)
         self._update()
 
     def _subscribe(self, topic: str) -> None:
         self._votes[topic] = StopVotes()
-        ears: list[_Ear] = []
-        self._ears[topic] = ears
+        subscriptions: list[SubscriptionWaitable] = []
+        self._subscriptions[topic] = subscriptions
         try:
             for quality in QUALITIES:
-                ears.append(self._listen(topic, quality))  # noqa: PERF401 - those before a failure are kept, too
+                subscriptions.append(self._listen(topic, quality))  # noqa: PERF401 - those before a failure are kept, too
         except Exception as error:  # noqa: BLE001 - rclpy raises many kinds: for a type, a name, a quality of service
             self._node.get_logger().error(f"Cannot subscribe to {topic}, which counts as a stop: {error}")
 
-    def _listen(self, topic: str, quality: QoSProfile) -> _Ear:
+    def _listen(self, topic: str, quality: QoSProfile) -> SubscriptionWaitable:
         kept = quality.durability is DurabilityPolicy.TRANSIENT_LOCAL
         overriding = QoSOverridingOptions.with_default_policies(entity_id="latched" if kept else "volatile")
         subscription = self._node.create_subscription(
-            Bool, topic, _ignore, quality, callback_group=_Hidden(), qos_overriding_options=overriding
+            Bool, topic, _ignore, quality, callback_group=NotForExecutors(), qos_overriding_options=overriding
         )
-        ear = _Ear(subscription, lambda: self._hear(topic, subscription))
-        self._node.add_waitable(ear)
-        return ear
+        waitable = SubscriptionWaitable(subscription, lambda: self._hear(topic, subscription))
+        self._node.add_waitable(waitable)
+        return waitable
 
     def _hear(self, topic: str, subscription: Subscription) -> None:
         votes = self._votes.get(topic)
@@ -126,8 +84,8 @@ class StopListener:
 
     def look(self) -> None:
         """See who is there; call it once a second."""
-        for topic, ears in self._ears.items():
-            if ears:
+        for topic, subscriptions in self._subscriptions.items():
+            if subscriptions:
                 self._look(topic)
         self._update()
 
@@ -147,7 +105,7 @@ class StopListener:
         )
 
     def _update(self) -> None:
-        deaf = any(len(ears) < len(QUALITIES) for ears in self._ears.values())
+        deaf = any(len(subscriptions) < len(QUALITIES) for subscriptions in self._subscriptions.values())
         held = deaf or any(votes.held for votes in self._votes.values())
         if held != self.held:
             self.held = held
@@ -155,4 +113,4 @@ class StopListener:
 
 
 def _ignore(_: Bool) -> None:
-    """Take nothing: `_Ear` does."""
+    """Take nothing: `SubscriptionWaitable` does."""

@@ -10,7 +10,7 @@ from rclpy.subscription import Subscription
 from docking.core.transform import Transform
 from docking.estimation.transform_tree import TransformError, TransformTree, nearer_frame
 from docking.ros.geometry import seconds_of, transform_from
-from docking.ros.qos import latched, volatile
+from robot_io.qos import latched, volatile
 
 try:
     from tf2_msgs.msg import TFMessage

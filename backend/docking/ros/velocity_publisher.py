@@ -1,24 +1,21 @@
 """`cmd_vel`, in the type that its subscribers take: geometry_msgs/Twist, geometry_msgs/TwistStamped, or both."""
 
 from collections.abc import Set as AbstractSet
-from typing import Any
 
-import rclpy
-from geometry_msgs.msg import Twist, TwistStamped, Vector3
-from rclpy.context import Context
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.signals import SignalHandlerOptions
 
 from docking.core.observation import Velocity
 from docking.parameters import StampedCmdVel
-from docking.ros.endpoint import node_name
+from robot_io.endpoints import node_name
+from robot_io.participants import SecondParticipant
+from robot_io.rclpy_private import RCLError
+from robot_io.velocity import CLASSES, velocity_message
+from robot_io.velocity_types import PLAIN, STAMPED, fitting_types
 
 TOPIC = "cmd_vel"
-TYPES: dict[str, type] = {"geometry_msgs/msg/Twist": Twist, "geometry_msgs/msg/TwistStamped": TwistStamped}
-PLAIN, STAMPED = TYPES
 
 
 def choose_types(mode: StampedCmdVel, subscribed: AbstractSet[str], published: AbstractSet[str]) -> frozenset[str]:
@@ -31,7 +28,7 @@ def choose_types(mode: StampedCmdVel, subscribed: AbstractSet[str], published: A
     """
     if mode is not StampedCmdVel.AUTO:
         return frozenset({STAMPED if mode is StampedCmdVel.TRUE else PLAIN})
-    return frozenset(subscribed & TYPES.keys() or published or {PLAIN})
+    return fitting_types(subscribed, published)
 
 
 class VelocityPublisher:
@@ -56,7 +53,7 @@ class VelocityPublisher:
         self.frame = frame
         self._node = node
         self._topic = node.resolve_topic_name(TOPIC)
-        self._second: tuple[Context, Node] | None = None
+        self._second: SecondParticipant | None = None
         self._deaf: dict[str, set[str]] = {}  # nodes that subscribe to what is not wanted, by type
         # Replaced, never changed: other threads publish.
         self._publishers: dict[str, Publisher] = {}
@@ -106,55 +103,30 @@ class VelocityPublisher:
             Exception: ROS does not take one of the messages; the others are published all the same.
         """
         failure: Exception | None = None
+        twist = Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z))
         for name, publisher in self._publishers.items():
             try:
-                publisher.publish(self._message(name, velocity))
+                publisher.publish(velocity_message(name, twist, self._node, self.frame))
             except Exception as error:  # noqa: BLE001 - raised below
                 failure = error
         if failure is not None:
             raise failure
 
-    def _message(self, name: str, velocity: Velocity) -> Any:
-        twist = Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z))
-        if name == PLAIN:
-            return twist
-        message = TwistStamped(twist=twist)
-        message.header.stamp = self._node.get_clock().now().to_msg()
-        message.header.frame_id = self.frame
-        return message
-
     def _make(self, name: str) -> Publisher:
         """A publisher of a type, on a second participant if the node's has the topic with the other type."""
         overriding = QoSOverridingOptions.with_default_policies()
         try:
-            return self._node.create_publisher(TYPES[name], TOPIC, 10, qos_overriding_options=overriding)
-        except _rclpy.RCLError:
-            return self._second_node().create_publisher(TYPES[name], self._topic, 10)
+            return self._node.create_publisher(CLASSES[name], TOPIC, 10, qos_overriding_options=overriding)
+        except RCLError:
+            return self._second_node().create_publisher(CLASSES[name], self._topic, 10)
 
     def _second_node(self) -> Node:
         if self._second is None:
-            context = Context()
-            rclpy.init(
-                args=[],
-                context=context,
-                domain_id=self._node.context.get_domain_id(),
-                signal_handler_options=SignalHandlerOptions.NO,
-            )
-            node = Node(
-                f"{self._node.get_name()}_cmd_vel",
-                namespace=self._node.get_namespace(),
-                context=context,
-                enable_rosout=False,
-                start_parameter_services=False,
-                use_global_arguments=False,
-            )
-            self._second = context, node
-        return self._second[1]
+            self._second = SecondParticipant(self._node, f"{self._node.get_name()}_cmd_vel")
+        return self._second.node
 
     def close(self) -> None:
         """Leave the second participant, if there is one."""
         if self._second is not None:
-            context, node = self._second
+            self._second.close()
             self._second = None
-            node.destroy_node()
-            context.try_shutdown()

@@ -14,10 +14,10 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from action_tutorials_interfaces.action import Fibonacci as FibonacciAction
-from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from docking.tutorial.fibonacci import Fibonacci, FibonacciSettings, check_order
+from robot_io.rclpy_private import IdentifyingActionServer, goal_id_text
 
 CLOSE_TIMEOUT = 1.0
 LINGER = 0.2

@@ -7,7 +7,7 @@ import pytest
 
 from dock_gateway.ros import latch_port as module
 from dock_gateway.ros.latch_port import LatchPort
-from dock_gateway.ros.taking import Taken
+from robot_io.rclpy_private import Taken
 
 
 @pytest.mark.parametrize("first", ["/e_stop", "/scanner"])

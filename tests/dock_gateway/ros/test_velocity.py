@@ -8,10 +8,11 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from dock_gateway.core.graph import Endpoint, Quality, Topic
-from dock_gateway.core.velocity_types import PLAIN, STAMPED, choose_types
+from dock_gateway.core.velocity_types import choose_types
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
+from robot_io.velocity_types import PLAIN, STAMPED
 from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, ros_environment
 

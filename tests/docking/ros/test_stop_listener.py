@@ -8,8 +8,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, String
 
 from docking.ros.process import Spinner
-from docking.ros.qos import LATCHED
 from docking.ros.stop_listener import StopListener
+from robot_io.qos import LATCHED
 from tests.support.observer import Observer, ros_nodes, ros_observer
 from tests.support.waiting import wait_until
 

@@ -34,3 +34,7 @@ def latched(depth: int) -> QoSProfile:
 LATEST = volatile(1)
 """For sensors: an older message is of no use."""
 LATCHED = latched(1)
+LISTEN = volatile(50)
+"""For messages of which each may count."""
+TALK = QoSProfile(depth=10)
+"""ROS's default."""

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.core.stop_votes import StopVotes
+from robot_io.stop_votes import StopVotes
 
 BUTTON, SCANNER, FIRST, SECOND, RESTARTED = b"button", b"scanner", b"first", b"second", b"restarted"
 NODES = {BUTTON: "/button", SCANNER: "/scanner", FIRST: "/gateway_1", SECOND: "/gateway_2"}

@@ -1,0 +1,15 @@
+"""The types of a robot's velocity topic, of which a base takes one and is deaf to the other. Pure."""
+
+from collections.abc import Set as AbstractSet
+
+PLAIN, STAMPED = TYPES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+
+
+def fitting_types(subscribed: AbstractSet[str], otherwise: AbstractSet[str]) -> frozenset[str]:
+    """Return the types to publish: all that are subscribed to.
+
+    Args:
+        subscribed: The types that bases subscribe to, of any kind.
+        otherwise: What to publish while no base subscribes to a velocity; `PLAIN` if it is empty.
+    """
+    return frozenset(subscribed & set(TYPES) or otherwise or {PLAIN})
