@@ -21,10 +21,10 @@ from tests.support.waiting import until
 from benchmarks.machine import describe
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.history.rows import goal_row
-from dock_gateway.history.sql import SqlHistory
-from dock_gateway.history.statistics import merged
-from dock_gateway.history.tables import goals
+from dock_gateway.storage.rows import goal_row
+from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage.statistics import merged
+from dock_gateway.storage.tables import goals
 
 CHUNK = 500
 DAYS = 365

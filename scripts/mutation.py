@@ -35,10 +35,10 @@ DOCKING = (
 AREAS = {
     "actions": (
         [
-            f"dock_gateway/actions/{name}.py"
+            f"dock_gateway/goals/{name}.py"
             for name in ("goal_machine", "adoption", "tracker", "submission", "cancellation")
         ],
-        [f"tests/dock_gateway/actions/test_{name}.py" for name in ACTION_TESTS],
+        [f"tests/dock_gateway/goals/test_{name}.py" for name in ACTION_TESTS],
     ),
     "latch": (
         [f"dock_gateway/latch/{name}.py" for name in ("interlock", "latch_file", "latches")],
@@ -48,7 +48,7 @@ AREAS = {
         [f"dock_gateway/automation/{name}.py" for name in ("policy", "past", "schedule")],
         [f"tests/dock_gateway/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
     ),
-    "stop": (["dock_gateway/fleet/stop.py"], ["tests/dock_gateway/fleet/test_stop.py"]),
+    "stop": (["dock_gateway/stop/stopper.py"], ["tests/dock_gateway/stop/test_stopper.py"]),
     "docking": (
         [f"docking/{name}.py" for name in DOCKING],
         [

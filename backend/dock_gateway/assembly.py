@@ -12,8 +12,6 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.single_sign_on import open_single_sign_on
 from dock_gateway.access.tickets import Tickets
-from dock_gateway.actions.registry import ActionRegistry
-from dock_gateway.actions.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
@@ -23,6 +21,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.hub import Hub
+from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
@@ -33,14 +32,13 @@ from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.fleet.shared_entries import SharedEntries
-from dock_gateway.fleet.stop import Stopper
 from dock_gateway.gateway import Gateway
-from dock_gateway.history import AuditSpool, History, open_history
-from dock_gateway.history.database import display
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
-from dock_gateway.notifications.outbox import Outbox
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.parts import Parts
 from dock_gateway.observability.traces import open_traces
@@ -48,7 +46,7 @@ from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.docks import Docks
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
-from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
@@ -56,8 +54,11 @@ from dock_gateway.ros.robot_ports import DiagnosticsPort
 from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.ros.velocity import VelocityListener
 from dock_gateway.settings import Settings
-from dock_gateway.topics.graph_cache import GraphCache
-from dock_gateway.topics.registry import EchoRegistry
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import AuditSpool, History, open_history
+from dock_gateway.storage.database import display
+from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
+from dock_gateway.webhooks.outbox import Outbox
 
 log = logging.getLogger(__name__)
 

@@ -1,27 +1,29 @@
 """The gateway: its parts, as the API uses them, and what needs several of them."""
 
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
-from dock_gateway.actions.action import Action
-from dock_gateway.actions.cancellation import require_unfinished
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.automation.docking import AutomaticDocking
-from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
+from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.hints import Hint, docking_hint
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
-from dock_gateway.fleet.stop import Stopper
-from dock_gateway.history import GoalFilter, History
-from dock_gateway.notifications.notifier import Notifier
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.cancellation import require_unfinished
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.docks import Docks
@@ -29,11 +31,14 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
-from dock_gateway.topics.graph_cache import GraphCache
-from dock_gateway.topics.registry import EchoRegistry
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import GoalFilter, History
+from dock_gateway.webhooks.notifier import Notifier
 
 # Maximum number of goals of each kind that a new subscriber gets from the history.
 RECENT = 20
+# The errors of a robot that is not there, or has no docking server.
+NO_DOCKING_SERVER = frozenset({"action_not_found", "action_server_unavailable", "robot_not_found"})
 
 
 @dataclass(frozen=True)
@@ -137,6 +142,30 @@ class Gateway:
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if event_filter.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
+
+    @contextmanager
+    def hinting(self, robot: str | None, grant: Grant) -> Iterator[None]:
+        """Add a hint to the error that a robot is not there or has no docking server.
+
+        Args:
+            robot: The robot's namespace; None for the configured one.
+            grant: Only what it covers is named.
+
+        Raises:
+            GatewayError: What was raised within, with the hint in its detail, and `settings` and `robots`.
+        """
+        try:
+            yield
+        except GatewayError as error:
+            if error.code in NO_DOCKING_SERVER and (hint := self.hint(robot, grant)) is not None:
+                error.detail = f"{error.detail}. {hint.detail}"
+                error.extra.update(settings=hint.settings, robots=hint.robots)
+            raise
+
+    def hint(self, robot: str | None, grant: Grant) -> Hint | None:
+        """Return the hint for a robot without a docking server; None if nothing on the graph helps."""
+        name = self.robots.default_namespace if robot is None else normalize_namespace(robot)
+        return docking_hint(name, self.fleet.sights(grant))
 
     def say_goodbye(self) -> None:
         """End every stream and every wait, as the gateway is about to close."""

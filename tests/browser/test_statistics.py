@@ -10,9 +10,9 @@ import sqlalchemy as sa
 from playwright.sync_api import Locator, Page, expect
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.history.migrate import migrate
-from dock_gateway.history.rows import goal_row
-from dock_gateway.history.tables import goals, prepare_for
+from dock_gateway.storage.migrate import migrate
+from dock_gateway.storage.rows import goal_row
+from dock_gateway.storage.tables import goals, prepare_for
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway, running_gateway

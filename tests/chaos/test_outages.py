@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.actions.rejoining import KEEP, PAUSE
+from dock_gateway.goals.rejoining import KEEP, PAUSE
 from tests.chaos.report import report
 from tests.chaos.withstand import STOPPED_WITHIN
 from tests.support.gateway import IMPATIENT, running_gateway, running_hostile_node

@@ -12,7 +12,7 @@ from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
 from dock_gateway.access import login_guard
-from dock_gateway.history import immediate, reader, sql, writer
+from dock_gateway.storage import immediate, reader, sql, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
 _numbers = itertools.count()

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import uvicorn
 from starlette.types import ASGIApp
 
+from dock_gateway.cli.server import Server
+from dock_gateway.http.edge.certificates import load_certificates
+from dock_gateway.http.edge.forwarded import ForwardedHeaders
+from dock_gateway.http.edge.options import edge_options
+from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.settings import Settings
-from dock_gateway.web.edge.certificates import load_certificates
-from dock_gateway.web.edge.forwarded import ForwardedHeaders
-from dock_gateway.web.edge.options import edge_options
-from dock_gateway.web.edge.security import SecurityHeaders
-from dock_gateway.web.server import Server
 
 HOST = b"Host: localhost\r\n"
 

@@ -4,8 +4,8 @@ import asyncio
 from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history import Beside, EntryT
-from dock_gateway.history.memory import MemoryEntries
+from dock_gateway.storage import Beside, EntryT
+from dock_gateway.storage.memory import MemoryEntries
 
 
 class SharedStore(MemoryEntries[EntryT]):

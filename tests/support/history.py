@@ -12,10 +12,10 @@ from typing import Any
 
 from dock_gateway.core.event import Event, event_id
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.history import GoalFilter, History, MemoryHistory
-from dock_gateway.history.retention import Limits
-from dock_gateway.history.spool import Spool
-from dock_gateway.history.sql import SqlHistory
+from dock_gateway.storage import GoalFilter, History, MemoryHistory
+from dock_gateway.storage.retention import Limits
+from dock_gateway.storage.spool import Spool
+from dock_gateway.storage.sql import SqlHistory
 from tests.support.waiting import PATIENCE, until
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)

@@ -8,4 +8,4 @@ PROGRAMS = {
     for entry in entry_points(group="console_scripts")
     if entry.module.partition(".")[0] in {"dock_gateway", "docking"}
 }
-import_module("dock_gateway.web.server")  # which `dock-gateway serve` imports when it runs
+import_module("dock_gateway.cli.server")  # which `dock-gateway serve` imports when it runs

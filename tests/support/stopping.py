@@ -10,11 +10,11 @@ from typing import Any
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.hub import Hub
-from dock_gateway.fleet.stop import Stopper
+from dock_gateway.core.namespace import read_namespace
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.robots.registry import read_namespace
 from dock_gateway.settings import Settings
+from dock_gateway.stop.stopper import Stopper
 from tests.support.audit import audit_parts
 
 

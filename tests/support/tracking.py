@@ -8,15 +8,15 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway.actions import results as results_module
-from dock_gateway.actions.goal_machine import News
-from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.history import MemoryHistory
+from dock_gateway.goals import results as results_module
+from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
+from dock_gateway.storage import MemoryHistory
 from tests.support.calls import FakeCall
 
 A, B = "aaaaaaaa-0000-4000-8000-000000000000", "bbbbbbbb-0000-4000-8000-000000000000"

@@ -9,12 +9,12 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway.actions import rejoining
-from dock_gateway.actions import results as results_module
 from dock_gateway.assembly import open_gateway
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Subscriber
+from dock_gateway.goals import rejoining
+from dock_gateway.goals import results as results_module
 from dock_gateway.settings import Settings
 from tests.support.gateway import running_program
 from tests.support.rejoining import lose_answers

@@ -29,7 +29,7 @@ from dock_gateway.core.grant import Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.fleet.shared_entries import SYNC_INTERVAL
-from dock_gateway.history import History
+from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
 

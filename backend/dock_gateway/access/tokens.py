@@ -13,7 +13,7 @@ from dock_gateway.core.errors import Conflict, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.history import Beside
+from dock_gateway.storage import Beside
 
 log = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from dock_gateway.core.audit import AuditEntry, AuditRow
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.history import AuditSpool, AuditStore
+from dock_gateway.storage import AuditSpool, AuditStore
 
 log = logging.getLogger("dock_gateway.audit")
 
@@ -237,11 +237,6 @@ class AuditLog:
                 await self._spool.close()
 
 
-def new_id() -> str:
-    """Return an id for an entry."""
-    return uuid.uuid4().hex
-
-
 def _most(user: str | None) -> int:
     return MAX_UNKNOWN if user == UNKNOWN else MAX_OF_USER
 
@@ -251,7 +246,7 @@ def _remark(what: str, subject: str, status: int, code: str) -> AuditEntry:
     nobody = dict.fromkeys(
         ("principal", "role", "token_id", "client", "request_id", "robot", "action_name", "goal_id"), None
     )
-    return AuditEntry(new_id(), utc_now(), what=what, subject=subject, status=status, code=code, **nobody)
+    return AuditEntry(uuid.uuid4().hex, utc_now(), what=what, subject=subject, status=status, code=code, **nobody)
 
 
 def _text(entry: AuditEntry | AuditRow) -> str:

@@ -13,7 +13,7 @@ from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.shared_entries import SharedEntries
-from dock_gateway.history import Entries
+from dock_gateway.storage import Entries
 
 log = logging.getLogger(__name__)
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.policy import DockingPolicy, RobotFacts
@@ -23,7 +22,8 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.history import History
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
 

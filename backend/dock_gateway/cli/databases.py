@@ -33,7 +33,7 @@ class Choice:
         Args:
             verb: What was done there, such as `stored`.
         """
-        from dock_gateway.history.database import display  # noqa: PLC0415 - takes a second
+        from dock_gateway.storage.database import display  # noqa: PLC0415 - takes a second
 
         click.echo(f"{verb} in {display(self._url)}", err=True)
         if self._used or (self._given and not self._open):

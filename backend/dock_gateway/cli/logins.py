@@ -72,7 +72,7 @@ def with_logins(database_url: str | None, use: Callable[[Any], Awaitable[Any]], 
         click.ClickException: The database does not answer, or refuses. The message says why.
     """
     from dock_gateway.access.logins import Logins  # noqa: PLC0415 - takes a second
-    from dock_gateway.history import open_history  # noqa: PLC0415
+    from dock_gateway.storage import open_history  # noqa: PLC0415
 
     settings = read_settings({"database_url": database_url})
     if settings.database_url == "memory:":

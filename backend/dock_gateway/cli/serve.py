@@ -71,8 +71,8 @@ def serve(**options: str | None) -> None:
             check_installed(setting, action_type)
     check_exposure(settings)
     check_ros(os.environ)
-    from dock_gateway.web.edge.certificates import CertificateError  # noqa: PLC0415 - see above
-    from dock_gateway.web.server import run  # noqa: PLC0415
+    from dock_gateway.cli.server import run  # noqa: PLC0415
+    from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415 - see above
 
     try:
         started = run(settings)
@@ -85,7 +85,7 @@ def serve(**options: str | None) -> None:
 @click.command()
 def openapi() -> None:
     """Print the OpenAPI document."""
-    from dock_gateway.web.app import create_app  # noqa: PLC0415 - see above
+    from dock_gateway.app import create_app  # noqa: PLC0415 - see above
 
     document = create_app(Settings()).openapi()
     click.echo(orjson.dumps(document, option=orjson.OPT_INDENT_2).decode())

@@ -13,7 +13,7 @@ GatewayError
 │                               too_many_connections, provider_unavailable, stop_not_persisted (as a warning)
 └── ServerTimeout               504 action_server_timeout
 
-The core raises these; `web/problems.py` turns them into problem+json, streams into a denial with the same body.
+The core raises these; `http/problems.py` turns them into problem+json, streams into a denial with the same body.
 """
 
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.robot_state import DRAINS, RobotState
-from dock_gateway.history import Acknowledgement, Incident
+from dock_gateway.storage import Acknowledgement, Incident
 
 # Seconds that a docked robot may be without power: contacts bounce, chargers start slowly.
 WITHOUT_POWER = 10.0

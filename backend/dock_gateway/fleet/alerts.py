@@ -18,7 +18,7 @@ from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
-from dock_gateway.history import Acknowledgement, Incident
+from dock_gateway.storage import Acknowledgement, Incident
 
 log = logging.getLogger(__name__)
 

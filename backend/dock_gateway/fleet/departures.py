@@ -2,8 +2,8 @@
 
 import logging
 
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.errors import GatewayError
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import Robot, RobotRegistry
 from dock_gateway.ros.graph import Scan

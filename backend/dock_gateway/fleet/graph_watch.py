@@ -7,7 +7,6 @@ from functools import lru_cache, partial
 from itertools import islice
 from typing import TypeVar
 
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, MAX_ROBOTS
 from dock_gateway.core.graph import ACTION_PART, STATUS, Peer, Topic
 from dock_gateway.fleet.findings import (
@@ -20,6 +19,7 @@ from dock_gateway.fleet.findings import (
     wrong_action,
     wrong_type,
 )
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.robots.registry import BATTERY_TYPE, RobotRegistry
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import STOP_TYPE, Scan, count_publishers, count_subscribers, find_gateways, read_topic

@@ -6,10 +6,10 @@ import unicodedata
 from collections.abc import Callable, Collection, Mapping
 
 from dock_gateway.core.errors import Conflict
+from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
-from dock_gateway.history import Entries, RobotLabel
-from dock_gateway.robots.registry import normalize_namespace
+from dock_gateway.storage import Entries, RobotLabel
 
 log = logging.getLogger(__name__)
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, encode
@@ -18,6 +17,7 @@ from dock_gateway.fleet.alerts import TOPIC, AlertBoard
 from dock_gateway.fleet.hints import Join, Sight, find_join, split_robots
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.robot_state import RobotState
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.last_goals import LastGoals, latest
 from dock_gateway.robots.registry import Robot, RobotRegistry

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
-from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.fleet.hints import Join
-from dock_gateway.history import RobotLabel
+from dock_gateway.goals.liveness import ServerState
 from dock_gateway.robots.battery import Battery, BatteryPublisher
+from dock_gateway.storage import RobotLabel
 
 CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
 DRAINS = frozenset({PowerSupply.DISCHARGING, PowerSupply.NOT_CHARGING})

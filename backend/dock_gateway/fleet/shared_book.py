@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.fleet.shared_entries import SharedEntries
-from dock_gateway.history import Beside, Entries, EntryT
+from dock_gateway.storage import Beside, Entries, EntryT
 
 
 class SharedBook(SharedEntries[EntryT]):

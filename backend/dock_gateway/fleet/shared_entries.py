@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Generic
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history import Beside, Entries, EntryT
+from dock_gateway.storage import Beside, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
 SYNC_INTERVAL = 2.0

@@ -7,8 +7,8 @@ from prometheus_client import Metric
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
-from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.webhook import SEVERITIES, DeliveryState
+from dock_gateway.goals.liveness import ServerState
 from dock_gateway.observability.parts import NAMESPACE, VERBS, Parts, verb_of
 
 OUTCOMES = {

@@ -2,16 +2,16 @@
 
 from dataclasses import dataclass
 
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.stop import Stopper
-from dock_gateway.history import History
-from dock_gateway.notifications.notifier import Notifier
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
+from dock_gateway.webhooks.notifier import Notifier
 
 # The prefix of the gateway's metrics.
 NAMESPACE = "dock_gateway"

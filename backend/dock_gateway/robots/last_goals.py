@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import cancel
-from dock_gateway.history import GoalFilter, History
+from dock_gateway.storage import GoalFilter, History
 
 log = logging.getLogger(__name__)
 

@@ -1,16 +1,16 @@
 """The robots. A robot is a namespace with a battery topic, a velocity topic and actions."""
 
 import logging
-import re
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
-from dock_gateway.core.errors import FieldError, InvalidField, NotFound
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
 from dock_gateway.core.hub import Hub
+from dock_gateway.core.namespace import normalize_namespace, read_namespace
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
@@ -21,12 +21,10 @@ from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
-from dock_gateway.settings import LONGEST_NAME, NAME, Settings, own_names
+from dock_gateway.settings import Settings, own_names
 
 log = logging.getLogger(__name__)
 
-
-NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
 
 BATTERY_TYPE = "sensor_msgs/msg/BatteryState"
 
@@ -245,20 +243,3 @@ class RobotRegistry:
 def _leave(ports: Ports) -> None:
     for port in ports:
         port.close()
-
-
-def normalize_namespace(namespace: str) -> str:
-    """Normalize a namespace: `robot1`, `/robot1` and `/robot1/` become `/robot1`; an empty one becomes `/`."""
-    return f"/{namespace.strip('/')}"
-
-
-def read_namespace(namespace: str, path: str = "query.robot") -> str:
-    """Validate and normalize a namespace from a client; `path` says where it was.
-
-    Raises:
-        InvalidField: It is not a ROS namespace, or longer than one can be.
-    """
-    if len(namespace) > LONGEST_NAME or not NAMESPACE.fullmatch(namespace):
-        detail = f"got {len(namespace)} characters" if len(namespace) > LONGEST_NAME else f"got {namespace!r:.60}"
-        raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", detail)])
-    return normalize_namespace(namespace)

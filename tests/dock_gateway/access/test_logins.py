@@ -20,7 +20,7 @@ from dock_gateway.access.sessions import LIFETIME, MAX_PER_USER
 from dock_gateway.core.access import IDLE, Kind, PersonSession, Principal, Session, Token, User
 from dock_gateway.core.errors import Conflict, NotAllowed, NotAuthenticated, NotFound, TooManyRequests, Unavailable
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.history import History
+from dock_gateway.storage import History
 from tests.support.entries import SharedStore
 from tests.support.history import open_at
 from tests.support.waiting import until

@@ -23,9 +23,9 @@ from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import GatewayError, NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.history import History
-from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
+from dock_gateway.storage import History
+from dock_gateway.storage.memory import MemoryHistory
 from tests.support.history import open_at
 from tests.support.provider import AUDIENCE, CLIENT, ISSUER, Endless, FakeProvider, rsa_key, sign
 from tests.support.waiting import until

@@ -13,8 +13,8 @@ from dock_gateway.audit import log as module
 from dock_gateway.audit.log import MAX_UNKNOWN, AuditLog
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history import AuditSpool
-from dock_gateway.history.memory import MemoryAudit
+from dock_gateway.storage import AuditSpool
+from dock_gateway.storage.memory import MemoryAudit
 from tests.support.audit import make_entry
 from tests.support.history import timed
 from tests.support.waiting import PATIENCE, until

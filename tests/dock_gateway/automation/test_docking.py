@@ -9,8 +9,6 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.actions.liveness import ServerState
-from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.automation import decisions as decisions_module
 from dock_gateway.automation import docking as docking_module
 from dock_gateway.automation.activity import Activity
@@ -27,9 +25,11 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.history import History
-from dock_gateway.history.memory import MemoryHistory
+from dock_gateway.goals.liveness import ServerState
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.storage import History
+from dock_gateway.storage.memory import MemoryHistory
 from tests.dock_gateway.automation.examples import LOW_BATTERY
 from tests.support.entries import SharedStore
 from tests.support.waiting import until

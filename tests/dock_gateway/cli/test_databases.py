@@ -9,8 +9,8 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.access.tokens import SAID_EVERY
 from dock_gateway.cli import main
 from dock_gateway.core.errors import NotAuthenticated
-from dock_gateway.history.database import display
-from dock_gateway.history.memory import MemoryHistory
+from dock_gateway.storage.database import display
+from dock_gateway.storage.memory import MemoryHistory
 
 DEFAULT, LOCAL, OTHER = "history-0.db", "history-0-localhost.db", "history-42.db"
 

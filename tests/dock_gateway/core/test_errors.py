@@ -5,7 +5,7 @@ import pytest
 
 from dock_gateway.core import errors
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
-from dock_gateway.web.problems import problem_response
+from dock_gateway.http.problems import problem_response
 
 CLASSES = [value for value in vars(errors).values() if isinstance(value, type) and issubclass(value, GatewayError)]
 

@@ -9,8 +9,8 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.graph import Endpoint, Quality, Seen, Service, Topic, graph_document, is_noise, narrow_graph
+from dock_gateway.graph.routes import is_known
 from dock_gateway.ros.graph import scan
-from dock_gateway.web.routes.graph import is_known
 
 QOS = Quality("reliable", "volatile", "unknown", None, None, None, "automatic")
 SENSOR = Quality("best_effort", "volatile", "unknown", None, 0.5, None, "automatic")

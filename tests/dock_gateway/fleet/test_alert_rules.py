@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
@@ -14,7 +13,8 @@ from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_i
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.robot_state import RobotState
-from dock_gateway.history import Acknowledgement, Incident
+from dock_gateway.goals.liveness import ServerState
+from dock_gateway.storage import Acknowledgement, Incident
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 UNKNOWN, CHARGING, DISCHARGING, NOT_CHARGING, FULL = 0, 1, 2, 3, 4

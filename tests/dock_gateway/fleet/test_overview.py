@@ -7,8 +7,6 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway.actions.docking import DockingActions
-from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import Event, utc_now
 from dock_gateway.core.filters import EventFilter
@@ -18,9 +16,11 @@ from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
-from dock_gateway.history import RobotLabel
+from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.liveness import ServerState
 from dock_gateway.robots.battery import Battery
 from dock_gateway.settings import Settings
+from dock_gateway.storage import RobotLabel
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 RELEASED = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}

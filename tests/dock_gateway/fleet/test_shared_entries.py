@@ -10,7 +10,7 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.fleet.shared_entries import SharedEntries
-from dock_gateway.history import Acknowledgement, MemoryHistory
+from dock_gateway.storage import Acknowledgement, MemoryHistory
 from tests.support.entries import SharedStore
 from tests.support.history import open_at
 from tests.support.waiting import until

@@ -8,9 +8,9 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.history import GoalFilter, MemoryHistory
 from dock_gateway.robots import last_goals as module
 from dock_gateway.robots.last_goals import LastGoals, latest
+from dock_gateway.storage import GoalFilter, MemoryHistory
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 DOCK, UNDOCK = "/dock", "/undock"

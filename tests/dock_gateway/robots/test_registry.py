@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import InvalidField, NotFound
+from dock_gateway.core.namespace import normalize_namespace, read_namespace
 from dock_gateway.robots import registry as module
-from dock_gateway.robots.registry import RobotRegistry, normalize_namespace, read_namespace
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.graph import Presence, Scan
 from dock_gateway.settings import Settings
 

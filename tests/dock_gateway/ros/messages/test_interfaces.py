@@ -11,6 +11,7 @@ from std_msgs.msg import String
 from test_msgs.action import NestedMessage
 
 from action_tutorials_interfaces.action import Fibonacci
+from dock_gateway.app import create_app
 from dock_gateway.ros.messages.interfaces import (
     definition_text,
     install_hint,
@@ -20,7 +21,6 @@ from dock_gateway.ros.messages.interfaces import (
     load_message,
 )
 from dock_gateway.settings import Settings
-from dock_gateway.web.app import create_app
 
 HINT = "install the Python package of the ROS interfaces lift_msgs (such as ros-kilted-lift-msgs)"
 DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"

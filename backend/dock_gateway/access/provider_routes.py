@@ -1,0 +1,152 @@
+"""`/session/oidc`: the login of a browser with an identity provider. `/people`: who has logged in so."""
+
+import logging
+from collections.abc import Awaitable, Callable
+from typing import Annotated, Any
+from urllib.parse import urlencode
+
+from fastapi import APIRouter, Depends, Path, Query, Request
+from starlette.responses import RedirectResponse, Response
+
+from dock_gateway.access.login_attempt import LIFETIME, MAX_PAGE, PAGE, LoginAttempt, is_page
+from dock_gateway.access.schema import PersonList
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
+from dock_gateway.http.audit_trail import audited
+from dock_gateway.http.principal import address_of, cookie_name, keep_login
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import TheGateway, json_response, known_query
+
+log = logging.getLogger(__name__)
+router = APIRouter(tags=["Access"])
+
+CALLBACK = "session/oidc/callback"
+# Query parameter of a page that says why the login before it has failed.
+LOGIN_ERROR = "login_error"
+REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the browser has to go"}}
+
+
+@router.get(
+    "/session/oidc",
+    name="begin_login",
+    status_code=303,
+    response_class=RedirectResponse,
+    responses={**REDIRECT, **problems(404, 422, 503)},
+    dependencies=[Depends(known_query("page"))],
+)
+async def begin_login(
+    request: Request,
+    gateway: TheGateway,
+    page: Annotated[
+        str,
+        Query(
+            description="Page of the dashboard that is shown after the login",
+            json_schema_extra={"pattern": f"^(?:{PAGE.pattern})$", "maxLength": MAX_PAGE},
+        ),
+    ] = "/",
+) -> Response:
+    """Send a browser to the identity provider to log in there. It has to come back within 10 minutes."""
+    if not is_page(page):
+        raise InvalidField([FieldError("page", "/, or a page of the dashboard such as /ui/goals", got(page))])
+
+    async def begin() -> Response:
+        address, attempt = await gateway.logins.begin_person(page, _redirect_uri(request))
+        response = RedirectResponse(address, 303)
+        _keep_attempt(response, request, attempt.cookie, LIFETIME)
+        return response
+
+    return await _answer(request, page, begin)
+
+
+@router.get(
+    "/session/oidc/callback",
+    name="finish_login",
+    status_code=303,
+    response_class=RedirectResponse,
+    responses={**REDIRECT, **problems(401, 403, 404, 409, 429, 503)},
+)
+async def finish_login(request: Request, gateway: TheGateway) -> Response:
+    """Log in the browser that the identity provider sends back, with `code` and `state`. Only for providers."""
+    audited(request, subject=None)  # not the query, which has the code
+    attempt = LoginAttempt.read(request.cookies.get(_attempt_cookie(request)))
+    page = "/" if attempt is None else attempt.page
+    lifetime = 0 if gateway.logins.sso is None else int(gateway.logins.sso.lifetime.total_seconds())
+
+    def note(person: str) -> None:
+        audited(request, subject=person)
+
+    async def finish() -> Response:
+        request.scope["principal"], secret = await gateway.logins.log_in_person(
+            attempt,
+            request.query_params,
+            _redirect_uri(request),
+            address_of(request),
+            note,
+        )
+        response = RedirectResponse(page, 303)
+        keep_login(response, request, secret, lifetime)
+        return response
+
+    response = await _answer(request, page, finish)
+    _keep_attempt(response, request, "", 0)
+    return response
+
+
+@router.get(
+    "/people",
+    name="list_people",
+    response_model=PersonList,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query())],
+)
+async def list_people(gateway: TheGateway) -> Response:
+    """List the people who are logged in with the identity provider, by name, with what they may do."""
+    return json_response({"people": await gateway.logins.people.documents()})
+
+
+@router.delete(
+    "/people/{person:path}/sessions",
+    name="end_person_sessions",
+    status_code=204,
+    responses=problems(404, 422, 503),
+    dependencies=[Depends(known_query())],
+)
+async def end_person_sessions(
+    person: Annotated[str, Path(description="As in `/people`, such as `oidc:ada`")], gateway: TheGateway
+) -> Response:
+    """Log a person out everywhere. They can log in again for as long as the identity provider lets them."""
+    await gateway.logins.end_person(person)
+    return Response(status_code=204)
+
+
+async def _answer(request: Request, page: str, work: Callable[[], Awaitable[Response]]) -> Response:
+    """Return an answer. A browser that shows it as a page goes to the dashboard, which says why it failed.
+
+    Raises:
+        GatewayError: It has failed, and the client is none that shows pages.
+    """
+    try:
+        return await work()
+    except GatewayError as error:
+        if "text/html" not in request.headers.get("accept", ""):
+            raise
+        log.info("a login with the identity provider has failed: %s", error.detail)
+        await audited(request).record(error.status, error.code)
+        separator = "&" if "?" in page else "?"
+        return RedirectResponse(f"{page}{separator}{urlencode({LOGIN_ERROR: error.code})}", 303)
+
+
+def _redirect_uri(request: Request) -> str:
+    """Return the address to which the provider sends the browser back. It has to know it."""
+    return f"{request.url.scheme}://{request.headers['host']}/{CALLBACK}"
+
+
+def _attempt_cookie(request: Request) -> str:
+    return f"{cookie_name(request)}-login"
+
+
+def _keep_attempt(response: Response, request: Request, value: str, seconds: int) -> None:
+    """Let the browser keep what it needs to finish the login. `lax`: the provider's page leads back here."""
+    secure = request.url.scheme == "https"
+    response.set_cookie(
+        _attempt_cookie(request), value, max_age=seconds, path="/", secure=secure, httponly=True, samesite="lax"
+    )

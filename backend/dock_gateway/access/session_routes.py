@@ -1,0 +1,145 @@
+"""`/session`: who makes a request, the login of a browser, and tickets for WebSockets."""
+
+from contextlib import suppress
+from dataclasses import asdict
+from typing import Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.access.passwords import MAX_PASSWORD
+from dock_gateway.access.schema import Session, Ticket
+from dock_gateway.access.tickets import LIFETIME
+from dock_gateway.access.user_routes import read_password
+from dock_gateway.core.access import ANYBODY, Principal
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.audit_trail import audited
+from dock_gateway.http.openapi import body
+from dock_gateway.http.principal import (
+    address_of,
+    browser_of,
+    forget_login,
+    identify,
+    keep_browser,
+    keep_login,
+    principal_of,
+    secret_of,
+)
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import TheGateway, json_response, known_query, read_json, read_object
+
+router = APIRouter(tags=["Access"], prefix="/session", dependencies=[Depends(known_query())])
+
+MAX_NAME, MAX_SECRET = 60, 1000
+LOGIN_REQUEST = {
+    "oneOf": [
+        {
+            "type": "object",
+            "required": ["user", "password"],
+            "additionalProperties": False,
+            "properties": {
+                "user": {"type": "string", "maxLength": MAX_NAME},
+                "password": {"type": "string", "minLength": 1, "maxLength": MAX_PASSWORD},
+            },
+        },
+        {
+            "type": "object",
+            "required": ["token"],
+            "additionalProperties": False,
+            "properties": {"token": {"type": "string", "description": "The secret of a token, `dgw_…`"}},
+        },
+    ],
+    "examples": [{"user": "ada", "password": "correct horse battery staple"}],
+}
+
+
+def _session(gateway: Gateway, principal: Principal | None) -> Response:
+    who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
+    settings, sso = gateway.settings, gateway.logins.sso
+    document = {
+        "required": settings.authentication,
+        "open_to": settings.open_to,
+        "principal": who,
+        "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
+    }
+    response = json_response(document)
+    response.headers["Cache-Control"] = "no-store"
+    return response
+
+
+@router.get("", name="get_session", response_model=Session, responses=problems(422))
+async def get_session(request: Request, gateway: TheGateway) -> Response:
+    """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
+    try:
+        return _session(gateway, await identify(request))
+    except GatewayError:
+        return _session(gateway, None)
+
+
+@router.post(
+    "",
+    name="log_in",
+    response_model=Session,
+    responses=problems(400, 401, 408, 413, 415, 422, 429, 503),
+    openapi_extra=body(LOGIN_REQUEST, required=True),
+)
+async def log_in(request: Request, gateway: TheGateway) -> Response:
+    """Log a browser in with a name and a password, or with a token.
+
+    It keeps a cookie that scripts cannot read, for 30 days at most. After failed logins, the next one has to wait.
+    """
+    fields = read_object(await read_json(request), "user", "password", "token")
+    if "token" in fields:
+        return _log_in_with_token(request, gateway, fields)
+    name = _read_text(fields.get("user"), MAX_NAME, "user", "a user's name").strip().lower()
+    audited(request, subject=name)
+    password = read_password(fields.get("password"), "password", 1)
+    if not gateway.settings.authentication:
+        request.scope["principal"] = ANYBODY
+        return _session(gateway, ANYBODY)
+    browser = browser_of(request)
+    principal, secret = await gateway.logins.log_in(name, password, address_of(request), browser)
+    request.scope["principal"] = principal
+    response = _session(gateway, principal)
+    keep_login(response, request, secret)
+    keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser))
+    return response
+
+
+def _log_in_with_token(request: Request, gateway: Gateway, fields: dict[str, Any]) -> Response:
+    secret = _read_text(read_object(fields, "token")["token"], MAX_SECRET, "token", "the secret of a token").strip()
+    if not gateway.settings.authentication:
+        request.scope["principal"] = ANYBODY
+        return _session(gateway, ANYBODY)
+    request.scope["principal"] = principal = gateway.logins.identify_token(secret, address_of(request))
+    response = _session(gateway, principal)
+    keep_login(response, request, secret)
+    return response
+
+
+@router.delete("", name="log_out", response_model=Session, responses=problems(422, 503))
+async def log_out(request: Request, gateway: TheGateway) -> Response:
+    """End the session of the browser. A token is only forgotten: it stays valid."""
+    with suppress(GatewayError):
+        request.scope["principal"] = await identify(request)
+    await gateway.logins.log_out(secret_of(request))
+    response = _session(gateway, None if gateway.settings.authentication else ANYBODY)
+    forget_login(response, request)
+    return response
+
+
+@router.post("/ticket", name="issue_ticket", status_code=201, response_model=Ticket, responses=problems(401, 403, 422))
+async def issue_ticket(request: Request, gateway: TheGateway) -> Response:
+    """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.
+
+    For pages of other origins: a browser sends their WebSockets neither an `Authorization` header nor the cookie.
+    """
+    ticket = gateway.tickets.issue(principal_of(request))
+    return json_response({"ticket": ticket, "expires_in_s": LIFETIME}, 201, {"Cache-Control": "no-store"})
+
+
+def _read_text(value: object, longest: int, path: str, expected: str) -> str:
+    if not isinstance(value, str) or len(value) > longest:
+        raise InvalidField([FieldError(path, f"{expected}, up to {longest} characters", "got something else")])
+    return value

@@ -1,0 +1,170 @@
+"""`/users`: those who log in with a name and a password. `/sessions`: their logins."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Path, Request
+from starlette.responses import Response
+
+from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD
+from dock_gateway.access.schema import User, UserList
+from dock_gateway.access.users import NAME
+from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
+from dock_gateway.core.grant import LIMITS, Grant
+from dock_gateway.http.fields import GRANT_REQUEST, read_flag, read_grant
+from dock_gateway.http.openapi import body
+from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import TheGateway, json_response, known_query, read_json, read_object
+
+router = APIRouter(tags=["Access"], dependencies=[Depends(known_query())])
+
+PASSWORD = {
+    "type": "string",
+    "minLength": MIN_PASSWORD,
+    "maxLength": MAX_PASSWORD,
+    "description": "At least 12 characters, whatever they are",
+}
+USER_REQUEST = {
+    "type": "object",
+    "required": ["role"],
+    "additionalProperties": False,
+    "properties": {
+        **GRANT_REQUEST,
+        "disabled": {"type": "boolean", "description": "Whether the user cannot log in; false by default"},
+        "password": PASSWORD | {"description": "Needed for a new user. A changed one ends the user's sessions"},
+    },
+    "examples": [{"role": "operator", "robots": ["/hall_a/*"], "password": "correct horse battery staple"}],
+}
+PASSWORD_REQUEST = {
+    "type": "object",
+    "required": ["old", "new"],
+    "additionalProperties": False,
+    "properties": {"old": {"type": "string", "minLength": 1, "maxLength": MAX_PASSWORD}, "new": PASSWORD},
+}
+
+
+async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": f"^{NAME.pattern}$"})]) -> str:
+    return read_user_name(user)
+
+
+UserName = Annotated[str, Depends(_name_in_path)]
+
+
+@router.get("/users", name="list_users", response_model=UserList, responses=problems(422, 503))
+async def list_users(gateway: TheGateway) -> Response:
+    """List all users by name, without their passwords."""
+    return json_response({"users": await gateway.logins.documents()})
+
+
+@router.put(
+    "/users/{user}",
+    name="put_user",
+    response_model=User,
+    responses={201: {"description": "The new user", "model": User}, **problems(400, 408, 409, 413, 415, 422, 429, 503)},
+    openapi_extra=body(USER_REQUEST, required=True),
+)
+async def put_user(name: UserName, request: Request, gateway: TheGateway) -> Response:
+    """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
+    grant, disabled, password = read_user(await read_json(request))
+    try:
+        return json_response(await gateway.logins.edit_user(name, grant, password, disabled=disabled))
+    except NotFound:
+        if password is None:
+            error = FieldError("password", "the password of the new user", "got none")
+            raise InvalidField([error]) from None
+    user = await gateway.logins.add_user(name, grant, password, principal_of(request).name, disabled=disabled)
+    return json_response(user, 201)
+
+
+@router.delete("/users/{user}", name="remove_user", status_code=204, responses=problems(404, 409, 422, 503))
+async def remove_user(name: UserName, gateway: TheGateway) -> Response:
+    """Remove a user, and end their sessions. Their goals go on, and records keep their name."""
+    await gateway.logins.remove_user(name)
+    return Response(status_code=204)
+
+
+@router.delete("/users/{user}/sessions", name="end_sessions", status_code=204, responses=problems(404, 409, 422, 503))
+async def end_sessions(name: UserName, gateway: TheGateway) -> Response:
+    """Log a user out everywhere."""
+    await gateway.logins.end_sessions(name)
+    return Response(status_code=204)
+
+
+@router.delete("/sessions", name="log_out_everywhere", status_code=204, responses=problems(404, 409, 422, 503))
+async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
+    """Log the user who asks out in every browser."""
+    principal = principal_of(request)
+    if principal.kind is Kind.PERSON and principal.name is not None:
+        await gateway.logins.end_person(principal.name)
+    else:
+        await gateway.logins.end_sessions(require_user(principal))
+    response = Response(status_code=204)
+    forget_login(response, request)
+    return response
+
+
+@router.put(
+    "/session/password",
+    name="change_password",
+    status_code=204,
+    responses=problems(400, 408, 409, 413, 415, 422, 429, 503),
+    openapi_extra=body(PASSWORD_REQUEST, required=True),
+)
+async def change_password(request: Request, gateway: TheGateway) -> Response:
+    """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
+    fields = read_object(await read_json(request), "old", "new")
+    old, new = read_password(fields.get("old"), "old", 1), read_password(fields.get("new"), "new")
+    name = require_user(principal_of(request))
+    secret = await gateway.logins.change_password(name, old, new, address_of(request))
+    response = Response(status_code=204)
+    keep_login(response, request, secret)
+    keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser_of(request)))
+    return response
+
+
+def require_user(principal: Principal) -> str:
+    """Return the name of a user.
+
+    Raises:
+        Conflict: The request is made with a token, or without a login (`user_required`).
+    """
+    if principal.kind is not Kind.USER or principal.name is None:
+        raise Conflict("this is for users who logged in with a name and a password", code="user_required")
+    return principal.name
+
+
+def read_user_name(value: str) -> str:
+    """Return the name of a user.
+
+    Raises:
+        InvalidField: It cannot be one.
+    """
+    if not NAME.fullmatch(value):
+        expected = "up to 60 lower-case letters and digits, with . _ - @ + between them"
+        raise InvalidField([FieldError("user", expected, f"got {value[:60]!r}")])
+    return value
+
+
+def read_user(value: Any) -> tuple[Grant, bool, str | None]:
+    """Return the grant of a user, whether they are disabled, and their password, from a decoded body.
+
+    Raises:
+        InvalidField: It is not a user.
+    """
+    fields = read_object(value, "role", *LIMITS, "disabled", "password")
+    disabled = read_flag(fields.get("disabled", False), "disabled")
+    password = None if "password" not in fields else read_password(fields["password"], "password")
+    return read_grant(fields), disabled, password
+
+
+def read_password(value: object, path: str, shortest: int = MIN_PASSWORD) -> str:
+    """Return a password. An error does not repeat it.
+
+    Raises:
+        InvalidField: It is too short or too long, or not a text.
+    """
+    if not isinstance(value, str) or not shortest <= len(value) <= MAX_PASSWORD:
+        detail = f"got {len(value)} characters" if isinstance(value, str) else "got something else"
+        raise InvalidField([FieldError(path, f"{shortest} to {MAX_PASSWORD} characters", detail)])
+    return value

@@ -1,0 +1,153 @@
+"""The ASGI application."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, nullcontext
+from typing import TypedDict
+
+from fastapi import APIRouter, Depends, FastAPI
+from starlette.middleware.cors import CORSMiddleware
+
+from dock_gateway import __version__
+from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
+from dock_gateway.assembly import open_gateway
+from dock_gateway.audit import routes as audit_routes
+from dock_gateway.automation import routes as automation_routes
+from dock_gateway.fleet import label_routes
+from dock_gateway.fleet import routes as fleet_routes
+from dock_gateway.gateway import Gateway
+from dock_gateway.goals import action_routes, dock_routes, export_routes, note_routes
+from dock_gateway.goals import routes as goal_routes
+from dock_gateway.goals.schema import ACTION_EVENTS
+from dock_gateway.graph import interface_routes
+from dock_gateway.graph import routes as graph_routes
+from dock_gateway.http.audit_trail import AuditTrail
+from dock_gateway.http.dashboard import install_dashboard
+from dock_gateway.http.docs import install_docs
+from dock_gateway.http.methods import allowed_methods
+from dock_gateway.http.openapi import Union, install_openapi
+from dock_gateway.http.origin import OriginGuard
+from dock_gateway.http.principal import authorize
+from dock_gateway.http.problems import install_problems, problems
+from dock_gateway.http.schema import Problem
+from dock_gateway.observability import metrics_routes
+from dock_gateway.observability import routes as health_routes
+from dock_gateway.observability.request_meter import RequestMeter
+from dock_gateway.observability.request_metrics import RequestMetrics
+from dock_gateway.robots import battery_history_routes, battery_routes, calibration_routes, simulator_routes
+from dock_gateway.robots import dock_routes as docks_routes
+from dock_gateway.settings import Settings
+from dock_gateway.statistics import routes as statistics_routes
+from dock_gateway.stop import routes as stop_routes
+from dock_gateway.stop.schema import StopProblem
+from dock_gateway.streams import events, socket, topics
+from dock_gateway.streams.command_schema import ANSWERS
+from dock_gateway.streams.schema import EVENTS
+from dock_gateway.streams.topic_schema import ECHO_EVENTS
+from dock_gateway.webhooks import routes as webhook_routes
+
+DESCRIPTION = "Drive ROS 2 actions from a browser, curl or a WebSocket."
+# What streams and `/ws` send.
+UNIONS = (
+    Union("Event", EVENTS, "A message of an event stream."),
+    Union("ActionEvent", ACTION_EVENTS, "An event of a goal on an action other than docking."),
+    Union("EchoEvent", ECHO_EVENTS, "A message of /ws/topics."),
+    Union("Answer", ANSWERS, "The answer to a command of /ws.", discriminated=False),
+)
+
+
+class State(TypedDict):
+    """State that lives as long as the app runs."""
+
+    gateway: Gateway
+
+
+def api_routers() -> tuple[APIRouter, ...]:
+    """Return the routers of the API, in the order in which they are asked."""
+    modules = (
+        stop_routes,
+        events,
+        export_routes,  # before goals: `export` and `tags` are not goal ids
+        note_routes,
+        goal_routes,
+        statistics_routes,
+        action_routes,
+        interface_routes,
+        graph_routes,
+        battery_routes,
+        battery_history_routes,
+        fleet_routes,
+        label_routes,
+        automation_routes,
+        webhook_routes,
+        docks_routes,
+        calibration_routes,
+        simulator_routes,
+        session_routes,
+        provider_routes,
+        user_routes,
+        token_routes,
+        audit_routes,
+        health_routes,
+        metrics_routes,
+        socket,
+        topics,
+    )
+    return (*dock_routes.routers, *(module.router for module in modules))
+
+
+def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
+    """Create the application.
+
+    Args:
+        settings: The settings.
+        gateway: An open gateway. Without one, the application joins the ROS graph at startup and leaves it at shutdown.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[State]:
+        async with open_gateway(settings) if gateway is None else nullcontext(gateway) as opened:
+            yield {"gateway": opened}
+
+    app = FastAPI(
+        title="dock-gateway",
+        version=__version__,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        openapi_url=None,
+        docs_url=None,
+        redoc_url=None,
+        swagger_ui_oauth2_redirect_url=None,
+        generate_unique_id_function=lambda route: route.name,
+    )
+    routers = api_routers()
+    for router in routers:
+        app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
+    install_openapi(app, authentication=settings.authentication, unions=UNIONS, models=(Problem, StopProblem))
+    install_docs(app)
+    install_dashboard(app, settings)
+    allowed = allowed_methods([*(route for router in routers for route in router.routes), *app.routes])
+    if settings.allowed_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.allowed_origins,
+            allow_methods=("GET", "POST", "PUT", "DELETE"),
+            allow_headers=(
+                "Authorization",
+                "Content-Type",
+                "Idempotency-Key",
+                "If-None-Match",
+                "Last-Event-ID",
+                "Prefer",
+                "Traceparent",
+                "Tracestate",
+                "X-Request-ID",
+            ),
+            expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After", "X-Request-ID"),
+            allow_private_network=True,  # a robot's address is usually in one
+        )
+    app.add_middleware(AuditTrail)
+    app.add_middleware(OriginGuard, settings=settings)
+    install_problems(app, allowed)  # what is added last is the outermost
+    app.state.requests = RequestMetrics()
+    app.add_middleware(RequestMeter, metrics=app.state.requests)
+    return app

@@ -1,0 +1,131 @@
+"""`/audit`: who did what, from where, to which robot, with which outcome."""
+
+from collections.abc import AsyncGenerator
+from functools import partial
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request
+from pydantic import StringConstraints
+from starlette.responses import Response
+
+from dock_gateway.audit.schema import AuditPage, AuditRecord
+from dock_gateway.core.audit import AuditFilter, AuditRow, Outcome
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import encode
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.downloads import CSV, FormatQuery, download
+from dock_gateway.http.problems import problems
+from dock_gateway.http.queries import SinceQuery, UntilQuery
+from dock_gateway.http.requests import (
+    GOAL_ID,
+    ROBOT_PATTERN,
+    LimitQuery,
+    TheGateway,
+    json_response,
+    known_query,
+    read_goal_id,
+)
+from dock_gateway.http.sheets import rows_of
+
+router = APIRouter(tags=["Access"], prefix="/audit")
+
+FILTERS = ("principal", "what", "robot", "goal_id", "outcome", "since", "until")
+ROWS = 500  # per query of an export
+LAST = 2**63 - 1
+Text = Annotated[str, StringConstraints(min_length=1, max_length=100, pattern=r"^[^\x00]*$")]
+
+
+async def read_audit_filter(
+    *,
+    principal: Annotated[Text | None, Query(description="Only with the token of this name")] = None,
+    what: Annotated[Text | None, Query(description="Only this operation, such as `release_stop`")] = None,
+    robot: Annotated[str | None, Query(description="Only about this robot", json_schema_extra=ROBOT_PATTERN)] = None,
+    goal_id: Annotated[
+        str | None,
+        Query(description="Only about this goal", json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"}),
+    ] = None,
+    outcome: Annotated[Outcome | None, Query(description="Only with this outcome")] = None,
+    since: SinceQuery = None,
+    until: UntilQuery = None,
+) -> AuditFilter:
+    """Return the filter of a query.
+
+    Raises:
+        InvalidField: A value is invalid.
+    """
+    return AuditFilter(
+        principal,
+        what,
+        None if robot is None else read_namespace(robot),
+        None if goal_id is None else read_goal_id(goal_id),
+        outcome,
+        since,
+        until,
+    )
+
+
+AuditFilterQuery = Annotated[AuditFilter, Depends(read_audit_filter)]
+
+
+@router.get(
+    "",
+    name="list_audit",
+    response_model=AuditPage,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query(*FILTERS, "limit", "cursor"))],
+)
+async def list_audit(
+    gateway: TheGateway,
+    wanted: AuditFilterQuery,
+    limit: LimitQuery = 50,
+    cursor: Annotated[int | None, Query(ge=1, le=LAST, description="`next_cursor` of the previous page")] = None,
+) -> Response:
+    """List requests and commands, newest first: all that change something, exports, and reads of this list."""
+    rows = await gateway.history.audit.page(wanted, limit=limit + 1, before=cursor)
+    more = len(rows) > limit
+    records = [row.document() for row in rows[:limit]]
+    return json_response({"records": records, "next_cursor": rows[limit - 1].sequence if more else None})
+
+
+@router.get(
+    "/export",
+    name="export_audit",
+    response_model=list[AuditRecord],
+    responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
+    dependencies=[Depends(known_query(*FILTERS, "format"))],
+)
+async def export_audit(
+    request: Request,
+    gateway: TheGateway,
+    wanted: AuditFilterQuery,
+    format: FormatQuery = "json",  # noqa: A002
+) -> Response:
+    """Download all matching records, newest first."""
+    chunks = _as_csv(gateway, wanted) if format == "csv" else _as_json(gateway, wanted)
+    return await download(request, chunks, f"audit-{utc_now():%Y%m%dT%H%M%SZ}", format)
+
+
+async def _as_csv(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:
+    head: list[list[object]] = [[*AuditRecord.model_fields]]
+    async for rows in _pages(gateway, wanted):
+        yield rows_of([*head, *(list(row.document().values()) for row in rows)])
+        head = []
+
+
+async def _as_json(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:
+    before = b"[\n"
+    async for rows in _pages(gateway, wanted):
+        if rows:
+            yield before + b",\n".join(encode(row.document()) for row in rows)
+            before = b",\n"
+    yield b"\n]\n" if before == b",\n" else b"[]\n"
+
+
+async def _pages(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[list[AuditRow]]:
+    """Yield the matching rows page by page. The first page may be empty."""
+    page = partial(gateway.history.audit.page, wanted, limit=ROWS)
+    rows = await page()
+    yield rows
+    while len(rows) == ROWS and (rows := await page(before=rows[-1].sequence)):
+        yield rows

@@ -1,0 +1,148 @@
+"""The server process: uvicorn with our connections, and streams that end with a reason."""
+
+import asyncio
+import gc
+import logging
+import os
+import signal
+import socket
+import time
+from collections.abc import Callable
+from typing import cast
+
+import uvicorn
+from uvicorn.config import STARTUP_FAILURE
+
+from dock_gateway.app import create_app
+from dock_gateway.assembly import open_gateway
+from dock_gateway.core import ros_variables
+from dock_gateway.core.log_config import configure_logs
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.edge.certificates import Certificates, load_certificates
+from dock_gateway.http.edge.connection import Connection
+from dock_gateway.http.edge.forwarded import ForwardedHeaders
+from dock_gateway.http.edge.limits import raise_file_limit
+from dock_gateway.http.edge.listener import Listener
+from dock_gateway.http.edge.options import edge_options
+from dock_gateway.http.edge.security import SecurityHeaders
+from dock_gateway.http.edge.tls import open_tls
+from dock_gateway.http.request_id import RequestId
+from dock_gateway.settings import Settings, unknown_variables
+
+log = logging.getLogger(__name__)
+
+# Seconds at shutdown for answers in progress, and before that for streams to send their closing message.
+GRACE = 1
+FAREWELL = 0.5
+
+ConnectionFactory = Callable[..., Connection]
+
+
+class Server(uvicorn.Server):
+    """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
+
+    def __init__(self, config: uvicorn.Config, certificates: Certificates | None = None) -> None:
+        super().__init__(config)
+        self._certificates = certificates
+        self._gateway: Gateway | None = None
+        self._tasks = Tasks("watching the certificate")
+
+    async def serve_gateway(self, gateway: Gateway, settings: Settings) -> None:
+        """Serve until a signal arrives. Return at once if one has arrived before."""
+        if self.should_exit:
+            return
+        self._gateway = gateway
+        app = RequestId(SecurityHeaders(create_app(settings, gateway), tls=settings.tls))
+        self.config.app = ForwardedHeaders(app, settings.trusted_proxies)
+        gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
+        await self.serve()
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, and log the address."""
+        try:
+            listener = Listener(self.config.host, self.config.port)
+        except OSError as error:
+            log.error("cannot listen on %s, port %d: %s", self.config.host, self.config.port, error)
+            raise SystemExit(STARTUP_FAILURE) from error
+        await super().startup(sockets=[])
+        self.servers.append(cast("asyncio.Server", listener))
+        listener.start(self._open)
+        scheme = "http"
+        if self._certificates is not None:
+            scheme = "https"
+            self._tasks.spawn(self._certificates.watch())
+        for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
+            log.info("listening on %s://%s:%d", scheme, f"[{host}]" if ":" in host else host, port)
+
+    async def _open(self, sock: socket.socket) -> None:
+        connection = cast("ConnectionFactory", self.config.http_protocol_class)(
+            config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )
+        if self._certificates is None:
+            await asyncio.get_running_loop().connect_accepted_socket(lambda: connection, sock)
+        else:
+            await open_tls(sock, connection, self._certificates.context)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End every stream with a reason, then shut down."""
+        if self._gateway is not None:
+            self._gateway.say_goodbye()
+            deadline = time.monotonic() + FAREWELL
+            while len(self._gateway.hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
+                await asyncio.sleep(0.01)
+        await super().shutdown(sockets)
+        await self._tasks.close()
+
+
+def run(settings: Settings) -> bool:
+    """Serve until a signal arrives. Return False if the server could not be started.
+
+    Raises:
+        CertificateError: A certificate or key cannot be used.
+    """
+    certificates = load_certificates(settings)
+    configure_logs(settings)
+    for sentence in unknown_variables(os.environ):
+        log.warning(sentence)
+    for finding in ros_variables.check(os.environ):
+        log.warning("%s", finding.sentence)
+    raise_file_limit()
+    _say_who_may_use(settings)
+    config = uvicorn.Config(
+        "",
+        host=settings.host,
+        port=settings.port,
+        timeout_graceful_shutdown=GRACE,
+        log_config=None,
+        access_log=settings.log_level == "debug",
+        server_header=False,
+        **edge_options(settings),
+    )
+    with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
+        return runner.run(_serve(Server(config, certificates), settings))
+
+
+def _say_who_may_use(settings: Settings) -> None:
+    """Log that no login is needed, and what would change that."""
+    match settings.open_to:
+        case "machine":
+            log.info(
+                "open: every program on this machine may move the robots, without a login; --authentication true asks "
+                "for one (docs/access.md)"
+            )
+        case "network":
+            log.warning(
+                "OPEN TO THE NETWORK: anyone who reaches %s may move the robots, without a login; "
+                "--authentication true asks for one (docs/access.md)",
+                settings.published_on or settings.host,
+            )
+
+
+async def _serve(server: Server, settings: Settings) -> bool:
+    with server.capture_signals():  # from now on, and until everything is closed
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` sets it to be ignored
+            signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal closed, which uvicorn does not handle
+        async with open_gateway(settings) as gateway:
+            await server.serve_gateway(gateway, settings)
+    return server.started

@@ -1,0 +1,25 @@
+"""Namespaces of robots: reading and normalizing them."""
+
+import re
+
+from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.settings import LONGEST_NAME, NAME
+
+NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
+
+
+def normalize_namespace(namespace: str) -> str:
+    """Normalize a namespace: `robot1`, `/robot1` and `/robot1/` become `/robot1`; an empty one becomes `/`."""
+    return f"/{namespace.strip('/')}"
+
+
+def read_namespace(namespace: str, path: str = "query.robot") -> str:
+    """Validate and normalize a namespace from a client; `path` says where it was.
+
+    Raises:
+        InvalidField: It is not a ROS namespace, or longer than one can be.
+    """
+    if len(namespace) > LONGEST_NAME or not NAMESPACE.fullmatch(namespace):
+        detail = f"got {len(namespace)} characters" if len(namespace) > LONGEST_NAME else f"got {namespace!r:.60}"
+        raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", detail)])
+    return normalize_namespace(namespace)

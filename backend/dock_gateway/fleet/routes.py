@@ -1,0 +1,81 @@
+"""`/robots`: a summary of every robot. `/alerts`: the active alerts and who acknowledged them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path, Request
+from starlette.responses import Response
+
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.fleet.schema import Alert, AlertList, RobotList
+from dock_gateway.http.openapi import body
+from dock_gateway.http.principal import TheGrant, read_signed_json
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import (
+    RobotQuery,
+    TheGateway,
+    json_response,
+    known_query,
+    name_schema,
+    read_name,
+    read_object,
+)
+from dock_gateway.http.scopes import not_covered
+
+router = APIRouter()
+NO_QUERY = Depends(known_query())
+
+
+@router.get(
+    "/robots",
+    tags=["Robots"],
+    response_model=RobotList,
+    responses=problems(404, 422),
+    dependencies=[Depends(known_query("robot"))],
+)
+async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
+    """List every robot that was found, or only the one given by `robot`."""
+    if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
+        raise not_covered(f"the robot {name}")
+    return json_response({"robots": gateway.fleet.documents(robot, grant)})
+
+
+MAX_NAME = 60
+ACKNOWLEDGEMENT_REQUEST = {
+    "type": "object",
+    "required": ["by"],
+    "additionalProperties": False,
+    "properties": {"by": name_schema(MAX_NAME) | {"description": "Who has seen the alert"}},
+}
+AlertId = Annotated[str, Path(description="`id` of the alert")]
+
+
+@router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
+async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
+    """List the active alerts: critical ones first, then oldest first."""
+    return json_response({"alerts": gateway.alerts.documents(grant)})
+
+
+@router.put(
+    "/alerts/{alert_id}/acknowledgement",
+    tags=["Alerts"],
+    response_model=Alert,
+    responses=problems(400, 404, 408, 413, 415, 422),
+    dependencies=[NO_QUERY],
+    openapi_extra=body(ACKNOWLEDGEMENT_REQUEST, required=True),
+)
+async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
+    """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
+    by = read_name(read_object(await read_signed_json(request), "by").get("by"), MAX_NAME)
+    return json_response(await gateway.alerts.acknowledge(alert_id, by))
+
+
+@router.delete(
+    "/alerts/{alert_id}/acknowledgement",
+    tags=["Alerts"],
+    response_model=Alert,
+    responses=problems(404, 422),
+    dependencies=[NO_QUERY],
+)
+async def withdraw_acknowledgement(alert_id: AlertId, gateway: TheGateway) -> Response:
+    """Withdraw an acknowledgement. Succeeds even if there is none."""
+    return json_response(await gateway.alerts.withdraw(alert_id))

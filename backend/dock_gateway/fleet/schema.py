@@ -1,0 +1,117 @@
+"""The JSON shapes of the overview of robots, their labels and alerts."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import ConfigDict, JsonValue
+
+from dock_gateway.fleet.alert_rules import AlertKind
+from dock_gateway.goals.action_schema import ActionServer
+from dock_gateway.goals.schema import GoalState
+from dock_gateway.http.schema import Schema
+from dock_gateway.robots.schema import BatteryState, Implausible
+from dock_gateway.stop.schema import StopState
+
+
+class RobotBattery(Schema):
+    """The latest battery state, with the time of reception instead of its age; otherwise as `GET /battery`."""
+
+    state: BatteryState | None
+    percentage: float | None
+    implausible: list[Implausible]
+    received_at: datetime | None
+    stale: bool
+    stale_after_s: float
+    low_below: float
+
+
+class RobotPublisher(Schema):
+    """Whether the gateway publishes a battery state for the robot, and how often."""
+
+    active: bool
+    rate_hz: float | None
+
+
+class RobotJoin(Schema):
+    """How a robot gets a docking server that is in another namespace: what to set, as lines and in words."""
+
+    detail: str
+    settings: list[str]
+
+
+class Robot(Schema):
+    """Summary of a robot.
+
+    `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
+    `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
+    null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
+    undocking goal that ended. `join` is null unless the robot has a battery and no docking server, and one
+    without a battery is in another namespace.
+    """
+
+    name: str
+    display_name: str | None
+    groups: list[str]
+    default: bool
+    docked: bool | None
+    charging: bool | None
+    simulated: bool
+    battery: RobotBattery
+    battery_topic: str
+    battery_publisher: RobotPublisher
+    stop: StopState
+    dock: ActionServer | None
+    undock: ActionServer | None
+    join: RobotJoin | None
+    goals: list[GoalState]
+    last_goal: GoalState | None
+
+
+class RobotList(Schema):
+    """The robots, by name."""
+
+    robots: list[Robot]
+
+
+LABEL_EXAMPLE: JsonValue = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
+
+
+class Label(Schema):
+    """The display name of a robot, null if it has none, and the groups that it is in."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [LABEL_EXAMPLE]})
+
+    robot: str
+    display_name: str | None
+    groups: list[str]
+
+
+class Acknowledgement(Schema):
+    """Who acknowledged an alert, and when."""
+
+    by: str
+    at: datetime
+
+
+class Alert(Schema):
+    """A condition that an operator has to know about.
+
+    `robot` is the robot, the namespace of an action that belongs to no robot, or null for the gateway itself. `detail`
+    says what to do.
+    """
+
+    id: str
+    kind: AlertKind
+    robot: str | None
+    severity: Literal["critical", "warning"]
+    since: datetime
+    title: str
+    detail: str
+    goal_id: str | None
+    acknowledged: Acknowledgement | None
+
+
+class AlertList(Schema):
+    """The active alerts: critical ones first, then oldest first."""
+
+    alerts: list[Alert]

@@ -1,0 +1,141 @@
+"""One action: its goals, the operations on them, and its server's state."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from sensor_msgs.msg import BatteryState
+
+from dock_gateway.core.dock_adapters.adapter import DESIRED, DockAdapter
+from dock_gateway.core.event import loss_event, system_event, utc_now
+from dock_gateway.core.goal import GoalError
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.goals.cancellation import Canceler
+from dock_gateway.goals.idempotency import Submitter
+from dock_gateway.goals.liveness import ServerState, ServerWatch
+from dock_gateway.goals.rejoining import Rejoiner
+from dock_gateway.goals.submission import Delivery
+from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.ros.action_port import ActionPort
+from dock_gateway.ros.listener import Unread
+from dock_gateway.ros.messages.codec import codec
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
+
+# Seconds after which an action that is off the graph is removed. A restart takes less.
+FORGET_AFTER = 10.0
+
+
+class Action:
+    """One action: its goals, the operations on them, and its server's state.
+
+    Attributes:
+        tracker: All goals on the action, regardless of their sender.
+        submitter: Submits goals.
+        delivery: The goals that are on their way to the action server.
+        canceler: Cancels goals.
+        watch: Monitors the action server.
+        feedback_dropped: Number of feedback messages not read since the gateway started.
+        adapter: How the gateway speaks to it, if it docks or undocks robots.
+        pinned: Whether it is kept even without a server.
+        last_seen: When it last had a server, on the monotonic clock.
+    """
+
+    def __init__(
+        self,
+        port: ActionPort,
+        settings: Settings,
+        hub: Hub,
+        history: History,
+        reasons: PendingFacts[GoalError],
+        *,
+        interlock: Interlock,
+        adapter: DockAdapter | None = None,
+        remark: Callable[[], str] = str,
+        pinned: bool = False,
+        ping_idle: bool = False,
+    ) -> None:
+        self.port = port
+        self.name = port.action_name
+        self.type = port.action_type
+        self.adapter = adapter
+        self.verb = None if adapter is None else adapter.verb
+        self.pinned = pinned
+        self.last_seen = float("-inf") if pinned else time.monotonic()
+        self.feedback_dropped = 0
+        self._hub = hub
+        self._default_dock = settings.default_dock
+        self.tracker = GoalTracker(port, hub, history, reasons, adapter, remark=remark)
+        self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle)
+        self.canceler = Canceler(settings, self.tracker, interlock)
+        self.delivery = Delivery(
+            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
+        )
+        self.submitter = Submitter(settings, history, self.tracker, self.delivery)
+        self._tasks = Tasks(f"monitoring {self.name}")
+        self._tasks.spawn(self.watch.run())
+        self._tasks.spawn(Rejoiner(self.tracker, self.watch).run())
+
+    @property
+    def on_graph(self) -> bool:
+        """Whether it has a server, or had one a moment ago."""
+        return self.unseen_for < FORGET_AFTER
+
+    @property
+    def unseen_for(self) -> float:
+        """Seconds since it last had a server."""
+        return time.monotonic() - self.last_seen
+
+    @property
+    def unknown_goals_ignored(self) -> int:
+        """Number of goals in status messages, and of feedback messages, that named too many unknown goals."""
+        return 0 if self.port.listener is None else self.port.listener.admission.ignored
+
+    @property
+    def hint(self) -> str | None:
+        """What is wrong with what is heard on it, without a full stop; None if nothing is."""
+        return None if self.port.listener is None else self.port.listener.excess
+
+    @property
+    def family(self) -> str:
+        """Who defines the type of a docking action; empty for all others."""
+        return "" if self.adapter is None else self.adapter.family
+
+    @property
+    def default_request(self) -> Any:
+        """The request that an empty body stands for; None if a body is required."""
+        return None if self.adapter is None else self.adapter.default
+
+    def parse_request(self, request: object, path: str = "") -> Any:
+        """Return the goal message for a request: for docking and undocking a simple request, or the message's fields.
+
+        Args:
+            request: Decoded JSON.
+            path: Where it was, for errors.
+
+        Raises:
+            InvalidField: It is not valid, or the action cannot take it.
+        """
+        if self.adapter is None or not isinstance(request, dict):
+            return self.port.goal_codec.parse(request, path)
+        if DESIRED in request and self.adapter.reads_battery_goal:
+            battery = codec(BatteryState)
+            state = battery.parse(request[DESIRED], f"{path}.{DESIRED}" if path else DESIRED)
+            request = {**request, DESIRED: battery.document(state)}
+        return self.port.goal_codec.parse(self.adapter.goal(request, self._default_dock, path), path)
+
+    def _publish_server(self, state: ServerState) -> None:
+        self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
+
+    def on_loss(self, goal_id: str, why: Unread, count: int) -> None:
+        """Count feedback that was not read. It still is a sign of life."""
+        self.tracker.heard()
+        self.feedback_dropped += count
+        self._hub.publish(loss_event(goal_id, self.name, why, count, utc_now()))
+
+    async def close(self) -> None:
+        """Stop all background work."""
+        await self._tasks.close()
+        await self.tracker.close()

@@ -1,0 +1,147 @@
+"""`/actions`: the operations of `/dock` for every action on the graph whose interface package is installed."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request
+from starlette.responses import Response
+
+from dock_gateway.core.filters import is_hidden
+from dock_gateway.core.goal import Verb
+from dock_gateway.goals import routes as goals
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.action_schema import ActionInfo, ActionList
+from dock_gateway.goals.schema import ActionGoal, ActionGoalPage
+from dock_gateway.http.openapi import body
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import (
+    CursorQuery,
+    GoalId,
+    GraphName,
+    LimitQuery,
+    StatusQuery,
+    TheGateway,
+    goal_response,
+    json_response,
+    known_query,
+)
+
+router = APIRouter(tags=["Actions"], prefix="/actions")
+
+NO_QUERY = Depends(known_query())
+GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=True)
+
+
+def describe(action: Action) -> dict[str, object]:
+    """Return an action as `/actions` shows it."""
+    state = action.watch.state
+    return {
+        "action_name": action.name,
+        "action_type": action.type,
+        "verb": action.verb,
+        "available": state.available,
+        "answering": state.answering,
+        "duplicate": state.duplicate,
+        "installed": True,
+        "hint": action.hint,
+        "running_goals": len(action.tracker.running()),
+        "feedback_dropped": action.feedback_dropped,
+        "unknown_goals_ignored": action.unknown_goals_ignored,
+    }
+
+
+HiddenQuery = Annotated[bool, Query(description="Whether to list hidden actions, too")]
+
+
+@router.get("", response_model=ActionList, responses=problems(422), dependencies=[Depends(known_query("hidden"))])
+async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQuery = False) -> Response:
+    """List every action on the graph. If an action's interface package is missing, `hint` says what to install.
+
+    As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
+    """
+
+    def listed(name: str, verb: Verb | None) -> bool:
+        return grant.covers_action(name) and (hidden or verb is not None or not is_hidden(name))
+
+    found = [describe(action) for action in gateway.actions.all() if listed(action.name, action.verb)]
+    missing = [
+        {
+            "action_name": entry.name,
+            "action_type": entry.type,
+            "verb": entry.verb,
+            "available": True,
+            "answering": False,
+            "duplicate": False,
+            "installed": False,
+            "hint": entry.hint,
+            "running_goals": 0,
+            "feedback_dropped": 0,
+            "unknown_goals_ignored": 0,
+        }
+        for entry in gateway.actions.uninstalled()
+        if listed(entry.name, entry.verb)
+    ]
+    return json_response({"actions": [*found, *missing]})
+
+
+@router.post(
+    "/{name:path}/goals",
+    status_code=202,
+    response_model=ActionGoal,
+    responses={
+        200: {"model": ActionGoal, "description": "It ended"},
+        **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
+    },
+    openapi_extra={**GOAL_BODY, "parameters": goals.HEADERS},
+    dependencies=[NO_QUERY],
+)
+async def send_action_goal(name: GraphName, request: Request, gateway: TheGateway) -> Response:
+    """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
+    action = await gateway.actions.find(f"/{name}")
+    return await goals.send_goal(request, action, f"/actions{action.name}/goals")
+
+
+@router.get(
+    "/{name:path}/goals",
+    response_model=ActionGoalPage,
+    responses=problems(404, 422, 503),
+    dependencies=[Depends(known_query("status", "limit", "cursor"))],
+)
+async def list_action_goals(
+    name: GraphName,
+    gateway: TheGateway,
+    status: StatusQuery = None,
+    limit: LimitQuery = 50,
+    cursor: CursorQuery = None,
+) -> Response:
+    """List the goals of an action, newest first."""
+    wanted = goals.on_action(await gateway.actions.find(f"/{name}"), status)
+    return await goals.list_goals(gateway, wanted, limit, cursor)
+
+
+@router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
+async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
+    """Return one goal of an action."""
+    action = await gateway.actions.find(f"/{name}")
+    goal = await goals.find_goal(gateway, action, goal_id)
+    return goal_response(goal, f"/actions{action.name}/goals/{goal_id}")
+
+
+@router.post(
+    "/{name:path}/goals/{goal_id}/cancel",
+    status_code=202,
+    response_model=ActionGoal,
+    responses=problems(404, 409, 422, 503, 504),
+)
+async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
+    """Ask the action server to cancel a goal, whoever sent it."""
+    action = await gateway.actions.find(f"/{name}")
+    goal = await goals.find_goal(gateway, action, goal_id)
+    await action.canceler.cancel(goal)
+    return goal_response(goal, f"/actions{action.name}/goals/{goal_id}", 202)
+
+
+@router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+async def get_action(name: GraphName, gateway: TheGateway) -> Response:
+    """Return one action."""
+    return json_response(describe(await gateway.actions.find(f"/{name}")))

@@ -1,0 +1,149 @@
+"""`/dock` and `/undock`: goals on a robot's docking and undocking actions."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.goal import Goal as GoalRecord
+from dock_gateway.core.goal import Verb
+from dock_gateway.gateway import Gateway
+from dock_gateway.goals import routes as goals
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.schema import Goal, GoalPage
+from dock_gateway.http.openapi import docking_body
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import (
+    CursorQuery,
+    GoalId,
+    LimitQuery,
+    RobotQuery,
+    StatusQuery,
+    TheGateway,
+    goal_response,
+    known_query,
+)
+from dock_gateway.http.scopes import require_action
+from dock_gateway.storage import GoalFilter
+
+
+@dataclass(frozen=True)
+class Operations:
+    """The operations at `/dock` or `/undock`.
+
+    Attributes:
+        verb: `dock` or `undock`. Also the path.
+        description: What sending a goal does.
+        body: Schema of the simple request.
+        prefix: Prefix of the names of the other operations.
+    """
+
+    verb: Verb
+    description: str
+    body: dict[str, Any]
+    prefix: str = ""
+
+    @property
+    def path(self) -> str:
+        """`/dock` or `/undock`."""
+        return f"/{self.verb}"
+
+
+WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
+TYPES = "The robot's docking server decides which further fields there are: those of its goal message are taken, too."
+DOCK = Operations(
+    "dock",
+    "Send the robot to its charging dock.\n\nAn empty body asks for CHARGING, at the default dock. `dock_id` names the "
+    f"dock, where the docking server knows docks by name. {TYPES} {WAITING}",
+    docking_body("dock_id"),
+)
+UNDOCK = Operations(
+    "undock",
+    "Drive the robot off its charging dock. Our own server's goal succeeds immediately if the robot is known not to be "
+    "docked, and is aborted (`DOCKED_UNKNOWN`) if nothing tells.\n\n"
+    f"An empty body asks for a battery that is not charging, 2 or 3. {TYPES} {WAITING}",
+    docking_body(),
+    "undock_",
+)
+
+
+def goal_routes(operations: Operations) -> APIRouter:
+    """Return the routes of a verb."""
+    verb, path = operations.verb, operations.path
+    router = APIRouter(tags=[verb.capitalize()], prefix=path)
+
+    @router.post(
+        "",
+        name=verb,
+        description=operations.description,
+        status_code=202,
+        response_model=Goal,
+        responses={
+            200: {"model": Goal, "description": "It ended"},
+            **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
+        },
+        openapi_extra={**operations.body, "parameters": goals.HEADERS},
+        dependencies=[Depends(known_query("robot"))],
+    )
+    async def send_goal(request: Request, gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
+        async def pick() -> Action:
+            action = await gateway.docking_action(verb, robot)
+            require_action(grant, action.name)
+            return action
+
+        with gateway.hinting(robot, grant):
+            return await goals.send_goal(request, await pick(), path, pick=pick)
+
+    @router.get(
+        "",
+        name=f"list_{operations.prefix}goals",
+        response_model=GoalPage,
+        responses=problems(404, 422),
+        dependencies=[Depends(known_query("robot", "status", "limit", "cursor"))],
+    )
+    async def list_goals(
+        gateway: TheGateway,
+        grant: TheGrant,
+        *,
+        robot: RobotQuery = None,
+        status: StatusQuery = None,
+        limit: LimitQuery = 50,
+        cursor: CursorQuery = None,
+    ) -> Response:
+        """List goals, newest first."""
+        await gateway.docking_action(verb, robot)
+        names = gateway.actions.docking.all_names(gateway.robots.get(robot).namespace, verb)
+        covered = frozenset(filter(grant.covers_action, names))
+        wanted = GoalFilter(names, statuses=frozenset(status or ()), among=covered)
+        return await goals.list_goals(gateway, wanted, limit, cursor)
+
+    async def find_goal(gateway: Gateway, goal_id: str) -> GoalRecord:
+        goal = await gateway.goal(goal_id)
+        if goal.verb != verb:
+            raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
+        return goal
+
+    @router.get("/{goal_id}", name=f"get_{operations.prefix}goal", response_model=Goal, responses=problems(404, 422))
+    async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+        """Return one goal, of any robot."""
+        return goal_response(await find_goal(gateway, goal_id), f"{path}/{goal_id}")
+
+    @router.post(
+        "/{goal_id}/cancel",
+        name=f"cancel_{operations.prefix}goal",
+        status_code=202,
+        response_model=Goal,
+        responses=problems(404, 409, 422, 503, 504),
+    )
+    async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+        """Ask the action server to cancel a goal, whoever sent it."""
+        await find_goal(gateway, goal_id)
+        return goal_response(await gateway.cancel(goal_id), f"{path}/{goal_id}", 202)
+
+    return router
+
+
+routers = (goal_routes(DOCK), goal_routes(UNDOCK))

@@ -1,0 +1,127 @@
+"""Downloads: a list of goals, or one goal with its events. CSV for spreadsheets, JSON for programs."""
+
+import asyncio
+from collections.abc import AsyncGenerator
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
+from dock_gateway.core.goal import Goal, encode
+from dock_gateway.gateway import Gateway
+from dock_gateway.goals.routes import with_tags
+from dock_gateway.goals.schema import ExportedGoal, TaggedGoal
+from dock_gateway.http.downloads import CSV, FormatQuery, download
+from dock_gateway.http.problems import problems
+from dock_gateway.http.queries import QUERY, GoalFilterQuery
+from dock_gateway.http.requests import GoalId, TheGateway, known_query
+from dock_gateway.http.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
+from dock_gateway.storage import GoalFilter
+from dock_gateway.storage.protocol import NEVER
+
+router = APIRouter(tags=["Goals"], prefix="/goals")
+
+# Goals and events fetched per query, small enough that other requests do not wait long.
+GOALS, EVENTS = 200, 500
+
+
+@router.get(
+    "/export",
+    response_model=list[TaggedGoal],
+    responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
+    dependencies=[Depends(known_query(*QUERY, "format"))],
+)
+async def export_goals(
+    request: Request,
+    gateway: TheGateway,
+    wanted: GoalFilterQuery,
+    format: FormatQuery = "json",  # noqa: A002
+) -> Response:
+    """Download all matching goals, newest first.
+
+    CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
+    """
+    chunks = goals_as_csv(gateway, wanted) if format == "csv" else goals_as_json(gateway, wanted)
+    return await download(request, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
+
+
+@router.get(
+    "/{goal_id}/export",
+    response_model=ExportedGoal,
+    responses={200: {"description": "A file", "content": CSV}, **problems(404, 422, 429, 503)},
+    dependencies=[Depends(known_query("format"))],
+)
+async def export_goal(
+    request: Request,
+    goal_id: GoalId,
+    gateway: TheGateway,
+    format: FormatQuery = "json",  # noqa: A002
+) -> Response:
+    """Download one goal.
+
+    CSV has its feedback: one row per event, one column per field. JSON has the goal with its events.
+    """
+    goal = await gateway.goal(goal_id)
+    chunks = goal_as_csv(gateway, goal) if format == "csv" else goal_as_json(gateway, goal)
+    return await download(request, chunks, f"goal-{goal_id}", format)
+
+
+async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+    """Yield a header row, then one row per goal."""
+    head: list[list[object]] = [[*GOAL_COLUMNS]]
+    async for goals in pages(gateway, wanted):
+        tags = await gateway.history.notes.tags_of([goal.goal_id for goal in goals])
+        yield rows_of([*head, *(goal_row(goal, tags.get(goal.goal_id, ())) for goal in goals)])
+        head = []
+
+
+async def goals_as_json(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+    """Yield one JSON array with one line per goal."""
+    before = b"[\n"
+    async for goals in pages(gateway, wanted):
+        if goals:
+            yield before + b",\n".join(map(encode, await with_tags(gateway, goals)))
+            before = b",\n"
+    yield b"\n]\n" if before == b",\n" else b"[]\n"
+
+
+async def goal_as_csv(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
+    """Yield a header row, then one row per feedback event."""
+    sheet = FeedbackSheet()
+    last = ""
+    async for events in pieces(gateway, goal.goal_id, {FEEDBACK}):
+        await asyncio.to_thread(sheet.look_at, [event.data for event in events])
+        last = events[-1].id or last
+    yield sheet.head()
+    async for events in pieces(gateway, goal.goal_id, {FEEDBACK}, until=last):
+        yield await asyncio.to_thread(sheet.rows, [event.data for event in events])
+
+
+async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
+    """Yield the goal with its tags, notes and `events`, and whether these are `complete`."""
+    notes = await gateway.history.notes.of(goal.goal_id)
+    complete = await gateway.history.knows_all_of(goal)
+    before = encode(goal.document() | vars(notes) | {"complete": complete})[:-1] + b',"events":[\n'
+    async for events in pieces(gateway, goal.goal_id, set(STORED_KINDS.values())):
+        yield before + b",\n".join(event.data for event in events)
+        before = b",\n"
+    yield b"\n]}\n" if before == b",\n" else before + b"]}\n"
+
+
+async def pages(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[list[Goal]]:
+    """Yield the matching goals page by page. The first page may be empty."""
+    goals, cursor = await gateway.page(wanted, GOALS)
+    yield goals
+    while cursor is not None:
+        goals, cursor = await gateway.page(wanted, GOALS, cursor)
+        yield goals
+
+
+async def pieces(gateway: Gateway, goal_id: str, kinds: set[str], *, until: str = NEVER) -> AsyncGenerator[list[Event]]:
+    """Yield the events of a goal in non-empty pieces."""
+    after = ""
+    while events := await gateway.history.events_of(goal_id, kinds=kinds, after=after, until=until, limit=EVENTS):
+        yield events
+        after = events[-1].id or ""
+        if len(events) < EVENTS:
+            return

@@ -1,0 +1,206 @@
+"""Schemas of requests and responses, for the OpenAPI document and the types generated from it.
+
+Nothing is validated or encoded with them at run time: the ROS definitions decide what messages contain.
+"""
+
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import JsonValue
+
+from dock_gateway.core.goal import GoalStatus, Origin, Verb
+from dock_gateway.http.schema import Schema
+from dock_gateway.robots.schema import BatteryState, Scene
+
+
+class DockGoal(Schema):
+    """Goal of ConnectToChargingDock and DisconnectFromChargingDock."""
+
+    desired_battery_state: BatteryState
+
+
+class DockFeedback(Schema):
+    """Feedback of ConnectToChargingDock and DisconnectFromChargingDock."""
+
+    current_battery_state: BatteryState
+
+
+class DockResult(Schema):
+    """Result of ConnectToChargingDock and DisconnectFromChargingDock."""
+
+    final_battery_state: BatteryState
+
+
+# Other types of docking actions have messages of their own.
+DockGoalMessage = DockGoal | dict[str, Any]
+DockFeedbackMessage = DockFeedback | dict[str, Any]
+DockResultMessage = DockResult | dict[str, Any]
+
+
+class GoalError(Schema):
+    """Why a goal did not succeed."""
+
+    code: str
+    detail: str
+
+
+class GoalState(Schema):
+    """The state of any goal, without its messages."""
+
+    goal_id: str
+    action_name: str
+    action_type: str
+    verb: Verb | None
+    status: GoalStatus
+    stalled: bool
+    origin: Origin
+    stage: str | None
+    retries: int | None
+    error: GoalError | None
+    created_at: datetime
+    updated_at: datetime
+    finished_at: datetime | None
+    feedback_count: int
+    last_event_id: str | None
+
+
+class GoalSummary(GoalState):
+    """A goal of docking or undocking without its feedback and result."""
+
+    goal: DockGoalMessage | None
+
+
+class ActionGoal(GoalState):
+    """A goal on any action; goal, feedback and result hold the fields of the action's messages."""
+
+    goal: dict[str, Any] | None
+    feedback: dict[str, Any] | None
+    result: dict[str, Any] | None
+
+
+class TaggedGoal(ActionGoal):
+    """A goal on any action, with its tags in alphabetical order."""
+
+    tags: list[str]
+
+
+class TaggedGoalPage(Schema):
+    """Goals on any action with their tags, newest first."""
+
+    goals: list[TaggedGoal]
+    next_cursor: str | None
+
+
+class ActionGoalPage(Schema):
+    """Goals on any action, newest first."""
+
+    goals: list[ActionGoal]
+    next_cursor: str | None
+
+
+class Goal(GoalSummary):
+    """A goal of docking or undocking."""
+
+    feedback: DockFeedbackMessage | None
+    result: DockResultMessage | None
+
+
+class GoalPage(Schema):
+    """Goals, newest first."""
+
+    goals: list[Goal]
+    next_cursor: str | None
+
+
+class ActionStatusEvent(GoalState):
+    """The state of a goal on any action changed."""
+
+    type: Literal["status"]
+    id: str
+    time: datetime
+    goal: dict[str, Any] | None
+
+
+class ActionFeedbackEvent(Schema):
+    """Feedback of a goal on any action."""
+
+    type: Literal["feedback"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    feedback: dict[str, Any]
+
+
+class ActionResultEvent(Schema):
+    """A goal on any action ended."""
+
+    type: Literal["result"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    status: GoalStatus
+    result: dict[str, Any] | None
+    error: GoalError | None
+
+
+class PoseEvent(Schema):
+    """Where the robot and its dock were while the goal ran; stored, not sent on streams. Sensors' data are null."""
+
+    type: Literal["pose"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    scene: Scene
+
+
+ACTION_EVENTS = (ActionStatusEvent, ActionFeedbackEvent, ActionResultEvent)
+
+
+StoredEvent = ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent | PoseEvent
+
+
+class GoalHistory(Schema):
+    """The events of a goal, oldest first.
+
+    `next_after` is null on the last page. `complete` is false if events are missing.
+    """
+
+    events: list[StoredEvent]
+    next_after: str | None
+    complete: bool
+
+
+NOTE_EXAMPLE: JsonValue = {"by": "Ada", "text": "A box stood in front of the left wheel."}
+
+
+class Note(Schema):
+    """A note on a goal."""
+
+    note_id: str
+    by: str
+    at: datetime
+    text: str
+
+
+class GoalNotes(Schema):
+    """The tags of a goal in alphabetical order, and its notes, oldest first."""
+
+    tags: list[str]
+    notes: list[Note]
+
+
+class Tags(Schema):
+    """The tags of all goals, in alphabetical order."""
+
+    tags: list[str]
+
+
+class ExportedGoal(TaggedGoal):
+    """A goal with its notes and events, oldest first; `complete` is false if events are missing."""
+
+    notes: list[Note]
+    complete: bool
+    events: list[StoredEvent]

@@ -1,0 +1,238 @@
+"""Delivers a goal to the action server: stores it, sends it, takes the answer. Enforces the deadlines."""
+
+import asyncio
+import uuid
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
+from dock_gateway.core.request import act
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.cancellation import TOO_LATE, Canceler
+from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.liveness import ServerWatch
+from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.ros.bridge import PendingCall
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
+
+# Rejection codes that are passed on from an action server; any other becomes `goal_rejected`.
+KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
+STOPPED_ON_ITS_WAY = "the goal was not sent, as a stop was requested first"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """An idempotency key. `take` claims it for a goal; if another goal has it already, it returns that one."""
+
+    key: str
+    take: Callable[[Goal], Awaitable[Goal | None]]
+
+
+class Delivery:
+    """Delivers the goals of one action.
+
+    Attributes:
+        stops: Number of stops requested.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        watch: ServerWatch,
+        reasons: PendingFacts[GoalError],
+        *,
+        interlock: Interlock,
+        canceler: Canceler,
+    ) -> None:
+        self._settings = settings
+        self._history = history
+        self._tracker = tracker
+        self._watch = watch
+        self._reasons = reasons
+        self._interlock = interlock
+        self._canceler = canceler
+        self.stops = 0
+        self._unanswered: dict[str, PendingCall] = {}  # of goals that were given up, by their ids
+        tracker.on[News.RETIRED].append(self._forget)
+        self._tasks: set[asyncio.Task[Goal]] = set()
+
+    def stop(self) -> None:
+        """Prevent goals that have not been sent yet from being sent."""
+        self.stops += 1
+
+    def require_no_stop_since(self, stops: int, **extra: Any) -> None:
+        """Refuse a goal that was requested before a stop.
+
+        Args:
+            stops: The value of `stops` when it was requested.
+            extra: Of the error.
+
+        Raises:
+            Conflict: `stopped`.
+        """
+        if self.stops != stops or self._interlock.holds(self._tracker.port.action_name):
+            raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", **extra)
+
+    def start(
+        self,
+        message: Any,
+        claim: Claim | None = None,
+        stops: int | None = None,
+        again: Goal | None = None,
+        *,
+        origin: Origin = "gateway",
+    ) -> "asyncio.Task[Goal]":
+        """Deliver a goal in its own task, which continues if the client disconnects.
+
+        Args:
+            message: The goal as a ROS message.
+            claim: Its idempotency key, if it has one.
+            stops: The value of `stops` when the goal was requested; default: the current one.
+            again: The goal itself, if it was stored before and never accepted. It keeps its id, which an action server
+                accepts only once.
+            origin: Who sends it.
+
+        Raises:
+            Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
+                (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
+            NotAuthenticated: Raised by the task: the sender's login has ended meanwhile (`invalid_token`).
+            Unavailable: There is no action server; raised by the task, too.
+            ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
+                is canceled at once.
+            TooManyRequests: Too many goals are waiting for an answer.
+        """
+        if len(self._tasks) >= self._settings.max_pending_goals:
+            raise TooManyRequests(f"{len(self._tasks)} goals already wait for the action server's answer")
+        self._interlock.require_released(self._tracker.port.action_name)
+        stops = self.stops if stops is None else stops
+        task = asyncio.create_task(self._deliver(message, claim, stops, again, origin))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    # ------------------------------------------------------------------ sending
+
+    async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None, origin: Origin) -> Goal:
+        """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
+        port = self._tracker.port
+        await self._watch.require()
+        self._act(origin)  # also right before it is sent; but then a goal that was refused is stored
+        goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
+        if again is None:
+            goal.goal = port.encode_goal(message)
+            if claim is not None and (first := await claim.take(goal)):
+                return first
+            await self._history.add(goal, claim.key if claim else None)
+        self._tracker.add(goal)
+        try:
+            self.require_no_stop_since(stops, goal_id=goal.goal_id)
+            self._act(origin)
+            call = port.send(goal.goal_id, message)
+        except GatewayError as error:
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
+            raise
+        await self._take_answer(goal, call)
+        return outcome(goal)
+
+    @staticmethod
+    def _act(origin: Origin) -> None:
+        """Check the login of who sends a goal; what the gateway does by itself needs none."""
+        if origin == "gateway":
+            act()
+
+    # ------------------------------------------------------------------ the answer
+
+    async def _take_answer(self, goal: Goal, call: PendingCall) -> None:
+        try:
+            async with asyncio.timeout(self._settings.accept_timeout):
+                response = await asyncio.shield(call.response)
+        except TimeoutError:
+            self._give_up(goal, call)
+            return
+        self._tracker.heard()
+        if response.accepted:
+            self._accept(goal, response)
+            await self._history.seal(goal, [])  # a gateway killed after its answer then knows that the goal runs
+        else:
+            await self._reject(goal)
+
+    def _accept(self, goal: Goal, response: Any) -> None:
+        self._tracker.accept(goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
+        self._canceler.seen_again(goal)
+
+    async def _reject(self, goal: Goal) -> None:
+        busy_with = self._busy_with()
+        reason = await self._reasons.of(goal.goal_id)
+        if reason is not None:
+            code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
+            error = GoalError(code, reason.detail)
+        elif busy_with is not None:
+            error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")
+        else:
+            error = GoalError("goal_rejected", "the action server rejected the goal and gave no reason")
+        if goal.status is not GoalStatus.PENDING:
+            return  # it runs: the server refused the same id sent again
+        self._tracker.end(goal, GoalStatus.REJECTED, error=error)
+
+    def _busy_with(self) -> str | None:
+        running = (goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING)
+        return next((goal.goal_id for goal in running), None)
+
+    def _give_up(self, goal: Goal, call: PendingCall) -> None:
+        if goal.status.final:  # other messages reported the end
+            call.forget()
+            return
+        self._canceler.mark_unwanted(goal, TOO_LATE)
+        self._unanswered[goal.goal_id] = call
+        detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
+        self._tracker.lose(goal, GoalError("action_server_timeout", detail))
+
+        def answered(response: "asyncio.Future[Any]") -> None:
+            self._unanswered.pop(goal.goal_id, None)
+            if response.cancelled() or response.exception():
+                return
+            self._tracker.heard()
+            if response.result().accepted:
+                self._accept(goal, response.result())
+            else:
+                self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
+
+        call.response.add_done_callback(answered)
+
+    def _forget(self, goal: Goal) -> None:
+        """Stop waiting for the answer to a goal that was given up."""
+        if (call := self._unanswered.pop(goal.goal_id, None)) is not None:
+            call.forget()
+
+
+# The error for the sender of a goal that did not start, by the code of the goal's error.
+_REFUSALS: dict[str, type[GatewayError]] = {
+    "action_server_unavailable": Unavailable,
+    "ros_unavailable": Unavailable,
+    "action_server_timeout": ServerTimeout,
+}
+
+
+def outcome(goal: Goal) -> Goal:
+    """Return the goal, or raise the error for its sender: the same one for each retry with the same key.
+
+    Raises:
+        Conflict: The goal was rejected.
+        Unavailable: It could not be sent.
+        ServerTimeout: It was not answered.
+    """
+    error = goal.error
+    if error is not None and goal.unconfirmed:
+        raise Unavailable(error.detail, code=error.code, goal_id=goal.goal_id)
+    gave_up = error is not None and goal.status is GoalStatus.LOST and error.code == ServerTimeout.code
+    if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
+        return goal
+    refusal = _REFUSALS.get(error.code, Conflict)
+    raise refusal(error.detail, code=error.code, goal_id=goal.goal_id)

@@ -1,0 +1,268 @@
+"""The goals on one action: gives messages and requests to the `GoalMachine`, and carries out what it wants done.
+
+Runs on the event loop only, and waits for nothing but the action server and the history.
+"""
+
+import asyncio
+import logging
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from typing import Concatenate, ParamSpec
+from weakref import WeakValueDictionary
+
+from dock_gateway.core.dock_adapters.adapter import DockAdapter
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import Event, Now, result_event, status_event
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json
+from dock_gateway.core.hub import Hold, Hub
+from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
+from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.results import Results
+from dock_gateway.ros.action_port import ActionPort
+from dock_gateway.ros.admission import KnownGoals
+from dock_gateway.ros.status import StatusReport
+from dock_gateway.storage import History
+
+log = logging.getLogger(__name__)
+
+# Maximum seconds that later events are held back while a result is awaited.
+RESERVE_FOR = 1.0
+
+
+P = ParamSpec("P")
+
+
+def _now(change: "Callable[Concatenate[GoalMachine, Now, P], None]") -> "Callable[Concatenate[GoalTracker, P], None]":
+    """Make a method of the tracker from an input of the machine: it happens now, and what follows is carried out."""
+
+    def method(self: "GoalTracker", /, *args: P.args, **kwargs: P.kwargs) -> None:
+        change(self._machine, Now.read(), *args, **kwargs)
+        self.carry_out()
+
+    method.__doc__ = change.__doc__
+    return method
+
+
+class GoalTracker:
+    """Every goal on one action, from its first message to its end.
+
+    Args:
+        port: The action.
+        hub: Receives events.
+        history: Stores goals.
+        reasons: Why goals were rejected or aborted.
+        adapter: What the action's messages say about a goal, if it docks or undocks robots.
+        remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
+
+    Attributes:
+        live: The running goals, and lost ones that may return.
+        taken_up: Ids of goals from before a restart.
+        known: Tells which goals are known, on any thread.
+        on: The functions to call with a goal, by what happened to it.
+        last_heard: When the action server last gave a sign of life, on the monotonic clock.
+        tasks: Background tasks, which run until the tracker is closed.
+    """
+
+    def __init__(
+        self,
+        port: ActionPort,
+        hub: Hub,
+        history: History,
+        reasons: PendingFacts[GoalError],
+        adapter: DockAdapter | None = None,
+        *,
+        remark: Callable[[], str] = str,
+    ) -> None:
+        self._machine = GoalMachine(port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter)
+        self.known: KnownGoals = self._machine
+        self.new_goal = self._machine.new_goal
+        self.live = self._machine.live
+        self.taken_up = self._machine.taken_up
+        self.running = self._machine.running
+        self.explain = self._machine.explain
+        self.last_heard = time.monotonic()
+        self.port = port
+        self.tasks = Tasks("tracking goals")
+        self._results = Results(port, reasons, self.heard, self._answered, remark)
+        self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
+        self.on[News.LOST].append(self._release)
+        self.on[News.RETIRED].append(self._results.retire)
+        self._hub = hub
+        self._history = history
+        self._seals = Tasks("storing the ends of goals")
+        self._places: dict[str, Hold] = {}
+        self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by the waiting callers
+        self._looking_up = False
+        self._lookups = Tasks("looking up goals")
+
+    def heard(self) -> None:
+        """Note that the action server gave a sign of life."""
+        self.last_heard = time.monotonic()
+
+    def silence_of(self, goal: Goal) -> float:
+        """Return the seconds since the last news of this goal."""
+        return time.monotonic() - (self._machine.heard_at(goal) or self.last_heard)
+
+    # ------------------------------------------------------------------ messages from ROS
+
+    def on_status(self, reports: list[StatusReport], stamp_ns: int) -> None:
+        """Handle a message of `_action/status`: the states of the goals that the server remembers."""
+        self.heard()
+        for report in reports:
+            if report.status.terminal:
+                self._reserve(report.goal_id, stamp_ns)
+            self._report(report.goal_id, report.status, report.accepted_ns, stamp_ns)
+
+    def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
+        """Handle a message of `_action/feedback`."""
+        self.heard()
+        self._feedback(goal_id, feedback, stamp_ns)
+
+    def ask_again(self, goal: Goal) -> None:
+        """Request a goal's result again: the server may have restarted and lost the first request."""
+        self._results.request_again(goal)
+
+    def add(self, goal: Goal) -> None:
+        """Track a goal that is being sent."""
+        self._add(goal)
+        self._notify(News.SENT, goal)
+
+    # The machine's inputs; it documents them.
+    _report, _feedback, _answered = _now(GoalMachine.report), _now(GoalMachine.feedback), _now(GoalMachine.answered)
+    on_progress = _now(GoalMachine.progress)
+    _add, take_up, _adopt = _now(GoalMachine.add), _now(GoalMachine.take_up), _now(GoalMachine.adopt)
+    accept, move, stall = _now(GoalMachine.accept), _now(GoalMachine.move), _now(GoalMachine.stall)
+    lose, end = _now(GoalMachine.lose), _now(GoalMachine.end)
+
+    # ------------------------------------------------------------------ what the machine wants done
+
+    def carry_out(self) -> None:
+        """Do what the machine wants done."""
+        while self._machine.outputs:
+            match self._machine.outputs.popleft():
+                case Publish(event, goal):
+                    self._hub.publish(event)
+                    self._notify(News.CHANGED, goal)
+                case Store(goal):
+                    self._history.record(goal)
+                case AwaitResult(goal, reported):
+                    self._results.request(goal, reported)
+                case PublishEnd(goal, source_ns):
+                    self._publish_end(goal, source_ns)
+                case Notify(news, goal):
+                    self._notify(news, goal)
+        if self._machine.newcomers and not self._looking_up:
+            self._looking_up = True
+            self._lookups.spawn(self._look_up())
+
+    def _notify(self, news: News, goal: Goal) -> None:
+        for listener in self.on[news]:
+            listener(goal)
+
+    async def _look_up(self) -> None:
+        """Look up unknown goals in the history, as long as there are any."""
+        newcomers = self._machine.newcomers
+        try:
+            while newcomers:
+                known = await self._known(asked := list(newcomers))
+                ready, pause = newcomers.ready(asked, known, time.monotonic())
+                for number, goal_id in enumerate(ready, 1):
+                    try:
+                        self._adopt(goal_id, (known or {}).get(goal_id))
+                    except Exception:
+                        log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
+                    if self._machine.ended(goal_id):
+                        self._let_go(goal_id)
+                    elif number % REQUESTS_AT_ONCE == 0:
+                        await asyncio.sleep(REQUEST_PAUSE)
+                await asyncio.sleep(pause)
+        finally:
+            self._looking_up = False
+
+    async def _known(self, goal_ids: list[str]) -> dict[str, Goal] | None:
+        """Return what the history knows about these goals, or None if it does not answer."""
+        try:
+            return await self._history.known(goal_ids)
+        except GatewayError:
+            return None
+        except Exception:
+            log.exception("while looking up goals")
+            return None
+
+    # ------------------------------------------------------------------ ends
+
+    def _publish_end(self, goal: Goal, source_ns: int) -> None:
+        """Store the events of the end, then publish them: as stored, if another gateway was first."""
+        place = self._places.pop(goal.goal_id, None) or self._hub.hold(source_ns)
+        end = [status_event(goal, place.stamp, source_ns)]
+        if goal.status is not GoalStatus.REJECTED:
+            end.append(result_event(goal, place.stamp, source_ns))
+        self._seals.spawn(self._seal(goal, end, place))
+
+    def _reserve(self, goal_id: str, stamp_ns: int) -> None:
+        """Hold back later events until the result of an ended goal has arrived.
+
+        Needed only if another gateway may publish the end first: a reader that moves there must not have received
+        later events here.
+        """
+        if self._history.shared and not self._machine.ended(goal_id) and goal_id not in self._places:
+            self._places[goal_id] = self._hub.hold(stamp_ns)
+            asyncio.get_running_loop().call_later(RESERVE_FOR, self._expire, goal_id)
+
+    def _expire(self, goal_id: str) -> None:
+        if goal_id in self._places:
+            log.warning(
+                "goal %s: its result is late, so later events are published before its end",
+                goal_id,
+                extra={"goal_id": goal_id},
+            )
+            self._let_go(goal_id)
+
+    def _let_go(self, goal_id: str) -> None:
+        """Publish the events held back, as the result is late or has been published before."""
+        if (place := self._places.pop(goal_id, None)) is not None:
+            place.release()
+
+    async def _seal(self, goal: Goal, end: list[Event], place: Hold) -> None:
+        stored = end
+        try:
+            stored = await self._history.seal(goal, end)
+        finally:
+            place.release(stored)
+            if stored[-1].id != goal.last_event_id:
+                goal.last_event_id = stored[-1].id
+                self._history.record(goal)
+            self._release(goal)
+
+    # ------------------------------------------------------------------ waiting, and the end
+
+    async def wait_terminal(self, goal: Goal, timeout: float) -> None:
+        """Wait until the goal has ended or the gateway closes, at most `timeout` seconds."""
+        if goal.status.terminal or self._hub.closing:
+            return
+        event = self._waiters.setdefault(goal.goal_id, asyncio.Event())
+        try:
+            async with asyncio.timeout(timeout):
+                await event.wait()
+        except TimeoutError:
+            return
+
+    def _release(self, goal: Goal) -> None:
+        if event := self._waiters.pop(goal.goal_id, None):
+            event.set()
+
+    def release_all(self) -> None:
+        """Wake every caller that waits for a goal."""
+        for event in list(self._waiters.values()):
+            event.set()
+        self._waiters.clear()
+
+    async def close(self) -> None:
+        """Stop all waiting and background work."""
+        self.release_all()
+        await self._lookups.close()
+        await self._results.close()
+        await self._seals.drain()
+        await self.tasks.close()

@@ -1,0 +1,69 @@
+"""The watched topics. The gateway does not subscribe to any others for viewing."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.echo import Echo, Viewer
+from dock_gateway.ros.bridge import Bridge
+
+log = logging.getLogger(__name__)
+
+MAX_TOPICS = 20
+
+
+class EchoRegistry:
+    """All watched topics.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of a topic.
+    """
+
+    def __init__(self, bridge: Bridge, graph: GraphCache) -> None:
+        self._bridge = bridge
+        self._graph = graph
+        self._echoes: dict[str, Echo] = {}
+        self._changing = asyncio.Lock()
+
+    @asynccontextmanager
+    async def watch(self, topic: str, subscriber: Subscriber, max_rate: float) -> AsyncIterator[None]:
+        """Show a topic to a subscriber, at most `max_rate` messages per second, until the block ends.
+
+        Raises:
+            NotFound: There is no such topic.
+            TooManyRequests: Too many other topics are watched.
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        viewer = Viewer(subscriber, 1 / max_rate)
+        async with self._changing:
+            echo = self._echoes.get(topic) or await self._open(topic)
+            echo.add(viewer)
+        try:
+            yield
+        finally:
+            echo.remove(viewer)
+            async with self._changing:
+                if not echo.viewed and self._echoes.get(topic) is echo:
+                    del self._echoes[topic]
+                    await echo.close()
+                    log.info("unsubscribed from %s", topic)
+
+    async def _open(self, topic: str) -> Echo:
+        found = await self._graph.topic(topic)
+        if len(self._echoes) >= MAX_TOPICS:
+            raise TooManyRequests(f"{MAX_TOPICS} topics are already being watched")
+        echo = Echo(self._bridge, self._graph, found)
+        await echo.open()
+        self._echoes[topic] = echo
+        log.info("subscribed to %s", topic)
+        return echo
+
+    async def close(self) -> None:
+        """Close every watched topic."""
+        for echo in list(self._echoes.values()):
+            await echo.close()

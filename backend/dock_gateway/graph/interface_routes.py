@@ -1,0 +1,98 @@
+"""`/interfaces`: the action types in the ament index, and the JSON Schema of their messages."""
+
+from functools import cache
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Path
+from starlette.responses import Response
+
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.goal import encode
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import json_response, known_query
+from dock_gateway.http.schema import Schema
+from dock_gateway.ros.messages.codec import codec
+from dock_gateway.ros.messages.interfaces import (
+    PACKAGE_NAME,
+    TYPE_NAME,
+    install_hint,
+    is_installed,
+    known_actions,
+    load_action,
+)
+from dock_gateway.ros.messages.schema import DIALECT
+
+router = APIRouter(tags=["Interfaces"], prefix="/interfaces", dependencies=[Depends(known_query())])
+
+Package = Annotated[str, Path(pattern=f"^{PACKAGE_NAME}$", examples=["action_tutorials_interfaces"])]
+TypeName = Annotated[str, Path(pattern=f"^{TYPE_NAME}$", examples=["Fibonacci"])]
+
+
+class Interface(Schema):
+    """An action type; `hint` says what to install if its package is missing."""
+
+    type: str
+    installed: bool
+    hint: str | None
+    schema_path: str
+
+
+class InterfaceList(Schema):
+    """The action types in the ament index."""
+
+    interfaces: list[Interface]
+
+
+class ActionInterface(Schema):
+    """JSON Schema (draft 2020-12) of an action's messages.
+
+    `goal` describes what a request may contain; `result` and `feedback` describe what the gateway returns.
+    """
+
+    type: str
+    goal: dict[str, Any]
+    result: dict[str, Any]
+    feedback: dict[str, Any]
+
+
+# Plain functions, which FastAPI runs in threads: they read files and import packages.
+@router.get("", response_model=InterfaceList)
+def list_interfaces() -> Response:
+    """List the action types in the ament index. If Python cannot import one, `hint` says what to install."""
+    return json_response({"interfaces": [_describe(type_name) for type_name in known_actions()]})
+
+
+@router.get("/{package}/action/{name}", response_model=ActionInterface, responses=problems(404, 422))
+def get_interface(package: Package, name: TypeName) -> Response:
+    """Return the JSON Schema of goal, result and feedback.
+
+    It includes the comments, units, constants and defaults of the definition.
+    """
+    try:
+        return Response(_schemas(f"{package}/action/{name}"), media_type="application/json")
+    except (ImportError, TypeError) as error:
+        raise NotFound(str(error), code="interface_not_found") from None
+
+
+def _describe(type_name: str) -> dict[str, object]:
+    package = type_name.partition("/")[0]
+    installed = is_installed(package)
+    return {
+        "type": type_name,
+        "installed": installed,
+        "hint": None if installed else install_hint(package),
+        "schema_path": f"/interfaces/{type_name}",
+    }
+
+
+@cache  # existing types only: a failure is not cached
+def _schemas(type_name: str) -> bytes:
+    action = load_action(type_name)
+    parts = {"goal": (action.Goal, False), "result": (action.Result, True), "feedback": (action.Feedback, True)}
+    return encode(
+        {"type": type_name}
+        | {
+            part: {"$schema": DIALECT, **codec(message_class).schema(complete=complete)}
+            for part, (message_class, complete) in parts.items()
+        }
+    )

@@ -1,0 +1,1 @@
+"""HTTP: what every route needs, and nothing of a feature."""

@@ -1,0 +1,178 @@
+"""The OpenAPI document: FastAPI's, plus the schemas of ROS messages and WebSocket events."""
+
+import asyncio
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import orjson
+from fastapi import FastAPI, Response
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import iter_route_contexts
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+from sensor_msgs.msg import BatteryState
+
+from dock_gateway.http.permissions import PUBLIC, role_for
+from dock_gateway.ros.messages.codec import codec
+
+SECURITY_SCHEMES = {
+    "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for one"},
+    "login": {"type": "apiKey", "in": "cookie", "name": "dock-gateway", "description": "The dashboard's login"},
+}
+REF = "#/components/schemas/{model}"
+
+
+Models = Sequence[type[BaseModel]]
+
+
+@dataclass(frozen=True)
+class Union:
+    """A component of the document that is one of several models; messages of a stream are told apart by `type`."""
+
+    name: str
+    models: Models
+    description: str
+    discriminated: bool = True
+
+
+def install_openapi(app: FastAPI, *, authentication: bool, unions: Iterable[Union], models: Models) -> None:
+    """Make the app serve its OpenAPI document with our schemas in it.
+
+    Args:
+        app: The application.
+        authentication: Whether requests need a token.
+        unions: The messages of streams, which no route names as its response.
+        models: Further models that no route names.
+    """
+    components = [*unions]
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _build(app, components, models, authentication=authentication)
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]
+
+    made: list[bytes] = []
+    making = asyncio.Lock()
+
+    @app.get("/openapi.json", include_in_schema=False)
+    async def document() -> Response:
+        """Return the document. Building it takes 0.2 s, in a thread so that a stop does not wait."""
+        async with making:
+            if not made:
+                made.append(await asyncio.to_thread(lambda: orjson.dumps(app.openapi())))
+        return Response(made[0], media_type="application/json")
+
+
+def _build(app: FastAPI, unions: list[Union], further: Models, *, authentication: bool) -> dict[str, Any]:
+    document = get_openapi(
+        title=app.title,
+        version=app.version,
+        description=app.description,
+        routes=app.routes,
+        tags=app.openapi_tags,
+    )
+    components = document.setdefault("components", {})
+    if authentication:
+        components["securitySchemes"] = SECURITY_SCHEMES
+        document["security"] = [{name: []} for name in SECURITY_SCHEMES]
+    _add_roles(document, app)
+    schemas = components.setdefault("schemas", {})
+    models = [model for union in unions for model in union.models] + [*further]
+    _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
+    schemas.update(ours["$defs"])
+    for union in unions:
+        schemas[union.name] = _one_of(schemas, union)
+    _add_message(schemas, "BatteryState", "null is NaN: not measured.", complete=True)
+    _add_message(
+        schemas,
+        "BatteryStateInput",
+        "What is left out is NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).",
+        complete=False,
+    )
+    for unused in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(unused, None)
+    document["components"]["schemas"] = dict(sorted(schemas.items()))
+    return document
+
+
+def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
+    """Add to each operation the role that it needs, as `x-role`; or, where there is security, that it needs none."""
+    for route in iter_route_contexts(app.routes):
+        operations = document["paths"].get(str(route.path_format), {})
+        for operation in (operations.get(method.lower()) for method in route.methods or ()):
+            if operation is None:
+                continue
+            if route.name not in PUBLIC:
+                operation["x-role"] = role_for(str(route.name), route.methods or ())
+            elif "security" in document:
+                operation["security"] = []
+
+
+def _one_of(schemas: dict[str, Any], union: Union) -> dict[str, Any]:
+    """Return the schema of a union."""
+    references = [{"$ref": REF.format(model=model.__name__)} for model in union.models]
+    if not union.discriminated:
+        return {"description": union.description, "anyOf": references}
+    kinds = [schemas[model.__name__]["properties"]["type"]["const"] for model in union.models]
+    mapping = {kind: reference["$ref"] for kind, reference in zip(kinds, references, strict=True)}
+    return {
+        "description": union.description,
+        "oneOf": references,
+        "discriminator": {"propertyName": "type", "mapping": mapping},
+    }
+
+
+def _add_message(schemas: dict[str, Any], name: str, note: str, *, complete: bool) -> None:
+    """Add BatteryState and its nested messages, each as its own component."""
+    schema = codec(BatteryState).schema(complete=complete)
+    suffix = "" if complete else "Input"
+
+    def refer(value: Any) -> Any:
+        if isinstance(value, list):
+            return [refer(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        return {
+            key: f"{item.replace('#/$defs/', '#/components/schemas/')}{suffix}" if key == "$ref" else refer(item)
+            for key, item in _plain(value).items()
+        }
+
+    for nested, definition in schema.pop("$defs").items():
+        schemas[f"{nested}{suffix}"] = refer(definition)
+    schemas[name] = refer(schema) | {"title": name, "description": f"sensor_msgs/BatteryState. {note}"}
+
+
+def _plain(schema: dict[str, Any]) -> dict[str, Any]:
+    """Remove what type generators misread.
+
+    They treat a field with a default as always present, and a number that may be given by name as text.
+    """
+    schema = {key: value for key, value in schema.items() if key != "default"}
+    if "x-constants" in schema and "anyOf" in schema:
+        schema |= next(option for option in schema.pop("anyOf") if option.get("type") == "integer")
+    return schema
+
+
+BATTERY_INPUT: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
+
+
+def battery_body(*, required: bool) -> dict[str, Any]:
+    """Return the `openapi_extra` of a request whose body is read by the gateway, not by FastAPI."""
+    return body(BATTERY_INPUT, required=required)
+
+
+def docking_body(*texts: str) -> dict[str, Any]:
+    """Return the `openapi_extra` of a request to dock or undock; `texts` are the names of its further fields."""
+    properties = {
+        "desired_battery_state": BATTERY_INPUT,
+        **{name: {"type": "string", "pattern": "\\S"} for name in texts},
+    }
+    return body({"type": "object", "additionalProperties": True, "properties": properties}, required=False)
+
+
+def body(schema: dict[str, Any], *, required: bool) -> dict[str, Any]:
+    """Like `battery_body`, for any schema."""
+    return {"requestBody": {"required": required, "content": {"application/json": {"schema": schema}}}}

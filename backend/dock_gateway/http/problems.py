@@ -1,0 +1,91 @@
+"""Turns the errors of the core, FastAPI and Starlette into problem+json, for requests and for WebSockets."""
+
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.middleware.exceptions import ExceptionMiddleware
+from starlette.requests import HTTPConnection
+from starlette.responses import Response
+from starlette.websockets import WebSocket
+
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
+from dock_gateway.core.goal import encode
+from dock_gateway.http.methods import AllowedMethods
+
+MEDIA_TYPE = "application/problem+json"
+INTERNAL = GatewayError("internal error; the gateway's log has the details")
+CODES = {404: "not_found", 405: "method_not_allowed"}
+
+
+def problem_response(error: GatewayError) -> Response:
+    """Return the answer for an error."""
+    headers = {}
+    if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS):
+        headers["Retry-After"] = str(error.extra.get("retry_after", 1))
+    if error.status is HTTPStatus.UNAUTHORIZED:
+        headers["WWW-Authenticate"] = "Bearer"
+    if error.status in (HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.REQUEST_TIMEOUT):
+        headers["Connection"] = "close"  # the rest of the body is not read
+    return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)
+
+
+def problems(*statuses: int, schema: str = "Problem") -> dict[int | str, dict[str, Any]]:
+    """Return the `responses=` of a route that can fail with these statuses."""
+    content = {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{schema}"}}}
+    return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
+
+
+def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> None:
+    """Register the handlers, for routes and for middleware that was added before.
+
+    Args:
+        app: The application.
+        allowed: Returns the `Allow` header of a path.
+    """
+    app.exception_handler(GatewayError)(_gateway_error)
+    app.add_middleware(ExceptionMiddleware, handlers={GatewayError: _gateway_error})  # type: ignore[dict-item]
+
+    @app.exception_handler(RequestValidationError)
+    async def validation_error(request: Request, error: RequestValidationError) -> Response:
+        return _answer(request, InvalidField([_field_error(item) for item in error.errors()[:20]]))
+
+    @app.exception_handler(HTTPException)
+    async def http_error(request: Request, error: HTTPException) -> Response:
+        headers = dict(error.headers or {})
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = allowed(request.scope["path"]) or headers.get("Allow", "")
+            if request.method == "OPTIONS":
+                return Response(status_code=HTTPStatus.NO_CONTENT, headers=headers)
+        code = CODES.get(error.status_code, "malformed_request")
+        problem = GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code))
+        response = _answer(request, problem)
+        response.headers.update(headers)
+        return response
+
+    @app.exception_handler(Exception)
+    async def bug(_: Request, __: Exception) -> Response:  # uvicorn logs the traceback
+        return problem_response(INTERNAL)
+
+
+def _answer(connection: HTTPConnection, error: GatewayError) -> Response:
+    """Return the answer for an error, and note its code for the audit log."""
+    connection.scope["problem"] = error.code
+    return problem_response(error)
+
+
+async def _gateway_error(connection: Request | WebSocket, error: Exception) -> Response | None:
+    """Answer a request, or refuse a WebSocket that has not been accepted yet."""
+    assert isinstance(error, GatewayError)
+    response = _answer(connection, error)
+    if isinstance(connection, Request):
+        return response
+    await connection.send_denial_response(response)
+    return None
+
+
+def _field_error(item: dict[str, Any]) -> FieldError:
+    path = ".".join(str(part) for part in item["loc"])
+    return FieldError(path, str(item["msg"]).removeprefix("Input should be "), got(item.get("input"), 60))

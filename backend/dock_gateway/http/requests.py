@@ -1,0 +1,281 @@
+"""Read requests: size-limited bodies, headers and parameters. What is unknown is refused, not ignored."""
+
+import asyncio
+import re
+import uuid
+from collections.abc import Awaitable, Callable
+from http import HTTPStatus
+from typing import Annotated, Any
+
+import orjson
+from fastapi import Depends, Path, Query, Request
+from pydantic import WithJsonSchema
+from starlette.requests import ClientDisconnect, HTTPConnection
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
+from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.namespace import NAMESPACE
+from dock_gateway.gateway import Gateway
+from dock_gateway.settings import NAME as ROS_NAME
+
+# The default content type of `curl -d` is accepted as JSON, too. OriginGuard keeps other origins from exploiting it.
+JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
+MAX_WAIT = 300.0
+MAX_KEY = 200
+MAX_TAG, MAX_GROUP = 30, 40  # characters
+# Where the scope has the body once it was read.
+BODY = "body"
+MAX_DIGITS = 18  # enough for every number in a header
+# A line of text: no control, bidirectional or invisible characters; not blank.
+_UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
+NAME = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
+
+
+def get_gateway(connection: HTTPConnection) -> Gateway:
+    """Return the gateway of the running app."""
+    gateway: Gateway = connection.state.gateway
+    return gateway
+
+
+# Dependencies are coroutines: FastAPI runs each plain function in a thread pool, on every request.
+
+
+async def depend_on_gateway(connection: HTTPConnection) -> Gateway:
+    """Return the gateway of the running app, for `Depends`."""
+    return get_gateway(connection)
+
+
+def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
+    """Return a dependency that refuses query parameters other than these.
+
+    A misspelt parameter, or one of another version, must not be ignored when a robot moves. Nor may a robot be named
+    twice: only one of them would be meant.
+
+    Raises:
+        InvalidField: Lists the unknown parameters, or there is more than one robot.
+    """
+
+    async def check(connection: HTTPConnection) -> None:
+        expected = f"one of {', '.join(names)}" if names else "no query parameters"
+        unknown = [name for name in connection.query_params if name not in names]
+        if unknown:
+            raise InvalidField(
+                [FieldError(f"query.{name[:100]}", expected, "got an unknown parameter") for name in unknown[:20]]
+            )
+        if (robots := len(connection.query_params.getlist("robot"))) > 1:
+            raise InvalidField([FieldError("query.robot", "one robot", f"got {robots}")])
+
+    return check
+
+
+async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:
+    """Return the decoded JSON body, or `empty` if there is none. `within` can shorten the timeout, in seconds.
+
+    Raises:
+        InvalidField: There is no body, and `empty` is None.
+        MalformedRequest: The body is not JSON, too large, too slow or cut off, or has another content type.
+    """
+    raw = await read_body(request, within)
+    if not raw:
+        if empty is None:
+            raise InvalidField([FieldError("", "an object, {} for the defaults", "got no body")])
+        return empty
+    content_type = request.headers.get("content-type", JSON_TYPES[0]).partition(";")[0].strip().lower()
+    if content_type not in JSON_TYPES and not content_type.endswith("+json"):
+        raise MalformedRequest(
+            f"the body is {content_type[:100]!r}; application/json is expected",
+            code="unsupported_media_type",
+            status=HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+        )
+    try:
+        return orjson.loads(raw)
+    except orjson.JSONDecodeError as error:
+        raise MalformedRequest(f"the body is not JSON: {error}") from None
+
+
+async def read_body(request: Request, within: float | None = None) -> bytes:
+    """Return the whole body. It is read once, and kept. `within` can shorten the timeout, in seconds.
+
+    Raises:
+        MalformedRequest: It is too large, too slow or cut off.
+    """
+    if BODY not in request.scope:
+        empty = request.headers.get("content-length") == "0"
+        request.scope[BODY] = b"" if empty else await _read_in_time(request, within)
+    body: bytes = request.scope[BODY]
+    return body
+
+
+async def _read_in_time(request: Request, within: float | None) -> bytes:
+    settings = get_gateway(request).settings
+    timeout = settings.body_timeout if within is None else min(within, settings.body_timeout)
+    try:
+        async with asyncio.timeout(timeout):
+            return await _read(request, settings.max_body_bytes)
+    except TimeoutError:
+        raise MalformedRequest(
+            f"the body did not arrive within {timeout:g} s",
+            code="request_timeout",
+            status=HTTPStatus.REQUEST_TIMEOUT,
+        ) from None
+    except ClientDisconnect:
+        raise MalformedRequest("the connection was closed before the body was complete") from None
+
+
+async def _read(request: Request, limit: int) -> bytes:
+    raw = bytearray()
+    too_large = MalformedRequest(
+        f"the body is larger than {limit} bytes",
+        code="body_too_large",
+        status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+    )
+    if (read_digits(request.headers.get("content-length", "")) or 0) > limit:
+        raise too_large
+    async for chunk in request.stream():
+        raw += chunk
+        if len(raw) > limit:
+            raise too_large
+    return bytes(raw)
+
+
+def read_object(value: object, *fields: str) -> dict[str, Any]:
+    """Return a decoded body, which must be an object with no fields other than these.
+
+    Raises:
+        InvalidField: It is not.
+    """
+    expected = f"an object with {', '.join(fields)}"
+    if not isinstance(value, dict):
+        raise InvalidField([FieldError("", expected, "got something else")])
+    unknown = [name for name in value if name not in fields]
+    if unknown:
+        raise InvalidField(
+            [FieldError(name[:200], f"one of {', '.join(fields)}", "got an unknown field") for name in unknown[:20]]
+        )
+    return value
+
+
+def read_name(value: object, longest: int, path: str = "by") -> str:
+    """Return a name, by default that of the requester in the field `by`, without surrounding spaces.
+
+    Raises:
+        InvalidField: It is not a name of at most `longest` characters.
+    """
+    if not isinstance(value, str) or len(value) > longest or not NAME.fullmatch(value):
+        raise InvalidField([FieldError(path, f"1 to {longest} characters, in one line", got(value))])
+    return value.strip()
+
+
+def name_schema(longest: int) -> dict[str, Any]:
+    """Return the schema of such a name for the OpenAPI document."""
+    return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
+
+
+def read_names(value: object, most: int, longest: int, path: str) -> tuple[str, ...]:
+    """Return names without surrounding spaces, and each of them once.
+
+    Raises:
+        InvalidField: It is not an array of at most `most` names.
+    """
+    if not isinstance(value, list) or len(value) > most:
+        detail = f"got {len(value)}" if isinstance(value, list) else got(value)
+        raise InvalidField([FieldError(path, f"an array of up to {most} names", detail)])
+    names = (read_name(name, longest, f"{path}.{index}") for index, name in enumerate(value))
+    return tuple(dict.fromkeys(names))
+
+
+def read_wait(request: Request) -> float:
+    """Return the seconds to wait for the end of a goal, from `Prefer: wait=30`; 0 by default.
+
+    Raises:
+        InvalidField: It is not a number of seconds from 0 to 300.
+    """
+    for preference in request.headers.get("prefer", "").split(","):
+        name, _, value = preference.partition("=")
+        if name.strip().lower() != "wait":
+            continue
+        seconds = read_digits(value.partition(";")[0].strip().strip('"'))
+        if seconds is None or seconds > MAX_WAIT:
+            raise InvalidField(
+                [FieldError("header.Prefer", f"wait=0 to wait={MAX_WAIT:.0f}", f"got {preference.strip()[:60]!r}")]
+            )
+        return float(seconds)
+    return 0.0
+
+
+def read_digits(text: str) -> int | None:
+    """Read a number from a header; None if it is not one. Digits beyond the first 18 are ignored."""
+    return int(text[:MAX_DIGITS]) if text.isascii() and text.isdecimal() else None
+
+
+def read_key(request: Request) -> str | None:
+    """Return the Idempotency-Key header.
+
+    Raises:
+        InvalidField: It is not a key.
+    """
+    return check_key(request.headers.get("idempotency-key"), "header.Idempotency-Key")
+
+
+def check_key(key: str | None, path: str) -> str | None:
+    """Check and return an idempotency key, which may be None.
+
+    Raises:
+        InvalidField: It is empty or too long, or has a NUL, which databases do not accept.
+    """
+    if key is not None and (not 0 < len(key) <= MAX_KEY or "\0" in key):
+        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters, without NUL", got(key))])
+    return key
+
+
+GOAL_ID = re.compile(r"[0-9A-Fa-f]{8}-?(?:[0-9A-Fa-f]{4}-?){3}[0-9A-Fa-f]{12}")
+
+TheGateway = Annotated[Gateway, Depends(depend_on_gateway)]
+# A name on the ROS graph without its leading slash.
+GraphName = Annotated[
+    str,
+    Path(
+        description="The name on the ROS graph without its leading slash",
+        json_schema_extra={"pattern": f"^{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*$"},
+    ),
+]
+ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}
+RobotQuery = Annotated[
+    str | None, Query(description="Namespace of the robot, such as `/robot1`", json_schema_extra=ROBOT_PATTERN)
+]
+RobotsQuery = Annotated[
+    list[Annotated[str, WithJsonSchema({"type": "string", **ROBOT_PATTERN})]] | None,
+    Query(description="Namespaces of the robots, such as `/robot1`"),
+]
+StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
+LimitQuery = Annotated[int, Query(ge=1, le=500)]
+CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of the previous page")]
+
+
+def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    """Return a JSON response, encoded as everywhere in the gateway."""
+    return Response(encode(document), status, headers, "application/json")
+
+
+def goal_response(goal: Goal, location: str, status: int = 200) -> Response:
+    """Return a response with a goal, and its path as `Location`."""
+    return json_response(goal.document(), status, {"Location": location})
+
+
+def read_goal_id(goal_id: str) -> str:
+    """Return a goal id in its canonical form. `ros2 action send_goal` prints it without hyphens.
+
+    Raises:
+        InvalidField: It is not a UUID.
+    """
+    if not GOAL_ID.fullmatch(goal_id):
+        raise InvalidField([FieldError("goal_id", "a UUID", f"got {goal_id[:60]!r}")])
+    return str(uuid.UUID(goal_id))
+
+
+async def _goal_id_in_path(goal_id: Annotated[str, Path(json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"})]) -> str:
+    return read_goal_id(goal_id)
+
+
+GoalId = Annotated[str, Depends(_goal_id_in_path)]

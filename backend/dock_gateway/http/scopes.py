@@ -1,0 +1,123 @@
+"""Whether what a request or a command is about lies within its user's grant."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.grant import Grant
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.permissions import Scope
+from dock_gateway.http.requests import read_goal_id
+
+# The query and path parameters of a request, or the fields of a command.
+Names = Mapping[str, Any]
+
+
+async def require_covered(gateway: Gateway, grant: Grant, scope: Scope, names: Names, what: str) -> None:
+    """Refuse a request or a command that is about robots, actions or topics beyond a grant.
+
+    Raises:
+        NotAllowed: It is (`not_covered`).
+        InvalidField: A name is not valid.
+        NotFound: There is no such goal or alert, or it is beyond the grant, which is the same to who asks.
+    """
+    if scope is Scope.TOPIC:
+        covered = grant.covers_topic(topic := _topic(gateway, names))
+        about = f"the topic {topic[:100]}"
+    elif not grant.limited or scope in (Scope.ANY, Scope.LISTED):
+        return
+    elif scope is Scope.EVERY:
+        raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_covered")
+    else:
+        covered, about = await _CHECKS[scope](gateway, grant, names)
+    if not covered:
+        raise not_covered(about)
+
+
+def require_action(grant: Grant, name: str) -> None:
+    """Refuse an action beyond a grant: a robot's docking action may be another one than when the request arrived.
+
+    Raises:
+        NotAllowed: It is (`not_covered`).
+    """
+    if not grant.covers_action(name):
+        raise not_covered(f"the action {name[:100]}")
+
+
+def not_covered(about: str) -> NotAllowed:
+    """Return the error that something lies beyond a grant."""
+    return NotAllowed(f"your access does not include {about}", code="not_covered")
+
+
+async def _robot(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    robot = _namespace(gateway, names)
+    return grant.covers_robot(robot), _describe_robot(robot, names)
+
+
+async def _robots(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    if _namespace(gateway, names) == "/":  # a limit to `/` is only the robot without a namespace
+        return not grant.robots, "every robot; name one of yours with `robot`"
+    return await _robot(gateway, grant, names)
+
+
+async def _dock(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    robot = _namespace(gateway, names)
+    return grant.covers_action(gateway.actions.docking.of(robot).dock), _describe_robot(robot, names)
+
+
+async def _undock(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    robot = _namespace(gateway, names)
+    return grant.covers_action(gateway.actions.docking.of(robot).undock), _describe_robot(robot, names)
+
+
+async def _action(_: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    name = f"/{names['name']}"
+    return grant.covers_action(name), f"the action {name[:100]}"
+
+
+async def _goal(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    if "name" in names and not grant.covers_action(name := f"/{names['name']}"):
+        return False, f"the action {name[:100]}"
+    await gateway.goal(read_goal_id(str(names.get("goal_id"))), grant)  # an unknown goal and another's: the same answer
+    return True, ""
+
+
+async def _command_goal(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    if names.get("action") is None:
+        return await _dock(gateway, grant, names)
+    namespace = None if names.get("robot") is None else _namespace(gateway, names)
+    if namespace is not None and not grant.covers_robot(namespace):
+        return False, _describe_robot(namespace, names)
+    name = gateway.settings.resolve(str(names["action"]), namespace)
+    return grant.covers_action(name), f"the action {name[:100]}"
+
+
+async def _alert(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    gateway.alerts.get(names["alert_id"], grant)
+    return True, ""
+
+
+_CHECKS: dict[Scope, Callable[[Gateway, Grant, Names], Awaitable[tuple[bool, str]]]] = {
+    Scope.ROBOT: _robot,
+    Scope.ROBOTS: _robots,
+    Scope.DOCK: _dock,
+    Scope.UNDOCK: _undock,
+    Scope.ACTION: _action,
+    Scope.GOAL: _goal,
+    Scope.NEW_GOAL: _command_goal,
+    Scope.ALERT: _alert,
+}
+
+
+def _namespace(gateway: Gateway, names: Names) -> str:
+    robot = names.get("robot")
+    return gateway.robots.default_namespace if robot is None else read_namespace(str(robot))
+
+
+def _describe_robot(robot: str, names: Names) -> str:
+    return f"the robot {robot}" + ("; name one of yours with `robot`" if names.get("robot") is None else "")
+
+
+def _topic(gateway: Gateway, names: Names) -> str:
+    return f"/{names['name']}" if "name" in names else gateway.settings.resolve(str(names.get("topic", "")), "")

@@ -1,0 +1,15 @@
+"""`/metrics`, for Prometheus."""
+
+from fastapi import APIRouter, Request
+from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
+from starlette.responses import PlainTextResponse, Response
+
+from dock_gateway.http.requests import TheGateway
+
+router = APIRouter(tags=["Health"])
+
+
+@router.get("/metrics", response_class=PlainTextResponse)
+async def metrics(request: Request, gateway: TheGateway) -> Response:
+    """Return the gateway's metrics in Prometheus' text format."""
+    return Response(await gateway.metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)

@@ -1,0 +1,88 @@
+"""`/healthz` and `/readyz`, for supervisors and load balancers."""
+
+from dataclasses import replace
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway import __version__
+from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.http.principal import identify
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
+from dock_gateway.http.scopes import not_covered
+from dock_gateway.observability.schema import Health, Readiness
+from dock_gateway.ros.bridge import ros_environment
+
+router = APIRouter(tags=["Health"])
+
+
+@router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
+async def healthz(gateway: TheGateway) -> Response:
+    """Report whether the ROS thread is alive and responsive."""
+    try:
+        await gateway.bridge.call(lambda: None, timeout=1.0)
+        alive = True
+    except Unavailable:
+        alive = False
+    health = {
+        "status": "ok" if alive else "ros_unavailable",
+        "version": __version__,
+        "node": gateway.settings.resolve(gateway.settings.node_name),
+        "ros": ros_environment(),
+        "subscribers": len(gateway.hub),
+    }
+    return json_response(health, 200 if alive else 503)
+
+
+@router.get(
+    "/readyz",
+    response_model=Readiness,
+    responses={503: {"model": Readiness}, **problems(403, 404, 422)},
+    dependencies=[Depends(known_query("robot"))],
+)
+async def readyz(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Report whether the docking server of a robot is available and answers, and the state of the history.
+
+    Who stopped which robots, the robots that were found, and the last error of the history are only shown to users
+    without limits.
+
+    A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
+    release it.
+    """
+    sees_everything = await _sees_everything(request)
+    if robot is not None and not sees_everything:
+        raise not_covered("robots by name here")
+    name = gateway.robots.get(robot).namespace
+    state, undock = gateway.actions.servers_of(name)
+    dock = gateway.actions.get(state.action_name)
+    ready = gateway.bridge.alive and dock is not None and dock.watch.ready
+    history, stop = gateway.history.stats(), gateway.stopper.state(name)
+    hint, robots, found = None, list[str](), list[str]()
+    if sees_everything:
+        hint = None if state.available else gateway.hint(name, UNLIMITED)
+        robots = [sight.robot for sight in gateway.fleet.sights() if sight.battery or sight.dock or sight.undock]
+        found = [alert.detail for alert in gateway.alerts.of_graph(name)]
+    else:
+        history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}
+    document = {
+        "ready": ready,
+        "robot": name,
+        "robots": robots,
+        "hint": None if hint is None else hint.detail,
+        "settings": [] if hint is None else hint.settings,
+        "problems": found,
+        "action_server": state,
+        "undock_server": undock,
+        "history": history,
+        "stop": stop,
+    }
+    return json_response(document, 200 if ready else 503)
+
+
+async def _sees_everything(request: Request) -> bool:
+    try:
+        return not (await identify(request)).grant.limited
+    except GatewayError:
+        return False

@@ -1,0 +1,51 @@
+"""The JSON shapes of `/healthz` and `/readyz`."""
+
+from typing import Literal
+
+from dock_gateway.goals.action_schema import ActionServer
+from dock_gateway.http.schema import Schema
+from dock_gateway.stop.schema import StopState
+
+
+class Health(Schema):
+    """Whether the gateway itself works; `node` is its name on the graph."""
+
+    status: Literal["ok", "ros_unavailable"]
+    version: str
+    node: str
+    ros: dict[str, str]
+    subscribers: int
+
+
+class HistoryState(Schema):
+    """The state of the history of goals and events.
+
+    `waiting` (in memory) and `spooled` (on disk) count what is not in the database yet; `dropped` counts the feedback
+    and battery events that were discarded.
+    """
+
+    waiting: int
+    spooled: int
+    dropped: int
+    database_reachable: bool
+    last_error: str | None
+
+
+class Readiness(Schema):
+    """Whether the docking server of a robot is available and answers, with the state of the history and of the stop.
+
+    `robot` is the robot. `robots` are all that were found on the graph, `hint` says what to do if this one has no
+    docking server, `settings` are lines for that, and `problems` says what is wrong on the graph. They are empty for
+    users with limits.
+    """
+
+    ready: bool
+    robot: str
+    robots: list[str]
+    hint: str | None
+    settings: list[str]
+    problems: list[str]
+    action_server: ActionServer
+    undock_server: ActionServer
+    history: HistoryState
+    stop: StopState

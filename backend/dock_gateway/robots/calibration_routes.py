@@ -1,0 +1,25 @@
+"""`/calibration`: the docking server of a robot that stands on its dock measures where that is."""
+
+from fastapi import APIRouter, Depends
+from starlette.responses import Response
+
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
+from dock_gateway.robots.schema import Calibration, CalibrationService
+
+router = APIRouter(tags=["Robots"], prefix="/calibration", dependencies=[Depends(known_query("robot"))])
+
+
+@router.get("", response_model=CalibrationService, responses=problems(404, 422, 503))
+async def get_calibration(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Return whether the robot's docking server can calibrate its dock."""
+    return json_response(await gateway.calibrations.document(gateway.robots.get(robot).namespace))
+
+
+@router.post("", response_model=Calibration, responses=problems(404, 409, 422, 503, 504))
+async def calibrate_dock(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Measure where the docked robot stands, as seen from the marker, and use that from now on. Nothing moves.
+
+    The answer comes after 3 to 10 s.
+    """
+    return json_response(await gateway.calibrations.calibrate(gateway.robots.get(robot).namespace))

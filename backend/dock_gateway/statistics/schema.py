@@ -1,0 +1,93 @@
+"""The JSON shapes of the statistics."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import ConfigDict, JsonValue
+
+from dock_gateway.http.schema import Schema
+
+
+class EndedStatuses(Schema):
+    """The number of goals that ended in each state."""
+
+    succeeded: int
+    canceled: int
+    aborted: int
+    rejected: int
+    lost: int
+
+
+class GoalDurations(Schema):
+    """How long the succeeded goals took, from creation to end, in seconds; null if none succeeded."""
+
+    median: float | None
+    p90: float | None
+
+
+class ErrorCount(Schema):
+    """The number of goals with an error code."""
+
+    code: str
+    count: int
+
+
+class GoalCounts(Schema):
+    """How the goals of a group ended.
+
+    `success_rate` is the share of succeeded goals among those that were not canceled, `mean_retries` the mean of the
+    retries that servers reported; null if there are no such goals. `errors` are the most frequent codes, `other_errors`
+    is the number of goals with other codes. `goals_path` lists the goals, with those that have not ended.
+    """
+
+    ended: int
+    statuses: EndedStatuses
+    success_rate: float | None
+    duration_s: GoalDurations
+    mean_retries: float | None
+    errors: list[ErrorCount]
+    other_errors: int
+    goals_path: str
+
+
+class GoalGroup(GoalCounts):
+    """How the goals of a day, a robot or an action ended; `key` is its name."""
+
+    key: str
+
+
+_COUNTS: dict[str, JsonValue] = {
+    "ended": 42,
+    "statuses": {"succeeded": 38, "canceled": 2, "aborted": 1, "rejected": 0, "lost": 1},
+    "success_rate": 0.95,
+    "duration_s": {"median": 31.204, "p90": 44.871},
+    "mean_retries": 0.1,
+    "errors": [{"code": "action_server_lost", "count": 1}, {"code": "failed_to_charge", "count": 1}],
+    "other_errors": 0,
+}
+_SPAN = "since=2026-11-21T00:00:00Z&until=2026-11-22T00:00:00Z"
+_ACTION = "action=/robot1/connect_to_charging_dock"
+EXAMPLE: JsonValue = {
+    "since": "2026-11-21T00:00:00Z",
+    "until": "2026-11-22T00:00:00Z",
+    "by": "robot",
+    "tz": "UTC",
+    "total": {**_COUNTS, "goals_path": f"/goals?{_SPAN}"},
+    "groups": [{"key": "/robot1", **_COUNTS, "goals_path": f"/goals?{_ACTION}&{_SPAN}"}],
+}
+
+
+class Statistics(Schema):
+    """How the goals ended that were created from `since` up to but not including `until`.
+
+    Days are in order of time, with those that have no goals; robots and actions are sorted by name.
+    """
+
+    model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
+
+    since: datetime
+    until: datetime
+    by: Literal["day", "robot", "action"]
+    tz: str
+    total: GoalCounts
+    groups: list[GoalGroup]

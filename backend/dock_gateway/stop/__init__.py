@@ -1,0 +1,1 @@
+"""Stopping robots, and releasing the stop."""

@@ -1,0 +1,215 @@
+"""`/stop`: stop a robot, check whether a stop is latched, release it.
+
+A malformed request still stops the robot, unless it is unclear which robot is meant. Any other error is reported in
+the response's `warning`.
+"""
+
+import asyncio
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.datastructures import QueryParams
+from starlette.responses import Response
+
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.audit_trail import Trail, audited, robots_text
+from dock_gateway.http.openapi import body
+from dock_gateway.http.principal import principal_of, signed
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import (
+    ROBOT_PATTERN,
+    RobotQuery,
+    RobotsQuery,
+    TheGateway,
+    json_response,
+    known_query,
+    name_schema,
+    read_json,
+    read_name,
+    read_object,
+    read_wait,
+)
+from dock_gateway.stop.schema import StopReport, StopState
+
+log = logging.getLogger(__name__)
+
+router = APIRouter(tags=["Stop"])
+only_robot = Depends(known_query("robot"))
+
+FIELDS = ("latch", "by")
+MAX_NAME = 100
+# Seconds after which a stop begins without its body. Most bodies come with the headers.
+BEGIN_WITHIN = 0.03
+# Seconds after which it is carried out without its body.
+BODY_WITHIN = 2.0
+STOP_REQUEST = {
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "latch": {
+            "type": "boolean",
+            "description": "Whether goals are refused until the stop is released; true by default",
+        },
+        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Name of who stops the robot"},
+        "robot": {
+            "type": ["string", "null"],
+            "description": "The robot, if it is not in the query",
+            **ROBOT_PATTERN,
+        },
+    },
+}
+PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=2"}]
+
+
+async def stop_robots(
+    gateway: Gateway,
+    principal: Principal,
+    robots: list[str],
+    value: object,
+    *,
+    wait: float = 0.0,
+    wrong: list[GatewayError] | None = None,
+) -> dict[str, Any]:
+    """Stop robots as requested, or by the defaults if the request cannot be read.
+
+    Args:
+        gateway: The gateway.
+        principal: Who stops them; whatever else cannot be read, their name is recorded if it is known.
+        robots: The robots; none is the configured one.
+        value: The decoded body, or the fields of a command.
+        wait: Seconds that action servers may take to answer.
+        wrong: Errors already found in the request.
+
+    Returns:
+        The report, with the errors as `warning`.
+
+    Raises:
+        NotFound: There is none of these robots.
+        Unavailable: Zero velocity could not be published.
+    """
+    wrong = [] if wrong is None else wrong
+    how: dict[str, Any] = {"by": principal.name}
+    with _noting(wrong):
+        how = _read_stop(read_object(signed(principal, value), *FIELDS))
+    if wrong:
+        log.warning("a stop is carried out although parts of the request are invalid: %s", _warning(wrong)["detail"])
+    report = vars(await gateway.stopper.stop(*robots, **how, wait=wait))
+    if (problem := report.pop("problem")) is not None:
+        wrong.insert(0, problem)
+    return {**report, "warning": _warning(wrong) if wrong else None}
+
+
+@contextmanager
+def _noting(wrong: list[GatewayError]) -> Iterator[None]:
+    """Append any error to `wrong`, and go on without that part of the request."""
+    try:
+        yield
+    except GatewayError as error:
+        wrong.append(error)
+    except Exception:
+        log.exception("a part of a stop could not be read")
+        wrong.append(MalformedRequest("a part of the request could not be read", code="malformed_request"))
+
+
+def _warning(wrong: list[GatewayError]) -> dict[str, Any]:
+    """Merge all errors into one problem, named after the first."""
+    errors = [entry for error in wrong for entry in error.extra.get("errors", ())]
+    detail = "; ".join(error.detail for error in wrong)
+    return {**wrong[0].problem(), "detail": detail} | ({"errors": errors} if errors else {})
+
+
+def _read_stop(fields: dict[str, Any]) -> dict[str, Any]:
+    latch, by = fields.get("latch", True), fields.get("by")
+    if not isinstance(latch, bool):
+        raise InvalidField([FieldError("latch", "true or false", got(latch))])
+    return {"latch": latch, "by": None if by is None else read_name(by, MAX_NAME)}
+
+
+def _read_robots(query: QueryParams, value: object, wrong: list[GatewayError]) -> list[str]:
+    """Return the robots to stop (none is the configured one), and remove a name from the body.
+
+    Raises:
+        InvalidField: It is unclear which: the body names another than the query, or none is named and an unknown
+            parameter may be a misspelt `robot`.
+    """
+    robots: list[Any] = query.getlist("robot")
+    if isinstance(value, dict) and (isinstance(value.get("robot"), str) or not robots):
+        named = value.pop("robot", None)
+        if (named is not None and set(robots) - {named}) or not isinstance(named, str | None):
+            raise InvalidField([FieldError("robot", "one robot, that of the query if it has one", got(named))])
+        robots = [] if named is None else [named]
+    unknown = [name for name in query if name != "robot"]
+    if unknown:
+        expected, detail = "robot and nothing else", "got an unknown parameter"
+        error = InvalidField([FieldError(f"query.{name[:100]}", expected, detail) for name in unknown[:20]])
+        if not robots:
+            raise error
+        wrong.append(error)
+    return robots
+
+
+@router.post(
+    "/stop",
+    response_model=StopReport,
+    responses=problems(404, 422) | problems(503, schema="StopProblem"),
+    openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
+)
+async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None) -> Response:
+    """Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
+
+    Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
+    the stop; with `{"latch": false}` they are not refused. Robots in namespaces below are stopped, too: on a gateway
+    without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
+    that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
+
+    `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
+
+    A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
+    ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
+    If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
+    """
+    value: Any = {}
+    wait = 0.0
+    wrong: list[GatewayError] = []
+    with _noting(wrong):
+        value = await _read_body(request, gateway)
+    with _noting(wrong):
+        wait = read_wait(request)
+    robots = _read_robots(request.query_params, value, wrong)
+    if robots:
+        audited(request, robot=robots_text(robots))
+    return json_response(await stop_robots(gateway, principal_of(request), robots, value, wait=wait, wrong=wrong))
+
+
+async def _read_body(request: Request, gateway: Gateway) -> Any:
+    """Return the decoded body. If it is late, stop the robot meanwhile, without latching: the body may name another.
+
+    The audit log has that as a stop of its own, as the body may never come, or be about another robot.
+    """
+    reading = asyncio.create_task(read_json(request, empty={}, within=BODY_WITHIN))
+    await asyncio.wait({reading}, timeout=BEGIN_WITHIN)
+    if not reading.done():
+        wrong: list[GatewayError] = []
+        with _noting(wrong):
+            await gateway.stopper.stop(*_read_robots(request.query_params, {}, []), latch=False)
+        status, code = (wrong[0].status, wrong[0].code) if wrong else (HTTPStatus.OK, None)
+        await Trail(request.scope).record(status, code)
+    return await reading
+
+
+@router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
+async def get_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Return whether a stop is latched for a robot."""
+    return json_response(gateway.stopper.state(robot))
+
+
+@router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
+async def release_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move."""
+    return json_response(await gateway.stopper.release(robot))

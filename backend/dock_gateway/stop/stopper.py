@@ -1,0 +1,313 @@
+"""Stop: halts the robot, cancels its goals, regardless of sender, and sends none until the stop is released."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.filters import lineage
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.registry import Robot, RobotRegistry
+
+log = logging.getLogger(__name__)
+
+# A stop is answered within 100 ms. The action servers get half of that, in seconds.
+CONFIRM_WITHIN = 0.05
+# Seconds before zero velocity is published again. Requests for the same stop until then join it.
+REPEAT_AFTER = 0.1
+# Publishing zero velocity to hundreds of robots blocks the loop for some 20 ms, too long to repeat for hundreds of
+# stops per second. Requests that join do not repeat it until this many times its duration has passed.
+REST = 4
+# Seconds after the request until which the answer waits for the disk. The rest of the 100 ms is for the answer itself.
+STORE_WITHIN = 0.08
+
+
+@dataclass
+class StopReport:
+    """The result of a stop.
+
+    Attributes:
+        canceling: The goals that are being canceled.
+        failed: The actions that refused or could not be reached, and the robots to which zero velocity could not be
+            published.
+        unconfirmed: The actions that have not answered the cancel request yet.
+        stop: The latch, as `GET /stop` shows it.
+        problem: Why a restart of the gateway would forget the stop; None if it would not.
+    """
+
+    canceling: list[str] = field(default_factory=list)
+    failed: list[dict[str, str | None]] = field(default_factory=list)
+    unconfirmed: list[str] = field(default_factory=list)
+    stop: dict[str, Any] = field(default_factory=dict)
+    problem: GatewayError | None = None
+
+    def add(self, other: "StopReport") -> None:
+        """Add what was done to other robots."""
+        self.canceling += other.canceling
+        self.failed += other.failed
+        self.unconfirmed += other.unconfirmed
+
+
+class Halt:
+    """One stop being executed, shared by all requests for it until it has been repeated.
+
+    Attributes:
+        robots: The robots to stop.
+        cancels: The requests to cancel every goal, by action.
+        unreached: The robots to which zero velocity could not be published the last time, and why.
+        latched: Whether one of the requests asked for the stop to be latched.
+        joined: Whether a request has joined since the last repetition.
+        took: How long it took to publish zero velocity to all robots, in seconds.
+        published_at: When that was last done, on the monotonic clock.
+        confirmed: Set when the action servers have answered or timed out.
+    """
+
+    def __init__(self, robots: list[Robot]) -> None:
+        self.robots = robots
+        self.cancels: dict[Action, asyncio.Task[list[str]]] = {}
+        self.unreached: dict[str, Exception] = {}
+        self.latched = self.joined = False
+        self.took = self.published_at = 0.0
+        self.confirmed = asyncio.Event()
+
+    def publish_zero(self) -> None:
+        """Publish zero velocity to each robot. A failure does not affect the others."""
+        began = time.monotonic()
+        self.unreached = {}
+        for robot in self.robots:
+            try:
+                robot.velocity.publish_zero()
+            except Exception as error:
+                log.exception("zero velocity could not be published to %s", robot.namespace)
+                self.unreached[robot.namespace] = error
+        self.published_at = time.monotonic()
+        self.took = self.published_at - began
+
+    async def ended(self, timeout: float | None) -> None:
+        """Wait until all action servers have answered, at most `timeout` seconds."""
+        pending = [cancel for cancel in self.cancels.values() if not cancel.done()]
+        if pending and (timeout is None or timeout > 0):
+            await asyncio.wait(pending, timeout=timeout)
+
+    def report(self) -> StopReport:
+        """Return what has been done so far."""
+        report = StopReport(failed=[_not_stopped(robot, error) for robot, error in self.unreached.items()])
+        for action, task in self.cancels.items():
+            if not task.done():
+                report.unconfirmed.append(action.name)
+            elif (error := task.exception()) is None:
+                report.canceling += task.result()
+            else:
+                report.failed.append(_not_canceled(action.name, error))
+                report.canceling += getattr(error, "extra", {}).get("canceling", [])
+        return report
+
+
+class Stopper:
+    """Stops robots, and releases them.
+
+    Args:
+        robots: The robots.
+        actions: The actions.
+        interlock: Latches the stops.
+
+    Attributes:
+        on_stop: Called with the namespace of a robot that is stopped.
+    """
+
+    def __init__(self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock) -> None:
+        self.on_stop: list[Callable[[str], None]] = []
+        self._robots = robots
+        self._actions = actions
+        self._interlock = interlock
+        self._halts: dict[str, Halt] = {}  # by namespace, while they can be joined
+        self._tasks = Tasks("stopping")
+
+    def state(self, namespace: str | None = None) -> dict[str, Any]:
+        """Return the latch of a robot; default: the configured one.
+
+        Raises:
+            NotFound: There is no such robot.
+        """
+        return self._interlock.document(self._robots.get(namespace).namespace)
+
+    async def release(self, namespace: str | None = None) -> dict[str, Any]:
+        """Release the stop of a robot and those below it; return the latch.
+
+        Raises:
+            NotFound: There is no such robot.
+            Conflict: `stop_latched`: a stop of a namespace above holds for it.
+        """
+        name = self._robots.get(namespace).namespace
+        await self._interlock.release(name)
+        return self._interlock.document(name)
+
+    async def stop(self, *namespaces: str, latch: bool = True, by: str | None = None, wait: float = 0.0) -> StopReport:
+        """Publish zero velocity, cancel every goal on every action of the robots, publish zero velocity again.
+
+        All requests are sent before it waits: less than 100 ms for action servers and the disk, unless `wait` is
+        longer. A request for a stop that has just begun joins it, and the stop is repeated. A robot that is not known
+        does not keep the others from being stopped.
+
+        Args:
+            namespaces: The robots; none means the configured one. Robots in namespaces below them are stopped, too.
+            latch: Refuse goals until the stop is released.
+            by: Who requested it.
+            wait: Seconds to wait for the action servers' answers, if longer than `CONFIRM_WITHIN`.
+
+        Raises:
+            NotFound: None of the robots is known.
+            Unavailable: `ros_unavailable`: zero velocity could not be published to any robot. Goals are canceled and
+                the stop is latched nevertheless, as the report in `extra` says.
+        """
+        began = time.monotonic()
+        names, unknown = self._known(namespaces)
+        halts = {name: self._halt(name) for name in names}
+        new = [name for name, halt in halts.items() if latch and self._latch(name, halt, by)]
+        for halt in halts.values():
+            await halt.confirmed.wait()
+            await halt.ended(began + CONFIRM_WITHIN - time.monotonic())
+        for name in new:
+            self._interlock.publish(name)
+        problem = await self._interlock.stored(began + STORE_WITHIN - time.monotonic()) if latch else None
+        if wait > CONFIRM_WITHIN:
+            for halt in halts.values():
+                await halt.ended(began + wait - time.monotonic())
+        report = StopReport(
+            failed=unknown, stop=_together([self._interlock.document(name) for name in names]), problem=problem
+        )
+        for halt in halts.values():
+            report.add(halt.report())
+        if all(len(halt.unreached) == len(halt.robots) for halt in halts.values()):
+            detail = "zero velocity could not be published; use the robot's own emergency stop if it moves"
+            done_all_the_same = {key: value for key, value in vars(report).items() if key != "problem"}
+            raise Unavailable(detail, code="ros_unavailable", **done_all_the_same)
+        return report
+
+    def _known(self, namespaces: tuple[str, ...]) -> tuple[list[str], list[dict[str, str | None]]]:
+        """Return the robots to stop but those below others of them, and the failures of those that are not known."""
+        names: set[str] = set()
+        refused: dict[str, GatewayError] = {}
+        for namespace in namespaces or (None,):
+            try:
+                names.add(self._robots.get(namespace).namespace)
+            except GatewayError as error:
+                refused[namespace or ""] = error
+        if not names:
+            raise next(iter(refused.values()))
+        outermost = [name for name in sorted(names) if not names & (set(lineage(name)) - {name})]
+        return outermost, [_not_known(robot, error) for robot, error in refused.items()]
+
+    def _halt(self, name: str) -> Halt:
+        """Begin a stop, or join one that has just begun."""
+        if (halt := self._halts.get(name)) is None:
+            return self._begin(name)
+        self._join(name, halt)
+        return halt
+
+    def _latch(self, name: str, halt: Halt, by: str | None) -> bool:
+        """Latch a stop; return False if it is latched already."""
+        if halt.latched and self._interlock.holds(name):
+            return False
+        halt.latched = True
+        self._interlock.latch(name, by)
+        return True
+
+    # ------------------------------------------------------------------ execution
+
+    def _begin(self, name: str) -> Halt:
+        self._halts[name] = halt = Halt(self._robots.under(name))
+        halt.publish_zero()
+        for action in self._actions.under(name):
+            self._cancel(halt, action)
+        self._tasks.spawn(self._carry_on(name, halt))
+        self._notify(halt.robots)
+        return halt
+
+    def _join(self, name: str, halt: Halt) -> None:
+        """Repeat the stop: since it began, a robot may have been driven or have appeared, or a goal have started."""
+        halt.joined = True
+        known = {robot.namespace for robot in halt.robots}
+        new = [robot for robot in self._robots.under(name) if robot.namespace not in known]
+        halt.robots += new
+        if new or time.monotonic() - halt.published_at > REST * halt.took:
+            halt.publish_zero()
+            self._notify(halt.robots)
+        for action in self._actions.under(name):
+            cancel = halt.cancels.get(action)
+            if cancel is None or (cancel.done() and action.canceler.uncanceled):
+                self._cancel(halt, action)
+            else:
+                action.delivery.stop()
+
+    def _notify(self, robots: list[Robot]) -> None:
+        for robot in robots:
+            for notify in self.on_stop:
+                notify(robot.namespace)
+
+    def _cancel(self, halt: Halt, action: Action) -> None:
+        action.delivery.stop()
+        halt.cancels[action] = self._tasks.spawn(action.canceler.cancel_all())
+
+    async def _carry_on(self, name: str, halt: Halt) -> None:
+        try:
+            await halt.ended(CONFIRM_WITHIN)
+            # Not before the cancels: a server that receives the latch first would abort its goal.
+            if halt.latched:
+                self._interlock.publish(name)
+            log.info("stop of %s: zero velocity, canceling %s", name, halt.report().canceling or "no goal")
+            halt.confirmed.set()
+            while await self._repeat(halt):
+                pass
+        finally:
+            del self._halts[name]
+            halt.confirmed.set()
+        if halt.report().unconfirmed:
+            await halt.ended(None)
+            halt.publish_zero()
+
+    async def _repeat(self, halt: Halt) -> bool:
+        """Publish zero velocity again, to override commands sent since; return whether others joined meanwhile."""
+        halt.joined = False
+        await asyncio.sleep(max(REPEAT_AFTER, REST * halt.took))
+        halt.publish_zero()
+        return halt.joined
+
+    async def close(self) -> None:
+        """Stop all background work."""
+        await self._tasks.close()
+
+
+def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the latch of several robots: latched if each of them is, since the first was."""
+    latched = all(stop["latched"] for stop in stops)
+    first = min(stops, key=lambda stop: stop["since"]) if latched else {"since": None, "by": None}
+    return {
+        "latched": latched,
+        "since": first["since"],
+        "by": first["by"],
+        "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
+        "persisted": all(stop["persisted"] for stop in stops),
+    }
+
+
+def _not_stopped(robot: str, error: Exception) -> dict[str, str | None]:
+    detail = f"zero velocity could not be published to {robot}: {error!r:.200}"
+    return {"action_name": None, "robot": robot, "code": "publish_failed", "detail": detail}
+
+
+def _not_known(robot: str, error: GatewayError) -> dict[str, str | None]:
+    return {"action_name": None, "robot": robot, "code": error.code, "detail": error.detail}
+
+
+def _not_canceled(action_name: str, error: BaseException) -> dict[str, str | None]:
+    code, detail = GatewayError.code, "the gateway's log has the details"
+    if isinstance(error, GatewayError):
+        code, detail = error.code, error.detail
+    return {"action_name": action_name, "robot": None, "code": code, "detail": detail}

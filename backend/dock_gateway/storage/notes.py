@@ -1,0 +1,166 @@
+"""Notes and tags on goals. Read from the database each time, so that every gateway that shares it has the same."""
+
+from collections.abc import Collection
+
+import sqlalchemy as sa
+
+from dock_gateway.core.errors import Conflict, NotFound
+from dock_gateway.storage.immediate import ImmediateWriter
+from dock_gateway.storage.protocol import GoalNotes, Note
+from dock_gateway.storage.reader import Reader
+from dock_gateway.storage.tables import goal_notes, goal_tags, goals
+
+MAX_NOTES = 100  # on one goal
+MAX_TAGS_LISTED = 1000
+
+
+class SqlNotes:
+    """Notes and tags in a database.
+
+    Args:
+        reader: Reads from the database.
+        writer: Writes to it.
+    """
+
+    def __init__(self, reader: Reader, writer: ImmediateWriter) -> None:
+        self._reader = reader
+        self._writer = writer
+
+    async def of(self, goal_id: str) -> GoalNotes:
+        """Return the notes and tags of a goal."""
+        return await self._reader.read(_notes_of, goal_id)
+
+    async def tags_of(self, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
+        """Return the tags of those of the goals that have any, sorted."""
+        return await self._reader.read(_tags_of, goal_ids)
+
+    async def all_tags(self) -> list[str]:
+        """Return the tags of all goals, sorted."""
+        return await self._reader.read(_all_tags)
+
+    async def add(self, goal_id: str, note: Note) -> GoalNotes:
+        """Store a note; return what the goal has then."""
+        return await self._writer.write(_add, goal_id, note)
+
+    async def remove(self, goal_id: str, note_id: str) -> GoalNotes:
+        """Delete a note; return what the goal has then."""
+        return await self._writer.write(_remove, goal_id, note_id)
+
+    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> GoalNotes:
+        """Store the tags of a goal; return what it has then."""
+        return await self._writer.write(_replace_tags, goal_id, tags)
+
+
+class MemoryNotes:
+    """Notes and tags in memory."""
+
+    def __init__(self) -> None:
+        self._notes: dict[str, list[Note]] = {}
+        self._tags: dict[str, tuple[str, ...]] = {}
+
+    async def of(self, goal_id: str) -> GoalNotes:
+        """Return the notes and tags of a goal."""
+        return GoalNotes(self._tags.get(goal_id, ()), tuple(self._notes.get(goal_id, ())))
+
+    async def tags_of(self, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
+        """Return the tags of those of the goals that have any, sorted."""
+        return {goal_id: self._tags[goal_id] for goal_id in goal_ids if goal_id in self._tags}
+
+    async def all_tags(self) -> list[str]:
+        """Return the tags of all goals, sorted."""
+        return sorted({tag for tags in self._tags.values() for tag in tags})[:MAX_TAGS_LISTED]
+
+    async def add(self, goal_id: str, note: Note) -> GoalNotes:
+        """Store a note; return what the goal has then."""
+        notes = self._notes.get(goal_id, [])
+        _require_room(len(notes))
+        self._notes[goal_id] = [*notes, note]
+        return await self.of(goal_id)
+
+    async def remove(self, goal_id: str, note_id: str) -> GoalNotes:
+        """Delete a note; return what the goal has then."""
+        notes = self._notes.get(goal_id, [])
+        kept = [note for note in notes if note.note_id != note_id]
+        _require_removed(len(notes) - len(kept), note_id)
+        self._notes[goal_id] = kept
+        return await self.of(goal_id)
+
+    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> GoalNotes:
+        """Store the tags of a goal; return what it has then."""
+        self._tags.pop(goal_id, None)
+        if tags:
+            self._tags[goal_id] = tuple(sorted(tags))
+        return await self.of(goal_id)
+
+    def with_one_of(self, tags: Collection[str]) -> set[str]:
+        """Return the goals that have one of these tags."""
+        return {goal_id for goal_id, its in self._tags.items() if not set(its).isdisjoint(tags)}
+
+    def forget(self, goal_id: str) -> None:
+        """Delete everything about a goal."""
+        self._notes.pop(goal_id, None)
+        self._tags.pop(goal_id, None)
+
+
+def delete_of(connection: sa.Connection, goal_ids: Collection[str]) -> None:
+    """Delete the notes and tags of goals."""
+    for table in (goal_notes, goal_tags):
+        connection.execute(sa.delete(table).where(table.c.goal_id.in_(list(goal_ids))))
+
+
+def _notes_of(connection: sa.Connection, goal_id: str) -> GoalNotes:
+    query = sa.select(goal_notes.c.note_id, goal_notes.c.author, goal_notes.c.written_at, goal_notes.c.text)
+    query = query.where(goal_notes.c.goal_id == goal_id).order_by(goal_notes.c.written_at, goal_notes.c.note_id)
+    notes = tuple(Note(*row) for row in connection.execute(query))
+    return GoalNotes(_tags_of(connection, [goal_id]).get(goal_id, ()), notes)
+
+
+def _tags_of(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
+    found: dict[str, tuple[str, ...]] = {}
+    query = sa.select(goal_tags).where(goal_tags.c.goal_id.in_(list(goal_ids))).order_by(goal_tags.c.tag)
+    for row in connection.execute(query):
+        found[row.goal_id] = (*found.get(row.goal_id, ()), row.tag)
+    return found
+
+
+def _all_tags(connection: sa.Connection) -> list[str]:
+    query = sa.select(goal_tags.c.tag).distinct().order_by(goal_tags.c.tag).limit(MAX_TAGS_LISTED)
+    return list(connection.scalars(query))
+
+
+def _add(connection: sa.Connection, goal_id: str, note: Note) -> GoalNotes:
+    _lock(connection, goal_id)
+    query = sa.select(sa.func.count()).where(goal_notes.c.goal_id == goal_id)
+    _require_room(connection.scalar(query) or 0)
+    row = {"note_id": note.note_id, "author": note.by, "written_at": note.at, "text": note.text}
+    connection.execute(sa.insert(goal_notes), row | {"goal_id": goal_id})
+    return _notes_of(connection, goal_id)
+
+
+def _remove(connection: sa.Connection, goal_id: str, note_id: str) -> GoalNotes:
+    it = goal_notes.c.note_id == note_id, goal_notes.c.goal_id == goal_id
+    _require_removed(connection.execute(sa.delete(goal_notes).where(*it)).rowcount, note_id)
+    return _notes_of(connection, goal_id)
+
+
+def _replace_tags(connection: sa.Connection, goal_id: str, tags: Collection[str]) -> GoalNotes:
+    _lock(connection, goal_id)
+    connection.execute(sa.delete(goal_tags).where(goal_tags.c.goal_id == goal_id))
+    if tags:
+        connection.execute(sa.insert(goal_tags), [{"goal_id": goal_id, "tag": tag} for tag in sorted(tags)])
+    return _notes_of(connection, goal_id)
+
+
+def _lock(connection: sa.Connection, goal_id: str) -> None:
+    """Let other gateways, and the retention, wait until the transaction ends. SQLite has only one writer anyway."""
+    connection.execute(sa.select(goals.c.goal_id).where(goals.c.goal_id == goal_id).with_for_update())
+
+
+def _require_room(notes: int) -> None:
+    if notes >= MAX_NOTES:
+        raise Conflict(f"the goal has {MAX_NOTES} notes; delete one first", code="too_many_notes")
+
+
+def _require_removed(removed: int, note_id: str) -> None:
+    if not removed:
+        raise NotFound(f"the goal has no note {note_id}", code="note_not_found")

@@ -1,0 +1,407 @@
+"""The history in a database. Reads include the entries that are not written yet."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
+from copy import copy
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import sqlalchemy as sa
+
+from dock_gateway.core.access import PersonSession, Session, Token, User
+from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import Event, time_id
+from dock_gateway.core.filters import GoalFilter
+from dock_gateway.core.goal import Goal
+from dock_gateway.core.grant import Role
+from dock_gateway.core.tasks import cancel
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
+from dock_gateway.storage import queries, statistics
+from dock_gateway.storage.audit import SqlAudit
+from dock_gateway.storage.battery import BatterySpan, Bucket
+from dock_gateway.storage.database import DATABASE_ERRORS, Database
+from dock_gateway.storage.entries import SqlEntries
+from dock_gateway.storage.event_reader import EventReader
+from dock_gateway.storage.immediate import ImmediateWriter
+from dock_gateway.storage.merge import merge
+from dock_gateway.storage.notes import SqlNotes
+from dock_gateway.storage.protocol import (
+    KEY_LIFETIME,
+    NEVER,
+    Acknowledgement,
+    HistoryStats,
+    Incident,
+    LaterEvents,
+    RobotLabel,
+    fingerprint_of,
+)
+from dock_gateway.storage.reader import AWAY, Reader
+from dock_gateway.storage.retention import Limits, Retention
+from dock_gateway.storage.rows import Key
+from dock_gateway.storage.seals import Sealer
+from dock_gateway.storage.spool import Spool
+from dock_gateway.storage.statistics import Span, Tallies
+from dock_gateway.storage.tables import (
+    acknowledgements,
+    automation_decisions,
+    automation_rules,
+    goal_tags,
+    person_sessions,
+    robot_labels,
+    sessions,
+    tokens,
+    users,
+    webhook_deliveries,
+    webhooks,
+)
+from dock_gateway.storage.waiting import Waiting
+from dock_gateway.storage.writer import Writer
+
+log = logging.getLogger(__name__)
+
+OPEN_TIMEOUT = 2.0  # Seconds that the start waits for the database.
+CLOSE_TIMEOUT = 1.0  # Seconds.
+LOOK_INTERVAL = 2.0  # Seconds between two polls of the database.
+KEPT_TOPICS = ("goals", "battery", "cmd_vel")
+KEY_TIMEOUT = 0.5  # Seconds to look up an idempotency key before its goal is sent.
+MAX_KEYS = 10_000
+
+
+class SqlHistory:
+    """Goals, events and keys in SQLite or PostgreSQL, with a spool as fallback.
+
+    Args:
+        url: `sqlite:///path` or `postgresql://…`.
+        spool: Takes entries while the database does not answer.
+        max_waiting: The maximum number of events, and of goals, that wait in memory.
+        limits: How much is kept, and for how long.
+    """
+
+    def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
+        self._database = open_database(url)
+        self._spool = spool
+        self._waiting = Waiting(max_waiting)
+        self._writer = Writer(self._database, self._spool, self._waiting, self._write_again)
+        self._sealer = Sealer(self._database)
+        self._keys: dict[str, Key] = {}
+        self.newest = ""
+        self.shared = self._database.shared
+        self._reader = Reader(self._database, self._writer)
+        writer = ImmediateWriter(self._database, self._writer)
+        self.acknowledgements = SqlEntries(self._reader, writer, acknowledgements, Acknowledgement)
+        self.labels = SqlEntries(self._reader, writer, robot_labels, RobotLabel)
+        self.notes = SqlNotes(self._reader, writer)
+        self.automation_rules = SqlEntries(self._reader, writer, automation_rules, _rule)
+        self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, _decision)
+        self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
+        self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, _delivery)
+        self.tokens = SqlEntries(self._reader, writer, tokens, _token)
+        self.users = SqlEntries(self._reader, writer, users, _user)
+        self.sessions = SqlEntries(self._reader, writer, sessions, Session)
+        self.person_sessions = SqlEntries(self._reader, writer, person_sessions, _person_session)
+        self.audit = SqlAudit(self._reader, writer)
+        self._events = EventReader(self._reader, self._waiting)
+        self.retention = Retention(self._database, limits)
+        self.on_loss: Callable[[], None] = lambda: None
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def open(self) -> None:
+        """Load what an earlier process left in the spool, and wait up to two seconds for the database."""
+        await self._writer.take_over()
+        self._writer.start()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(OPEN_TIMEOUT):
+                await self._writer.answered.wait()
+        with suppress(Unavailable):
+            self._keys = {key.key: key for key in await self._reader.read(queries.newest_keys, MAX_KEYS)}
+            self.newest = await self._reader.read(queries.newest)
+        for key in self._waiting.keys.values():
+            self._keys.setdefault(key.key, key)
+        work = (self._sealer.run(), self.retention.run(), self._look_after_database())
+        self._tasks = [asyncio.create_task(each) for each in work]
+
+    async def _look_after_database(self) -> None:
+        """Poll the database, so that an outage or a replaced file is noticed without any writes."""
+        while True:
+            await asyncio.sleep(LOOK_INTERVAL)
+            with suppress(Unavailable):
+                await self._reader.read(lambda _: None)
+
+    def _write_again(self) -> None:
+        """After the database lost its data: queue what this process knows, and mark the rest as missing."""
+        now = time_id(time.time_ns())
+        self._waiting.gaps |= dict.fromkeys(KEPT_TOPICS, now)
+        for key in self._keys.values():
+            self._waiting.put_key(key)
+        self.on_loss()
+
+    @property
+    def incident(self) -> Incident | None:
+        """The last loss of the database's data, as long as it must be reported."""
+        return self._database.incident
+
+    # ------------------------------------------------------------------ write
+
+    async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
+        """Store a new goal; on return it is in the database or in the spool."""
+        key = None
+        if idempotency_key is not None:
+            key = self._held(idempotency_key)
+            if key is None:
+                key = _new_key(idempotency_key, goal.goal_id, fingerprint_of(goal.action_name, goal.goal))
+                self._hold(key)
+        await self._writer.keep(goal, key)
+
+    async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
+        """Bind a key to a goal, or return its owner.
+
+        While the database does not answer, the key is bound in this process and its successors, not at other replicas.
+        """
+        held = self._held(idempotency_key)
+        if held is None:
+            held = _new_key(idempotency_key, goal_id, fingerprint)
+            if self._writer.reachable:
+                try:
+                    async with asyncio.timeout(KEY_TIMEOUT):
+                        held = await self._database.write(queries.claim, held)
+                except DATABASE_ERRORS as error:
+                    self._writer.doubt(error)
+            held = self._held(idempotency_key) or held
+            self._hold(held)
+        return held.goal_id, held.fingerprint
+
+    async def release(self, idempotency_key: str, goal_id: str) -> None:
+        """Release the key of a goal, here and at all replicas.
+
+        A replica that has held the key since the first attempt retries with the same goal, and finds another's key.
+        """
+        if not self._writer.reachable:
+            raise Unavailable(AWAY, code="history_unavailable")
+        try:
+            async with asyncio.timeout(KEY_TIMEOUT):
+                await self._database.write(queries.release, idempotency_key, goal_id)
+        except DATABASE_ERRORS as error:
+            self._writer.doubt(error)
+            raise Unavailable(AWAY, code="history_unavailable") from error
+        held = self._keys.get(idempotency_key)
+        if held is not None and held.goal_id == goal_id:
+            del self._keys[idempotency_key]
+        self._waiting.forget_key(idempotency_key, goal_id)
+
+    def _held(self, key: str) -> Key | None:
+        held = self._keys.get(key)
+        return None if held is None or held.expired else held
+
+    def _hold(self, key: Key) -> None:
+        self._keys.pop(key.key, None)
+        self._keys[key.key] = key
+        if len(self._keys) > MAX_KEYS:
+            del self._keys[next(iter(self._keys))]
+
+    def record(self, goal: Goal) -> None:
+        """Record the current state of a goal."""
+        self._waiting.put_goal(goal)
+        self._writer.notice(must_keep=True)
+
+    def record_event(self, event: Event) -> None:
+        """Record an event; duplicates are ignored."""
+        if event.id is not None:
+            self._waiting.put_event(event)
+            self._writer.notice(must_keep=not event.droppable)
+
+    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+        """Store the end of a goal now, if the database answers; return its events as stored."""
+        self.record(goal)
+        if not self._writer.reachable or self._writer.slow:
+            return list(end)
+        return await self._sealer.seal(copy(goal), end)
+
+    # ------------------------------------------------------------------ read
+
+    async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
+        """Return goals, newest first."""
+        self._reader.require_everything()
+        read = partial(_page, limit=limit, before=before)
+        return await self._reader.read(read, wanted, dict(self._waiting.goals))
+
+    async def action_names(self) -> set[str]:
+        """Return the names of the actions that have goals."""
+        self._reader.require_everything()
+        waiting = {goal.action_name for goal in self._waiting.goals.values()}
+        return waiting | await self._reader.read(queries.action_names)
+
+    async def get(self, goal_id: str) -> Goal | None:
+        """Return a goal, or None if there is no such goal."""
+        waiting = self._waiting.goals.get(goal_id)
+        waiting_now = {} if waiting is None else {goal_id: waiting}
+        try:
+            stored = await self._reader.read(queries.goals_by_id, [goal_id])
+        except Unavailable:
+            if waiting is None:
+                raise
+            return _merged({}, waiting_now)[goal_id]
+        goal = {**stored, **_merged(stored, waiting_now)}.get(goal_id)
+        if goal is None:
+            self._reader.require_everything()
+        return goal
+
+    async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
+        """Return the stored goals among these ids, by id."""
+        waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
+        stored = await self._reader.read(queries.goals_by_id, list(goal_ids))
+        found = {**stored, **_merged(stored, waiting)}
+        if len(found) < len(goal_ids):
+            self._reader.require_everything()
+        return found
+
+    async def by_key(self, idempotency_key: str) -> Goal | None:
+        """Return the goal sent with this key."""
+        key = self._held(idempotency_key)
+        if key is None:
+            key = await self._reader.read(queries.key_of, idempotency_key, timeout=KEY_TIMEOUT)
+        return None if key is None else await self.get(key.goal_id)
+
+    async def unfinished(self, *, complete: bool = False) -> list[Goal]:
+        """Return the goals without a final status, oldest first."""
+        if complete:
+            self._reader.require_everything()
+        waiting = dict(self._waiting.goals)
+        stored: dict[str, Goal] = {}
+        try:
+            stored = await self._reader.read(_unfinished_or, list(waiting))
+        except Unavailable:
+            if complete:
+                raise
+        goals = {**stored, **_merged(stored, waiting)}.values()
+        return sorted((goal for goal in goals if not goal.status.final), key=_position)
+
+    async def events_after(
+        self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
+    ) -> LaterEvents:
+        """Return the events after a given id, oldest first."""
+        return await self._events.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
+
+    async def events_of(
+        self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
+    ) -> list[Event]:
+        """Return the events of a goal between two ids, oldest first."""
+        return await self._events.of_goal(goal_id, kinds=kinds, after=after, until=until, limit=limit)
+
+    async def knows_all_of(self, goal: Goal) -> bool:
+        """Return whether no event of a goal is missing."""
+        return await self._events.knows_all_of(goal)
+
+    async def battery(self, span: BatterySpan) -> list[Bucket]:
+        """Return the battery states of a span in buckets, oldest first."""
+        return await self._events.battery(span)
+
+    async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
+        """Return how the wanted goals ended, for each span of the time when they were created."""
+        self._reader.require_everything()
+        rows = await self._reader.read_much(statistics.read_rows, wanted, spans, by_action)
+        return await asyncio.to_thread(statistics.tally_rows, rows)
+
+    # ------------------------------------------------------------------ the rest
+
+    def stats(self) -> HistoryStats:
+        """Return the state of the history."""
+        incident, writer = self.incident, self._writer
+        reasons = (writer.last_error or (incident.detail if incident else None), writer.awaited)
+        return HistoryStats(
+            waiting=len(self._waiting),
+            spooled=self._spool.count,
+            dropped=self._waiting.dropped,
+            database_reachable=self._writer.reachable and not self._writer.slow,
+            last_error="; ".join(filter(None, reasons)) or None,
+        )
+
+    async def close(self) -> None:
+        """Write the pending entries for at most one second; spool the rest."""
+        await cancel(*self._tasks)
+        await self._writer.close(CLOSE_TIMEOUT)
+        with suppress(*DATABASE_ERRORS):
+            async with asyncio.timeout(CLOSE_TIMEOUT):
+                await self._database.close()
+
+
+def _rule(name: str, mode: str, *fields: Any) -> Rule:
+    return Rule(name, Mode(mode), *fields)
+
+
+def _decision(rule_id: str, rule_name: str, robot: str, at: datetime, outcome: str, *fields: Any) -> Decision:
+    return Decision(rule_id, rule_name, robot, at, Outcome(outcome), *fields)
+
+
+def _token(name: str, role: str, *fields: Any) -> Token:
+    return Token(name, Role(role), *fields)
+
+
+def _user(role: str, *fields: Any) -> User:
+    return User(Role(role), *fields)
+
+
+def _person_session(name: str, issuer: str, subject: str, role: str, *fields: Any) -> PersonSession:
+    return PersonSession(name, issuer, subject, Role(role), *fields)
+
+
+def _delivery(webhook_id: str, event_type: str, state: str, *fields: Any) -> Delivery:
+    return Delivery(webhook_id, EventType(event_type), DeliveryState(state), *fields)
+
+
+def open_database(url: str) -> Database:
+    """Return the database at `sqlite:///path` or `postgresql://…`, not connected yet."""
+    if url.startswith("sqlite:///"):
+        from dock_gateway.storage.sqlite import SqliteDatabase  # noqa: PLC0415 - only the driver that is used
+
+        return SqliteDatabase(Path(url.removeprefix("sqlite:///")))
+    from dock_gateway.storage.postgresql import PostgresqlDatabase  # noqa: PLC0415
+
+    return PostgresqlDatabase(url)
+
+
+def _page(
+    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: str | None
+) -> list[Goal]:
+    """Return a page of stored and pending goals, newest first."""
+    stored = queries.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
+    known = {**stored, **_merged(stored, waiting)}
+    limits = None
+    if before is not None:
+        if before not in known:
+            return []
+        limits = _position(known[before])
+    found = queries.page(connection, wanted, limit=limit, before=limits, without=list(waiting))
+    candidates = list(waiting)
+    if wanted.tags and waiting:
+        tagged = queries.tagged(wanted.tags).where(goal_tags.c.goal_id.in_(candidates))
+        candidates = list(connection.scalars(tagged.distinct()))
+    found += [
+        known[goal_id]
+        for goal_id in candidates
+        if wanted.matches(known[goal_id]) and (limits is None or _position(known[goal_id]) < limits)
+    ]
+    return sorted(found, key=_position, reverse=True)[:limit]
+
+
+def _unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
+    """Return the unfinished goals and the goals with these ids."""
+    return {goal.goal_id: goal for goal in queries.unfinished(connection)} | queries.goals_by_id(connection, goal_ids)
+
+
+def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:
+    return Key(key, goal_id, fingerprint, datetime.now(UTC) + KEY_LIFETIME)
+
+
+def _position(goal: Goal) -> tuple[datetime, str]:
+    return goal.created_at, goal.goal_id
+
+
+def _merged(stored: dict[str, Goal], waiting: dict[str, Goal]) -> dict[str, Goal]:
+    """Merge the pending goals with their stored versions; always returns copies."""
+    return {goal_id: merge(stored.get(goal_id, goal), goal) for goal_id, goal in waiting.items()}

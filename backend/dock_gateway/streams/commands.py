@@ -1,0 +1,130 @@
+"""The commands of `/ws`, without the socket: a decoded message in, the fields of the ack out."""
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import fragment
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.requests import check_key, read_goal_id
+from dock_gateway.http.scopes import require_action
+from dock_gateway.robots.battery_routes import read_rate
+from dock_gateway.stop.routes import stop_robots
+
+Fields = dict[str, Any]
+Command = Callable[[Gateway, Principal, Fields], Awaitable[Fields]]
+
+MAX_ID = 200
+STOP = "stop"
+
+
+def read_command(message: object) -> tuple[str, str | None, Fields]:
+    """Return the op, id and other fields of a decoded message.
+
+    Raises:
+        InvalidField: The message is not a command.
+    """
+    if not isinstance(message, dict):
+        raise InvalidField([FieldError("", "an object with op", "got something else")])
+    fields = dict(message)
+    op, identity = fields.pop("op", None), fields.pop("id", None)
+    if not isinstance(op, str):
+        raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
+    if identity is not None and (not isinstance(identity, str) or len(identity) > MAX_ID):
+        if op == STOP:  # carried out anyway, with a warning about the unknown field
+            return op, None, {**fields, "id": identity}
+        raise InvalidField([FieldError("id", f"a string of at most {MAX_ID} characters", "got something else")])
+    return op, identity, fields
+
+
+def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str, ...] = ()) -> None:
+    """Refuse unknown fields, and those of `texts` that are neither strings nor null.
+
+    Raises:
+        InvalidField: Lists each of them.
+    """
+    known = (*texts, *others)
+    expected = f"one of {', '.join(known)}" if known else "no fields"
+    errors = [FieldError(name[:200], expected, "got an unknown field") for name in fields if name not in known]
+    errors += [
+        FieldError(name, "a string", "got something else")
+        for name in texts
+        if fields.get(name) is not None and not isinstance(fields[name], str)
+    ]
+    if errors:
+        raise InvalidField(errors[:20])
+
+
+async def _send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+    if fields.get("action") is not None:
+        return await _submit_goal(gateway, principal, fields)
+    with gateway.hinting(fields.get("robot"), principal.grant):
+        return await _submit_goal(gateway, principal, fields)
+
+
+async def _submit_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+    check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
+    name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
+    if name is None:
+        action = await gateway.docking_action("dock", robot)
+        require_action(principal.grant, action.name)
+        message = action.parse_request(action.default_request if goal is None else goal, "goal")
+    else:
+        namespace = None if robot is None else gateway.robots.get(robot).namespace
+        action = await gateway.actions.find(gateway.settings.resolve(name, namespace))
+        message = action.port.goal_codec.parse(goal, "goal")
+    key = check_key(fields.get("idempotency_key"), "idempotency_key")
+    own = None if key is None else principal.own(key)
+    return {"goal": (await action.submitter.submit(message, own)).document()}
+
+
+async def _cancel_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    check_fields(fields, ("goal_id",))
+    return {"goal": (await gateway.cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
+
+
+async def _publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    check_fields(fields, ("robot",), ("state", "rate_hz"))
+    publisher = gateway.robots.get(fields.get("robot")).publisher
+    if "rate_hz" in fields:
+        await publisher.start(fields.get("state", {}), read_rate(fields["rate_hz"]))
+        return {"battery_publisher": publisher.document()}
+    return {"state": fragment(await publisher.publish(fields.get("state", {}), "state"))}
+
+
+async def _stop_publishing(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    check_fields(fields, ("robot",))
+    publisher = gateway.robots.get(fields.get("robot")).publisher
+    await publisher.stop()
+    return {"battery_publisher": publisher.document()}
+
+
+async def _stop(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+    robot = fields.pop("robot", None)
+    check_fields({"robot": robot}, ("robot",))
+    if robot is None:  # an unknown field may be a misspelt `robot`
+        check_fields(fields, (), ("latch", "by", "id"))
+    return await stop_robots(gateway, principal, [] if robot is None else [robot], fields)
+
+
+async def _release_stop(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    check_fields(fields, ("robot",))
+    return {"stop": await gateway.stopper.release(fields.get("robot"))}
+
+
+async def _ping(_: Gateway, __: Principal, fields: Fields) -> Fields:
+    check_fields(fields)
+    return {"time": utc_now()}
+
+
+COMMANDS: dict[str, Command] = {
+    "send_goal": _send_goal,
+    "cancel_goal": _cancel_goal,
+    "publish_battery": _publish_battery,
+    "stop_publishing": _stop_publishing,
+    STOP: _stop,
+    "release_stop": _release_stop,
+    "ping": _ping,
+}

@@ -1,0 +1,190 @@
+"""The events for one reader, in order: a snapshot or the missed events, then everything as it happens."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Iterable, Iterator
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.throttle import Throttle
+from dock_gateway.gateway import Gateway
+from dock_gateway.storage import LaterEvents
+
+
+async def snapshot(gateway: Gateway, event_filter: EventFilter) -> Event:
+    """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
+    goals = await gateway.recent_goals(event_filter)
+    robot = gateway.robots.get(event_filter.robot)
+    dock, undock = gateway.actions.servers_of(event_filter.robot)
+    fleet = {}
+    if "robots" in event_filter.topics:
+        grant = event_filter.grant or UNLIMITED
+        fleet = {"robots": gateway.fleet.documents(grant=grant), "alerts": gateway.alerts.documents(grant)}
+    return notice(
+        "snapshot",
+        utc_now(),
+        ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
+        goals=[goal.document() for goal in goals],
+        battery=robot.battery.document(),
+        battery_publisher=robot.publisher.document(),
+        stop=gateway.stopper.state(event_filter.robot),
+        action_server=dock,
+        undock_server=undock,
+        **fleet,
+    )
+
+
+def present(gateway: Gateway, event_filter: EventFilter) -> list[Event]:
+    """Return the current state as events, for events that have no id and so are not replayed."""
+    name, now = event_filter.robot, utc_now()
+    publisher = gateway.robots.get(name).publisher
+    events = [
+        system_event("stop", gateway.stopper.state(name), now, robot=name),
+        system_event("battery_publisher", publisher.document(), now, robot=name),
+    ]
+    servers = gateway.actions.servers_of(name)
+    events.append(system_event("docking", servers._asdict(), now, robot=name))
+    events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
+    if (simulator := gateway.simulators.document(name)) is not None:
+        events.append(system_event("simulator", simulator, now, robot=name))
+    wanted = [event for event in events if event_filter.covers(event)]
+    if "robots" in event_filter.topics:
+        grant = event_filter.grant or UNLIMITED
+        wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(grant=grant), gone=[]))
+        wanted.append(fleet_event("alerts", now, alerts=gateway.alerts.documents(grant)))
+    return wanted
+
+
+# Missed events are read from the history in pieces of PIECE events, at most MAX_PIECES pieces.
+PIECE, MAX_PIECES = 1000, 100
+# Seconds that a resuming reader waits for a history that does not answer.
+PATIENCE = 3.0
+
+
+async def feed(
+    gateway: Gateway, subscriber: Subscriber, *, after: str | None = None, max_rate: float | None = None
+) -> AsyncIterator[Event]:
+    """Yield every message for one reader. Ends when the gateway closes or the reader is too slow.
+
+    Args:
+        gateway: The gateway.
+        subscriber: The reader's place in the hub.
+        after: Id of the last event that the reader has seen. First come `resumed`, the missed events, and the current
+            state of what is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
+        max_rate: Maximum messages per second of each goal's feedback, of battery and of velocity.
+    """
+    async for event in begin(gateway, subscriber, after):
+        yield event
+    async for event in follow(gateway, subscriber, max_rate):
+        yield event
+
+
+async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
+    """Yield every message of a `feed` after the first ones: events, and notices of the stream itself."""
+    interval = gateway.settings.heartbeat_interval
+    throttle = Throttle(max_rate)
+    next_heartbeat = time.monotonic() + interval
+    while not (gateway.hub.closing or subscriber.overrun or subscriber.expelled):
+        due = min(next_heartbeat, throttle.next_due())
+        events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
+        if dropped:
+            yield notice("dropped", utc_now(), count=dropped)
+        now = time.monotonic()
+        for event in permitted(subscriber, throttle.let_through(events, now)):
+            yield event
+        if now >= next_heartbeat:
+            yield notice("heartbeat", utc_now())
+            next_heartbeat = now + interval
+    yield notice("closing", utc_now(), reason=end_of(subscriber))
+
+
+def end_of(subscriber: Subscriber) -> str:
+    """Return why a stream ends."""
+    if subscriber.expelled:
+        return "invalid_token"
+    return "too_slow" if subscriber.overrun else "shutting_down"
+
+
+async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
+    """Yield the first messages: a snapshot, or the events missed since an event.
+
+    If the reader wants a single goal, `ends_goal` of the last one says whether the reader now knows how the goal ended.
+    """
+    subscriber.clear()  # everything up to now is in the snapshot or the replay
+    if after is not None and gateway.hub.clock.is_past(after):
+        missed = await _missed(gateway, subscriber, after)
+        if missed.complete:
+            over = await _ended_before(gateway, subscriber.event_filter, after)
+            yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
+            for event in permitted(subscriber, (*missed.events, *present(gateway, subscriber.event_filter))):
+                yield event
+            return
+        yield notice("gap", utc_now(), after=after, count=len(missed.events))
+        for event in permitted(subscriber, missed.events):
+            yield event
+    elif after is not None:
+        yield notice("gap", utc_now(), after=after, count=0)
+    if not subscriber.expelled:
+        yield await snapshot(gateway, subscriber.event_filter)
+
+
+def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event]:
+    """Yield events as long as their reader may read: one that reads slowly takes a while for all of them."""
+    for event in events:
+        if subscriber.expelled:
+            return
+        yield event
+
+
+async def _ended_before(gateway: Gateway, event_filter: EventFilter, after: str) -> bool:
+    """Whether a reader of one goal that has seen the event `after` knows how that goal ended."""
+    if event_filter.goal_id is None:
+        return False
+    goal = await gateway.goal(event_filter.goal_id)
+    return goal.status.terminal and (goal.last_event_id or "") <= after
+
+
+async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> LaterEvents:
+    """Return the events after an event, published by any gateway. The reader's queue skips them."""
+    subscriber.after = after
+    missed = gateway.hub.since(after, subscriber.event_filter)
+    if missed is not None:
+        return LaterEvents(missed, complete=True)
+    later = await _from_history(gateway, subscriber.event_filter, after)
+    if later.events:
+        subscriber.catch_up(later.events[-1].id or after)
+    return later
+
+
+async def _from_history(gateway: Gateway, event_filter: EventFilter, after: str) -> LaterEvents:
+    """Return the stored events after an event that this process has not seen or no longer holds."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return await _read_history(gateway, event_filter, after)
+        except GatewayError:
+            if time.monotonic() >= deadline or gateway.hub.closing:
+                return LaterEvents([], complete=False)
+            await asyncio.sleep(0.1)
+
+
+async def _read_history(gateway: Gateway, event_filter: EventFilter, after: str) -> LaterEvents:
+    missed: list[Event] = []
+    complete, last = True, after
+    for _ in range(MAX_PIECES):
+        piece = await gateway.history.events_after(
+            last,
+            goal_id=event_filter.goal_id,
+            action_name=event_filter.action_name,
+            topics=event_filter.topics,
+            limit=PIECE,
+        )
+        complete = complete and piece.complete
+        missed.extend(event for event in piece.events if event_filter.covers(event))
+        if len(piece.events) < PIECE:
+            return LaterEvents(missed, complete)
+        last = piece.events[-1].id or last
+    return LaterEvents([], complete=False)

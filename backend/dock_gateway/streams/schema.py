@@ -1,0 +1,277 @@
+"""Schemas of stream events, for the OpenAPI document: nothing is validated or encoded with them at run time."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from dock_gateway.automation.schema import Decision
+from dock_gateway.core.goal import GoalStatus
+from dock_gateway.fleet.schema import Alert, Robot
+from dock_gateway.goals.action_schema import ActionServer
+from dock_gateway.goals.schema import ActionGoal, DockFeedbackMessage, DockResultMessage, Goal, GoalError, GoalSummary
+from dock_gateway.http.schema import Schema
+from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
+from dock_gateway.stop.schema import StopState
+
+
+class Vector3(Schema):
+    """geometry_msgs/Vector3."""
+
+    x: float | None
+    y: float | None
+    z: float | None
+
+
+class Twist(Schema):
+    """geometry_msgs/Twist, in m/s and rad/s."""
+
+    linear: Vector3
+    angular: Vector3
+
+
+class SnapshotEvent(Schema):
+    """The first message of a stream. `robots` and `alerts` are filled only with `include=robots`."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
+
+    type: Literal["snapshot"]
+    time: datetime
+    goals: list[Goal | ActionGoal]
+    battery: Battery
+    battery_publisher: Publisher
+    stop: StopState
+    action_server: ActionServer
+    undock_server: ActionServer
+    robots: list[Robot] = Field(default_factory=list)
+    alerts: list[Alert] = Field(default_factory=list)
+
+
+class StatusEvent(GoalSummary):
+    """A goal's state changed."""
+
+    type: Literal["status"]
+    id: str
+    time: datetime
+
+
+class FeedbackEvent(Schema):
+    """A goal's feedback."""
+
+    type: Literal["feedback"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    feedback: DockFeedbackMessage
+
+
+class ResultEvent(Schema):
+    """A goal ended."""
+
+    type: Literal["result"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    status: GoalStatus
+    result: DockResultMessage | None
+    error: GoalError | None
+
+
+class BatteryEvent(Schema):
+    """A message of the battery topic, as it was sent, and what the gateway makes of it, as in `GET /battery`.
+
+    Events that an older gateway stored lack `percentage` and `implausible`.
+    """
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
+
+    type: Literal["battery"]
+    id: str
+    time: datetime
+    robot: str
+    battery: BatteryState
+    percentage: float | None = None
+    implausible: list[Implausible] = Field(default_factory=list)
+
+
+class CmdVelEvent(Schema):
+    """A message of the velocity topic."""
+
+    type: Literal["cmd_vel"]
+    id: str
+    time: datetime
+    robot: str
+    cmd_vel: Twist
+
+
+class PublisherEvent(Schema):
+    """The state of the battery publisher: sent when it changes, and once a second while it publishes."""
+
+    type: Literal["battery_publisher"]
+    time: datetime
+    robot: str
+    battery_publisher: Publisher
+
+
+class ActionServerEvent(Schema):
+    """An action server appeared, disappeared, stopped answering or answers again."""
+
+    type: Literal["action_server"]
+    time: datetime
+    action_server: ActionServer
+
+
+class DockingServers(Schema):
+    """The servers of a robot's docking and undocking actions."""
+
+    dock: ActionServer
+    undock: ActionServer
+
+
+class DockingEvent(Schema):
+    """Another action is behind `/dock` or `/undock` of a robot."""
+
+    type: Literal["docking"]
+    time: datetime
+    robot: str
+    docking: DockingServers
+
+
+class StopEvent(Schema):
+    """A stop was latched or released."""
+
+    type: Literal["stop"]
+    time: datetime
+    robot: str
+    stop: StopState
+
+
+class SimulatorEvent(Schema):
+    """A simulated robot was changed by hand, touched or left its dock, or its simulator appeared or disappeared."""
+
+    type: Literal["simulator"]
+    time: datetime
+    robot: str
+    simulator: Simulator
+
+
+class RobotsEvent(Schema):
+    """The current state of robots that changed; `gone` names those that left. At most twice a second."""
+
+    type: Literal["robots"]
+    time: datetime
+    robots: list[Robot]
+    gone: list[str]
+
+
+class AlertsEvent(Schema):
+    """The alerts changed. Contains all active alerts."""
+
+    type: Literal["alerts"]
+    time: datetime
+    alerts: list[Alert]
+
+
+class AutomationEvent(Schema):
+    """A rule of automatic docking has decided, at any gateway that shares the history."""
+
+    type: Literal["automation"]
+    time: datetime
+    automation: Decision
+
+
+class SceneEvent(Schema):
+    """The poses of a robot and its dock, up to 20 times a second."""
+
+    type: Literal["scene"]
+    time: datetime
+    robot: str
+    scene: Scene
+
+
+class ScenesEvent(Schema):
+    """The scenes of all robots that have one, by robot, up to 5 times a second. `marker` and `infrared` are null."""
+
+    type: Literal["scenes"]
+    time: datetime
+    scenes: dict[str, Scene]
+
+
+class HeartbeatEvent(Schema):
+    """The stream is alive."""
+
+    type: Literal["heartbeat"]
+    time: datetime
+
+
+class DroppedEvent(Schema):
+    """`count` feedback events were dropped because this reader is too slow."""
+
+    type: Literal["dropped"]
+    time: datetime
+    count: int
+
+
+class FeedbackDroppedEvent(Schema):
+    """Feedback of a goal that the gateway did not read because it is too large or too fast. No reader received it."""
+
+    type: Literal["feedback_dropped"]
+    time: datetime
+    goal_id: str
+    action_name: str
+    reason: Literal["feedback_too_large", "feedback_too_fast"]
+    count: int
+
+
+class ResumedEvent(Schema):
+    """The first message of a resumed stream. The `count` missed events follow."""
+
+    type: Literal["resumed"]
+    time: datetime
+    after: str
+    count: int
+
+
+class GapEvent(Schema):
+    """Some events after `after` are no longer available. The remaining ones follow, then a snapshot."""
+
+    type: Literal["gap"]
+    time: datetime
+    after: str
+    count: int
+
+
+class ClosingEvent(Schema):
+    """The last message of a stream."""
+
+    type: Literal["closing"]
+    time: datetime
+    reason: str
+
+
+EVENTS: tuple[type[BaseModel], ...] = (
+    SnapshotEvent,
+    StatusEvent,
+    FeedbackEvent,
+    ResultEvent,
+    BatteryEvent,
+    CmdVelEvent,
+    PublisherEvent,
+    ActionServerEvent,
+    DockingEvent,
+    StopEvent,
+    SimulatorEvent,
+    RobotsEvent,
+    AlertsEvent,
+    AutomationEvent,
+    SceneEvent,
+    ScenesEvent,
+    HeartbeatEvent,
+    DroppedEvent,
+    FeedbackDroppedEvent,
+    ResumedEvent,
+    GapEvent,
+    ClosingEvent,
+)

@@ -1,0 +1,234 @@
+"""`/ws`: commands and events on one socket. Each answer carries the id of its command.
+
+Goals belong to the gateway: they survive a broken socket. The gateway never repeats a command.
+"""
+
+import asyncio
+import logging
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import orjson
+from fastapi import APIRouter, Depends, WebSocket
+from starlette.types import Message
+from starlette.websockets import WebSocketDisconnect
+
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import (
+    Conflict,
+    FieldError,
+    GatewayError,
+    InvalidField,
+    MalformedRequest,
+    TooManyRequests,
+    Unavailable,
+)
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import encode
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.tasks import cancel
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.audit_trail import audited_command
+from dock_gateway.http.permissions import COMMANDS as PERMISSIONS
+from dock_gateway.http.principal import TICKET, authorize_command, principal_of, subscribed
+from dock_gateway.http.problems import INTERNAL
+from dock_gateway.http.queries import read_after, read_event_filter, read_max_rate
+from dock_gateway.http.requests import TheGateway, known_query
+from dock_gateway.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
+from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends
+from dock_gateway.streams.feed import end_of, feed
+
+log = logging.getLogger(__name__)
+
+router = APIRouter()
+
+MAX_SUBSCRIPTIONS = 32
+MAX_COMMANDS = 64
+# Stops in addition to MAX_COMMANDS. They are never refused: beyond this, the socket is not read until one is answered.
+MAX_STOPS = 64
+SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
+
+
+@router.websocket("/ws", dependencies=[Depends(known_query(TICKET))])
+async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
+    """Receive commands, send acks and events."""
+    principal = principal_of(websocket)
+    session = Session(websocket, gateway, principal)
+    # A socket counts as a subscriber even without a subscription, and is woken at shutdown.
+    with subscribed(gateway, principal, EventFilter(topics=frozenset())) as place:
+        try:
+            await websocket.accept()
+            await session.run(place)
+        finally:
+            await session.close()
+
+
+@dataclass
+class Subscription:
+    """One subscription of a socket. It lasts as long as its task, which holds a place in the hub."""
+
+    task: asyncio.Task[None]
+    acknowledged: bool = False
+
+
+class Session:
+    """One connection of `/ws`."""
+
+    def __init__(self, websocket: WebSocket, gateway: Gateway, principal: Principal) -> None:
+        self._websocket = websocket
+        self._gateway = gateway
+        self._principal = principal
+        self._sending = asyncio.Lock()
+        self._subscriptions: dict[str, Subscription] = {}
+        self._commands: set[asyncio.Task[None]] = set()
+        self._closed = False
+
+    async def run(self, place: Subscriber) -> None:
+        """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
+        await until_one_ends(self._read(), self._farewell(place))
+
+    async def close(self) -> None:
+        """End the subscriptions. Other commands in progress continue."""
+        self._closed = True
+        await cancel(*self._tasks())
+
+    async def _farewell(self, place: Subscriber) -> None:
+        while not (self._gateway.hub.closing or place.expelled):
+            await place.take(60.0)
+        if tasks := self._tasks():  # each of them sends `closing` first
+            await asyncio.wait(tasks)
+        await self._close(end_of(place))
+
+    def _tasks(self) -> list[asyncio.Task[None]]:
+        return [subscription.task for subscription in self._subscriptions.values()]
+
+    async def _read(self) -> None:
+        while True:
+            received = await self._websocket.receive()
+            if received["type"] == "websocket.disconnect":
+                return
+            if len(self._commands) >= MAX_COMMANDS and not _is_stop(received):
+                await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are already in progress"))
+                continue
+            while len(self._commands) >= MAX_COMMANDS + MAX_STOPS:
+                await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
+            task = asyncio.create_task(self._handle(received))
+            self._commands.add(task)
+            task.add_done_callback(self._commands.discard)
+
+    async def _handle(self, received: Message) -> None:
+        identity: str | None = None
+        try:
+            op, identity, fields = read_command(_decode(received))
+            if op == "subscribe":
+                await self._authorize(op, fields)
+                self._subscribe(identity, fields)  # it sends its own answer
+            else:
+                carry_out = partial(self._do, op, fields)
+                answer = await audited_command(self._websocket.scope, op, fields, carry_out)
+                await self._answer("ack", identity, answer)
+        except GatewayError as error:
+            await self._answer_error(identity, error)
+        except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
+            log.debug("an answer could not be sent: %s", error)
+        except Exception:
+            log.exception("a command failed")
+            await self._answer_error(identity, INTERNAL)
+
+    async def _authorize(self, op: str, fields: Fields) -> None:
+        if op in PERMISSIONS:
+            await authorize_command(self._gateway, self._principal, op, fields)
+
+    async def _do(self, op: str, fields: Fields) -> Fields:
+        await self._authorize(op, fields)
+        if op == "unsubscribe":
+            return await self._unsubscribe(fields)
+        command = COMMANDS.get(op)
+        if command is None:
+            expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
+            raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
+        return await command(self._gateway, self._principal, fields)
+
+    def _subscribe(self, identity: str | None, fields: Fields) -> None:
+        """Start a subscription. Nothing is awaited here, so the checks still hold when its id is registered."""
+        check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
+        if not identity:
+            raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])
+        if identity in self._subscriptions:
+            raise Conflict(f"the subscription {identity} already exists", code="subscription_exists")
+        if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
+            raise TooManyRequests(f"this socket already has {MAX_SUBSCRIPTIONS} subscriptions")
+        query = {name: str(value) for name, value in fields.items() if value is not None}
+        after, max_rate = read_after(query), read_max_rate(query)
+        if self._closed:
+            raise Unavailable("the socket is closed", code="shutting_down")
+        task = asyncio.create_task(self._run_subscription(identity, query, after, max_rate))
+        self._subscriptions[identity] = Subscription(task)
+        task.add_done_callback(lambda _: self._subscriptions.pop(identity))
+
+    async def _run_subscription(
+        self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
+    ) -> None:
+        try:
+            event_filter = await read_event_filter(self._gateway, query, self._principal.grant)
+            with subscribed(self._gateway, self._principal, event_filter) as subscriber:
+                await self._answer("ack", identity, {"subscription": identity})
+                self._subscriptions[identity].acknowledged = True
+                async for event in feed(self._gateway, subscriber, after=after, max_rate=max_rate):
+                    await self._send(event.text)
+                if subscriber.overrun:
+                    await self._close("too_slow")
+        except GatewayError as error:
+            await self._answer_error(identity, error)
+        except (WebSocketDisconnect, TimeoutError, RuntimeError):
+            await self._close("too_slow")
+        except Exception:
+            log.exception("a subscription failed")
+            await self._answer_error(identity, INTERNAL)
+
+    async def _unsubscribe(self, fields: Fields) -> Fields:
+        check_fields(fields, ("subscription",))
+        identity = fields.get("subscription") or ""
+        subscription = self._subscriptions.get(identity)
+        if subscription is None or not subscription.acknowledged:
+            raise InvalidField([FieldError("subscription", "the id of a subscription", f"got {identity[:60]!r}")])
+        await cancel(subscription.task)
+        return {"subscription": identity}
+
+    async def _answer(self, op: str, identity: str | None, fields: Fields) -> None:
+        await self._send(encode({"op": op, "id": identity, **fields}).decode())
+
+    async def _answer_error(self, identity: str | None, error: GatewayError) -> None:
+        try:
+            await self._answer("error", identity, error.problem())
+        except (WebSocketDisconnect, TimeoutError, RuntimeError) as broken:
+            log.debug("an answer could not be sent: %s", broken)
+
+    async def _close(self, reason: str) -> None:
+        with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already
+            await self._websocket.close(CLOSE_CODES[reason], reason)
+
+    async def _send(self, text: str) -> None:
+        async with self._sending:
+            await send_text(self._websocket, self._gateway, text)
+
+
+def _is_stop(received: Message) -> bool:
+    try:
+        message = _decode(received)
+    except MalformedRequest:
+        return False
+    return isinstance(message, dict) and message.get("op") == STOP
+
+
+def _decode(received: Message) -> Any:
+    text = received.get("text")
+    try:
+        message = orjson.loads((received.get("bytes") or b"") if text is None else text)
+    except orjson.JSONDecodeError as error:
+        raise MalformedRequest(f"the message is not JSON: {error}") from None
+    if text is None and not (isinstance(message, dict) and message.get("op") == STOP):
+        raise MalformedRequest("a text message is expected, not a binary one")
+    return message

@@ -1,0 +1,32 @@
+"""`/ws/topics`: the messages of any topic, and their rate."""
+
+from fastapi import APIRouter, Depends, WebSocket
+
+from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.http.principal import TICKET, principal_of, subscribed
+from dock_gateway.http.queries import read_max_rate
+from dock_gateway.http.requests import TheGateway, known_query
+from dock_gateway.streams.events import ignore_input, until_one_ends, write_events
+from dock_gateway.streams.feed import follow
+
+router = APIRouter()
+
+MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 20.0, 5.0
+
+
+@router.websocket("/ws/topics", dependencies=[Depends(known_query("topic", "max_rate", TICKET))])
+async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
+    """Send a topic's endpoints, its newest messages, and once a second the rate of all its messages.
+
+    `?topic=` names the topic; `?max_rate=` limits how many messages per second are shown.
+    """
+    query = websocket.query_params
+    if not (name := query.get("topic", "")):
+        raise InvalidField([FieldError("query.topic", "the name of a topic", "got none")])
+    max_rate = read_max_rate(query, MIN_RATE, MAX_RATE) or USUAL_RATE
+    with subscribed(gateway, principal_of(websocket), EventFilter(topics=frozenset())) as subscriber:
+        async with gateway.echoes.watch(gateway.settings.resolve(name, ""), subscriber, max_rate):
+            await websocket.accept()
+            events = write_events(websocket, gateway, subscriber, follow(gateway, subscriber))
+            await until_one_ends(events, ignore_input(websocket))

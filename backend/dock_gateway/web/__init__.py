@@ -1,1 +1,0 @@
-"""HTTP and WebSocket: each route parses a request, calls the gateway and answers."""

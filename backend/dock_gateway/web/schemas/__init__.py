@@ -1,1 +1,0 @@
-"""The JSON schemas of the API, for the OpenAPI document."""

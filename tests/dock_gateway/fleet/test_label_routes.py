@@ -1,0 +1,136 @@
+"""Labels over HTTP: what is stored, and what is refused with which field or code."""
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any, Self, cast
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.app import create_app
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.fleet.labels import Labels
+from dock_gateway.gateway import Gateway
+from dock_gateway.settings import Settings
+from dock_gateway.storage import RobotLabel
+from dock_gateway.storage.memory import MemoryEntries
+from tests.support.audit import audit_parts
+from tests.support.shapes import check_answer
+
+LEFT = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
+
+
+class Client:
+    """`PUT /robots/label` of a gateway with the robots `/` and `/robot1`."""
+
+    def __init__(self) -> None:
+        settings = Settings(database_url="memory:")
+        self.labels = Labels(MemoryEntries[RobotLabel](), lambda: ["/", "/robot1"])
+        gateway = SimpleNamespace(**audit_parts(), settings=settings, labels=self.labels)
+        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
+
+    def __enter__(self) -> Self:
+        self._http.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._http.__exit__()
+
+    def put(self, status: int = 200, query: str = "", **content: Any) -> Any:
+        answer = self._http.put(f"/robots/label{query}", **content)
+        assert answer.status_code == status, answer.text
+        check_answer("PUT", "/robots/label", status, answer.headers["content-type"], answer.content)
+        return answer.json()
+
+
+@pytest.fixture
+def client() -> Iterator[Client]:
+    with Client() as client:
+        yield client
+
+
+def test_a_label_is_replaced_and_removed(client: Client) -> None:
+    assert client.put(json=LEFT) == LEFT
+    assert client.labels.of("/robot1") == RobotLabel("Left forklift", ("hall 1", "forklifts"))
+    nameless = {"robot": "/robot1", "display_name": None, "groups": ["hall 2"]}
+    assert client.put(json=nameless) == nameless
+    empty = {"robot": "/robot1", "display_name": None, "groups": []}
+    assert client.put(json=empty) == empty
+    assert client.labels.of("/robot1") == RobotLabel(None, ())
+
+
+def test_spaces_and_groups_that_repeat_are_removed(client: Client) -> None:
+    sent = {"robot": "/site/robot9/", "display_name": " Gl\u00fcck 7 ", "groups": [" hall 1", "hall 2", "hall 1 "]}
+    assert client.put(json=sent) == {
+        "robot": "/site/robot9",
+        "display_name": "Gl\u00fcck 7",
+        "groups": ["hall 1", "hall 2"],
+    }
+    longest = {"robot": "/" + 254 * "r", "display_name": 60 * "n", "groups": [f"{number:040}" for number in range(20)]}
+    assert client.put(json=longest) == longest
+
+
+@pytest.mark.parametrize(
+    ("change", "path"),
+    [
+        ({"robot": "robot1"}, "robot"),
+        ({"robot": "/robot 1"}, "robot"),
+        ({"robot": ""}, "robot"),
+        ({"robot": None}, "robot"),
+        ({"robot": ["/robot1"]}, "robot"),
+        ({"robot": "/" + 255 * "r"}, "robot"),
+        ({"display_name": ""}, "display_name"),
+        ({"display_name": " \t"}, "display_name"),
+        ({"display_name": "a\nb"}, "display_name"),
+        ({"display_name": "a\u202eb"}, "display_name"),
+        ({"display_name": "a\u0000b"}, "display_name"),
+        ({"display_name": 61 * "a"}, "display_name"),
+        ({"display_name": 7}, "display_name"),
+        ({"groups": None}, "groups"),
+        ({"groups": "hall 1"}, "groups"),
+        ({"groups": {"hall 1": True}}, "groups"),
+        ({"groups": 21 * ["hall 1"]}, "groups"),
+        ({"groups": ["hall 1", ""]}, "groups.1"),
+        ({"groups": ["hall 1", None]}, "groups.1"),
+        ({"groups": [41 * "a"]}, "groups.0"),
+        ({"groups": ["a\u007f"]}, "groups.0"),
+        ({"name": "Left forklift"}, "name"),
+    ],
+)
+def test_a_field_that_is_not_valid(client: Client, change: dict[str, Any], path: str) -> None:
+    problem = client.put(422, json=LEFT | change)
+    assert (problem["code"], problem["errors"][0]["path"]) == ("invalid_field", path)
+    assert client.labels.of("/robot1") == RobotLabel(None, ())
+
+
+@pytest.mark.parametrize("missing", ["robot", "display_name", "groups"])
+def test_every_field_is_needed(client: Client, missing: str) -> None:
+    problem = client.put(422, json={name: value for name, value in LEFT.items() if name != missing})
+    assert problem["errors"] == [{"path": missing, "expected": "a value", "detail": "it is missing"}]
+
+
+def test_requests_that_are_not_a_label(client: Client) -> None:
+    assert client.put(400, content=b"{")["code"] == "malformed_json"
+    assert client.put(400, content=b'{"display_name": "\\ud800"}')["code"] == "malformed_json"
+    assert client.put(415, content=b"{}", headers={"Content-Type": "text/plain"})["code"] == "unsupported_media_type"
+    assert client.put(422)["code"] == "invalid_field"
+    assert client.put(422, json=[LEFT])["code"] == "invalid_field"
+    assert client.put(422, "?robot=/robot1", json=LEFT)["errors"][0]["path"] == "query.robot"
+
+
+def test_a_name_that_is_taken(client: Client) -> None:
+    client.put(json=LEFT)
+    for name in ("left FORKLIFT", "/robot1"):
+        problem = client.put(409, json={"robot": "/robot2", "display_name": name, "groups": []})
+        assert problem["code"] == "display_name_taken"
+        assert "/robot1" in problem["detail"]
+
+
+def test_a_history_that_does_not_answer(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fail(*_: object) -> None:
+        raise Unavailable("the history database does not answer", code="history_unavailable")
+
+    client.put(json=LEFT)
+    monkeypatch.setattr(MemoryEntries, "write", fail)
+    assert client.put(503, json=LEFT | {"display_name": None})["code"] == "history_unavailable"
+    assert client.labels.of("/robot1").display_name == "Left forklift"

@@ -1,0 +1,408 @@
+"""A goal that must not run is canceled whenever it turns up. The port is a fake; tests/system has the real one."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from datetime import UTC, datetime
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals import cancellation as canceler_module
+from dock_gateway.goals.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
+from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.ros.action_port import CancelAnswer
+from dock_gateway.ros.status import StatusReport
+from dock_gateway.settings import Settings
+from dock_gateway.storage import MemoryHistory
+from tests.support.waiting import until
+
+A = "aaaaaaaa-0000-4000-8000-000000000000"
+S = GoalStatus
+LOST = GoalError("action_server_lost", "silent")
+
+
+class FakePort:
+    """Answers a cancel request with what the test has put into `script`; the last one stays."""
+
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.asked: list[str | None] = []
+        self.timeouts: list[float] = []
+        self.while_asked: Callable[[], None] = lambda: None
+        self.script: list[CancelAnswer | Exception] = [CancelAnswer(frozenset({A}), 0)]
+
+    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
+        self.asked.append(goal_id)
+        self.timeouts.append(timeout)
+        self.while_asked()
+        answer = self.script.pop(0) if len(self.script) > 1 else self.script[0]
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def request_result(self, goal_id: str) -> None:
+        raise Unavailable("asked again later")
+
+
+class Scene:
+    def __init__(self) -> None:
+        self.port = FakePort()
+        hub = Hub(queue_limit=10, max_subscribers=10)
+        self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
+        self.held = False
+        self.by: str | None = None
+        interlock: Any = SimpleNamespace(
+            holds=lambda _: self.held, requested_by=lambda name: self.by if name == "/dock" else None
+        )
+        self.canceler = Canceler(Settings(cancel_timeout=0.7), self.tracker, interlock)
+
+    def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:
+        goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
+        self.tracker.add(goal)
+        if status is S.LOST:
+            self.tracker.move(goal, S.EXECUTING)
+            self.tracker.lose(goal, LOST)
+        elif status is not S.PENDING:
+            self.tracker.move(goal, status)
+        return goal
+
+
+@pytest.fixture
+async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
+    monkeypatch.setattr(canceler_module, "RETRY_INTERVAL", 0.01)
+    scene = Scene()
+    yield scene
+    await scene.tracker.close()
+
+
+async def test_a_running_goal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    await scene.canceler.cancel(goal)
+    assert goal.status is S.CANCELING
+    assert goal.error is None
+    await scene.canceler.cancel(goal)  # once more does no harm
+    assert scene.port.asked == [A, A]
+    assert scene.port.timeouts == [0.7, 0.7]
+
+
+async def test_a_refusal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"goal_id": A})
+    assert "refuses" in refused.value.detail
+    assert goal.status is S.EXECUTING
+    assert scene.port.asked == [A]
+
+
+async def test_a_goal_that_the_server_does_not_know_yet_is_asked_for_once_more(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 2)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert refused.value.code == "cancel_rejected"
+    assert scene.port.asked == [A, A]
+
+
+@pytest.mark.parametrize("return_code", [0, 2])
+async def test_a_goal_that_ends_while_the_server_is_asked(scene: Scene, return_code: int) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), return_code)]
+    scene.port.while_asked = lambda: scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
+    assert "succeeded" in refused.value.detail
+    assert scene.port.asked == [A]
+
+
+async def test_a_refusal_ends_all_wishes_to_cancel(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict):
+        await scene.canceler.cancel(goal)
+    assert (scene.canceler._unwanted, goal.error) == ({}, None)
+
+
+async def test_an_ended_goal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
+    assert "succeeded" in refused.value.detail
+    assert scene.port.asked == []
+
+
+async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.port.script = [CancelAnswer(frozenset(), 2), CancelAnswer(frozenset(), 2), CancelAnswer(frozenset({A}), 0)]
+    await scene.canceler.cancel(goal)
+    scene.tracker.move(goal, S.ACCEPTED)
+    scene.canceler.seen_again(goal)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+
+
+async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
+    goal = scene.goal(S.LOST)
+    await scene.canceler.cancel(goal)
+    assert scene.port.asked == []
+    scene.tracker.move(goal, S.EXECUTING)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+    assert goal.error is not None
+
+
+@pytest.mark.parametrize("failure", [TimeoutError(), Unavailable("gone")])
+async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, failure: Exception) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [failure, failure, failure, CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises((ServerTimeout, Unavailable)) as refused:
+        await scene.canceler.cancel(goal)
+    if isinstance(failure, TimeoutError):
+        assert "0.7 s" in refused.value.detail
+        assert refused.value.extra == {"goal_id": A}
+    await until(lambda: goal.status is S.CANCELING)
+    assert scene.port.asked == [A] * 4
+    assert goal.error == CANCELED
+
+
+async def test_a_goal_that_was_given_up(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
+    scene.tracker.lose(goal, LOST)
+    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    scene.tracker.move(goal, S.ACCEPTED)  # late
+    await asyncio.sleep(0.1)
+    assert goal.status is S.CANCELING
+    assert goal.error == TOO_LATE
+
+
+async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Scene) -> None:
+    goal = scene.goal(S.LOST)
+    scene.port.script = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(Unavailable):
+        await scene.canceler.cancel_all()
+    scene.tracker.move(goal, S.EXECUTING)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+    assert scene.port.asked == [None, A]
+
+
+async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(GatewayError) as refused:
+        await scene.canceler.cancel_all()
+    assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"canceling": []})
+    assert A in refused.value.detail
+    assert goal.status is S.EXECUTING
+    assert goal.error is None
+    assert scene.canceler.uncanceled
+    assert scene.port.asked == [None, A]
+    assert scene.port.timeouts == [STOP_TIMEOUT, STOP_TIMEOUT]
+
+
+@pytest.mark.parametrize("status", [S.SUCCEEDED, S.CANCELING])
+async def test_a_goal_that_has_just_ended_or_is_being_canceled_is_not_refused(scene: Scene, status: S) -> None:
+    scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset(), 3)]
+
+    def its_status_comes() -> None:
+        if len(scene.port.asked) == 3:
+            scene.tracker.on_status([StatusReport(A, status, 1)], 1)
+
+    scene.port.while_asked = its_status_comes
+    assert await scene.canceler.cancel_all() == ([A] if status is S.CANCELING else [])
+    assert scene.port.asked == [None, A, A]
+
+
+async def test_a_server_that_cannot_cancel_a_goal_is_asked_until_its_status_says_why(scene: Scene) -> None:
+    goal, scene.held = scene.goal(S.EXECUTING), True
+    scene.port.script = [CancelAnswer(frozenset(), 3)]
+    await scene.canceler.cancel(goal)
+    assert goal.status is S.EXECUTING
+    scene.canceler.seen_again(goal)
+    await until(lambda: len(scene.port.asked) > 6)
+    scene.tracker.on_status([StatusReport(A, S.CANCELING, 1)], 1)
+    await until(lambda: not scene.canceler._insisting)
+
+
+async def test_a_goal_that_a_server_forgot_to_name_is_being_canceled(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
+    assert await scene.canceler.cancel_all() == [A]
+    assert goal.status is S.CANCELING
+
+
+async def test_a_server_that_falls_silent_after_it_named_no_goal_is_asked_again(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(ServerTimeout):
+        await scene.canceler.cancel_all()
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error == STOPPED
+    assert scene.port.timeouts[:2] == [STOP_TIMEOUT, STOP_TIMEOUT]
+
+
+async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> None:
+    goals = {goal_id: scene.goal(S.EXECUTING, goal_id) for goal_id in (A, "b", "c", "d")}
+    scene.port.script = [CancelAnswer(frozenset({"d", "b", "unknown"}), 0)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel_all()
+    assert f"{A}, c" in refused.value.detail
+    assert refused.value.extra == {"canceling": ["b", "d", "unknown"]}
+    assert [goal.status for goal in goals.values()] == [S.EXECUTING, S.CANCELING, S.EXECUTING, S.CANCELING]
+    assert [goal.error for goal in goals.values()] == [None, STOPPED, None, STOPPED]
+
+
+async def test_a_stop_that_is_not_answered_goes_on(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    lost = scene.goal(S.LOST, "b")
+    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(ServerTimeout) as refused:
+        await scene.canceler.cancel_all()
+    assert "does not answer" in refused.value.detail
+    await until(lambda: goal.status is S.CANCELING)
+    assert scene.port.asked == [None, A], "a lost goal is canceled when it is seen"
+    assert (goal.error, lost.error) == (STOPPED, LOST)
+
+
+async def test_a_server_that_answers_lives(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    for ask in (lambda: scene.canceler.cancel(goal), scene.canceler.cancel_all):
+        scene.tracker.last_heard = 0.0
+        await ask()
+        assert scene.tracker.last_heard > 0.0
+
+
+async def test_only_so_many_unwanted_goals_are_remembered(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(canceler_module, "MAX_UNWANTED", 2)
+    known = scene.goal(S.EXECUTING)
+    scene.canceler.mark_unwanted(known, TOO_LATE)
+    scene.canceler.mark_unwanted(known, STOPPED)
+    others = [Goal(f"{n}", "/dock", "pkg/action/Dock", datetime.now(UTC)) for n in range(4)]
+    for goal in others[:2]:
+        scene.canceler.mark_unwanted(goal, STOPPED)
+    assert list(scene.canceler._unwanted) == [A, "0", "1"]
+    for goal in others[2:]:
+        scene.canceler.mark_unwanted(goal, STOPPED)
+    assert scene.canceler._unwanted == {A: TOO_LATE, "2": STOPPED, "3": STOPPED}
+
+
+async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.canceler.seen_again(goal)
+    scene.canceler.seen_again(goal)  # it is asked for already
+    await until(lambda: len(scene.port.asked) >= 4)
+    refusals = [record for record in caplog.records if "could not be canceled: " in record.getMessage()]
+    assert len(refusals) == 1
+    assert len(scene.canceler._insisting) == 1
+
+
+async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
+    scene.port.script = [Unavailable("nobody")]
+    assert await scene.canceler.cancel_all() == []
+
+
+async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
+    scene.tracker.end(goal, S.REJECTED, error=LOST)
+    assert scene.canceler._unwanted == {}
+
+
+async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
+    scene.held = True
+    for seen in scene.tracker.on[News.SEEN]:
+        seen(goal := scene.goal(S.EXECUTING))
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error is not None
+    assert goal.error.code == "stopped"
+    assert scene.port.asked == [A]
+
+
+async def test_a_goal_canceled_by_a_stop_names_who_requested_it(scene: Scene) -> None:
+    goal, scene.by = scene.goal(S.EXECUTING), "Ada"
+    await scene.canceler.cancel_all()
+    assert (goal.status, goal.error) == (S.CANCELING, GoalError("stopped", "a stop was requested by Ada"))
+
+
+async def test_a_goal_of_another_client_is_canceled_as_soon_as_it_is_heard_of(scene: Scene) -> None:
+    scene.held = True
+    scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
+    await until(lambda: scene.port.asked == [A])
+    await until(lambda: scene.tracker.live[A].status is S.CANCELING)
+    error = scene.tracker.live[A].error
+    assert error is not None
+    assert error.code == "stopped"
+
+
+async def test_a_goal_that_is_taken_up_while_a_stop_holds_is_canceled(scene: Scene) -> None:
+    scene.held = True
+    goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC), status=S.EXECUTING)
+    scene.tracker.take_up(goal)
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_one_that_had_ended_when_it_turned_up_is_left_alone(scene: Scene) -> None:
+    scene.held = True
+    scene.tracker.on_status([StatusReport(A, S.ABORTED, 1)], 1)
+    await until(lambda: A in scene.tracker.live)
+    await asyncio.sleep(0.05)
+    assert scene.port.asked == []
+    assert scene.tracker.live[A].error is None
+
+
+async def test_a_refusal_is_not_taken_while_a_stop_holds(scene: Scene) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict):
+        await scene.canceler.cancel_all()
+    await until(lambda: len(scene.port.asked) >= 4)
+    assert goal.status is S.EXECUTING
+    scene.port.script = [CancelAnswer(frozenset({A}), 0)]
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error == STOPPED
+
+
+async def test_a_refusal_is_taken_once_the_stop_is_released(scene: Scene) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.canceler.seen_again(goal)
+    await until(lambda: len(scene.port.asked) >= 2)
+    scene.held = False
+    await until(lambda: not scene.canceler._insisting)
+    asked = len(scene.port.asked)
+    await asyncio.sleep(0.05)
+    assert len(scene.port.asked) == asked
+    assert goal.error is None
+
+
+async def test_what_a_stop_of_another_gateway_left_running_is_canceled(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.held = True
+    scene.canceler.cancel_unwanted()
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    assert await scene.canceler.cancel_all() == [A]
+    assert goal.error == STOPPED
+    assert not scene.canceler.uncanceled

@@ -1,0 +1,98 @@
+"""`/dock` and `/undock`: the action that is used, and the goals that are listed, lie within the user's limits."""
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.access.quotas import Quotas
+from dock_gateway.app import create_app
+from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.goal import Verb
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.settings import Settings
+from dock_gateway.storage import GoalFilter
+from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.streams.commands import COMMANDS
+from tests.support.audit import audit_parts
+from tests.support.history import make_goal
+
+SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
+OURS = Grant(Role.OPERATOR, actions=("*/connect_to_charging_dock", "*/disconnect_from_charging_dock"))
+
+
+class LateServer:
+    """A gateway that has seen no docking server of a robot when a request arrives, and nav2's right afterwards."""
+
+    def __init__(self) -> None:
+        self.settings = SETTINGS
+        self.logins = Logins(MemoryHistory(10))
+        self.quotas = Quotas(SETTINGS)
+        self.robots = SimpleNamespace(default_namespace="/", get=lambda name: SimpleNamespace(namespace=name))
+        self.wanted: list[GoalFilter] = []
+        vars(self).update(audit_parts())
+        vars(self)["actions"].docking = DockingActions(DockingCatalog(SETTINGS), {})
+
+    @contextmanager
+    def hinting(self, *_: object) -> Iterator[None]:
+        yield
+
+    async def docking_action(self, verb: Verb, robot: str | None = None) -> Any:
+        return SimpleNamespace(name=f"{robot}/{verb}_robot")
+
+    async def page(self, wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
+        self.wanted.append(wanted)
+        return [], None
+
+
+@pytest.fixture
+def gateway() -> Any:
+    return LateServer()
+
+
+@pytest.fixture
+def client(gateway: Any) -> TestClient:
+    _, secret = asyncio.run(gateway.logins.create_token("limited", OURS))
+    app = create_app(SETTINGS, gateway)
+    headers = {"Authorization": f"Bearer {secret}"}
+    return TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False, headers=headers)
+
+
+@pytest.mark.parametrize("path", ["/dock", "/undock"])
+def test_no_goal_is_sent_to_an_action_beyond_the_limits(client: TestClient, path: str) -> None:
+    with client:
+        answer = client.post(path, params={"robot": "/robot1"})
+    assert (answer.status_code, answer.json()["code"]) == (403, "not_covered")
+    assert f"/robot1{path}_robot" in answer.json()["detail"]
+
+
+async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(gateway: Any) -> None:
+    principal = Principal("limited", Kind.TOKEN, OURS, "id")
+    with pytest.raises(NotAllowed) as refused:
+        await COMMANDS["send_goal"](gateway, principal, {"robot": "/robot1"})
+    assert refused.value.code == "not_covered"
+
+
+@pytest.mark.parametrize(
+    ("path", "own", "other"),
+    [
+        ("/dock", "/robot1/connect_to_charging_dock", "/robot1/dock_robot"),
+        ("/undock", "/robot1/disconnect_from_charging_dock", "/robot1/undock_robot"),
+    ],
+)
+def test_goals_of_other_actions_are_not_listed(
+    client: TestClient, gateway: Any, path: str, own: str, other: str
+) -> None:
+    with client:
+        assert client.get(path, params={"robot": "/robot1"}).status_code == 200
+    (wanted,) = gateway.wanted
+    assert wanted.matches(make_goal(1, action=own))
+    assert not wanted.matches(make_goal(2, action=other))

@@ -1,0 +1,137 @@
+"""Whether a goal's action server is there. The port is a fake; tests/system has real servers that die and freeze."""
+
+import asyncio
+import logging
+import time
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+
+from dock_gateway.core.errors import Conflict
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals import liveness
+from dock_gateway.goals.liveness import ServerState, ServerWatch
+from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.ros.action_link import ServerPresence
+from dock_gateway.settings import Settings
+from dock_gateway.storage import MemoryHistory
+from tests.support.calls import FakeCall
+
+A = "aaaaaaaa-0000-4000-8000-000000000000"
+S = GoalStatus
+
+
+class FakePort:
+    """A server that is on the graph, and answers pings, as the test says."""
+
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.on_graph = True
+        self.answers = True
+        self.servers: set[str] = set()
+        self.answered_twice_at = float("-inf")
+        self.pings = 0
+
+    async def presence(self) -> ServerPresence:
+        return ServerPresence(self.on_graph, frozenset(self.servers), self.answered_twice_at)
+
+    async def ping(self, timeout: float) -> bool:
+        self.pings += 1
+        return self.answers
+
+    def request_result(self, goal_id: str) -> FakeCall:
+        return FakeCall()
+
+
+class Scene:
+    def __init__(self, **settings: Any) -> None:
+        self.port = FakePort()
+        self.tracker = GoalTracker(
+            self.port, Hub(queue_limit=10, max_subscribers=10), MemoryHistory(10), PendingFacts(0.01)
+        )  # type: ignore[arg-type]
+        self.states: list[ServerState] = []
+        self.watch = ServerWatch(self.tracker, Settings(ping_interval=0.01, **settings), self.states.append)
+        self.goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
+        self.tracker.add(self.goal)
+        self.tracker.move(self.goal, S.EXECUTING)
+
+    async def look_after(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        await self.watch.look()
+
+
+@pytest.fixture
+async def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
+    monkeypatch.setattr(liveness, "GONE_GRACE", 0.05)
+    return Scene()
+
+
+async def test_a_goal_is_lost_when_its_server_has_left_and_is_silent(scene: Scene) -> None:
+    await scene.watch.look()
+    assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
+    scene.port.on_graph = False
+    await scene.watch.look()
+    assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=False, answering=False)
+    assert scene.goal.status is S.EXECUTING
+    await scene.look_after(0.06)
+    assert scene.goal.status is S.LOST
+
+
+async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_the_graph(
+    scene: Scene, caplog: pytest.LogCaptureFixture
+) -> None:
+    scene.port.on_graph = False
+    await scene.watch.look()
+    with caplog.at_level(logging.WARNING):
+        for number in range(3):
+            await asyncio.sleep(0.04)
+            scene.tracker.on_feedback(A, b"{}", number + 1)
+            await scene.watch.look()
+    assert scene.goal.status is S.EXECUTING
+    assert [record.message for record in caplog.records] == [
+        "/dock: messages arrive, but requests do not reach the action server"
+    ]
+    await scene.look_after(0.06)
+    assert scene.goal.status is S.LOST
+    scene.port.on_graph = True
+    scene.tracker.on_feedback(A, b"{}", 9)
+    await scene.watch.look()
+    assert scene.goal.status is S.EXECUTING
+
+
+async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None:
+    await scene.watch.look()
+    await scene.watch.require()
+    scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
+    await scene.watch.look()
+    assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=True, answering=True, duplicate=True)
+    assert not scene.watch.ready
+    with pytest.raises(Conflict) as refused:
+        await scene.watch.require()
+    assert refused.value.code == "duplicate_action_server"
+    scene.port.servers = set()
+    await scene.watch.require()
+    assert not scene.states[-1].duplicate
+
+
+async def test_two_servers_can_be_allowed() -> None:
+    scene = Scene(allow_duplicate_servers=True)
+    scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
+    await scene.watch.look()
+    assert scene.states[-1].duplicate
+    await scene.watch.require()
+
+
+async def test_where_there_may_be_two_servers_they_are_asked_each_time(scene: Scene) -> None:
+    scene.tracker.heard()
+    await scene.watch.look(ping=False)
+    assert scene.port.pings == 0
+    scene.port.servers = {"a", "b"}
+    await scene.watch.look(ping=False)
+    assert scene.port.pings == 1
+    assert not scene.states[-1].duplicate

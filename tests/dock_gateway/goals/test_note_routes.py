@@ -1,0 +1,122 @@
+"""Notes and tags over HTTP: what is stored, and what is refused with which field or code."""
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any, Self, cast
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.app import create_app
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.goal import Goal
+from dock_gateway.gateway import Gateway
+from dock_gateway.settings import Settings
+from dock_gateway.storage import MemoryHistory
+from tests.support.audit import audit_parts
+from tests.support.history import make_goal
+from tests.support.shapes import check_answer
+
+GOAL = "00000000-0000-4000-8000-000000000001"
+NOTES, TAGS = f"/goals/{GOAL}/notes", f"/goals/{GOAL}/tags"
+BLOCKED = {"by": "Ada", "text": "wheel was blocked by a box"}
+
+
+class Client:
+    """A gateway with one goal."""
+
+    def __init__(self) -> None:
+        self.history = MemoryHistory(10)
+        self.history.record(make_goal(1, goal_id=GOAL))
+        settings = Settings(database_url="memory:")
+        gateway = SimpleNamespace(**audit_parts(), settings=settings, history=self.history, goal=self._goal)
+        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
+
+    async def _goal(self, goal_id: str) -> Goal:
+        if (goal := await self.history.get(goal_id)) is None:
+            raise NotFound("there is no such goal", code="goal_not_found")
+        return goal
+
+    def __enter__(self) -> Self:
+        self._http.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._http.__exit__()
+
+    def __call__(self, method: str, path: str, status: int = 200, **content: Any) -> Any:
+        answer = self._http.request(method, path, **content)
+        assert answer.status_code == status, answer.text
+        check_answer(method, path.partition("?")[0], status, answer.headers["content-type"], answer.content)
+        return answer.json()
+
+
+@pytest.fixture
+def client() -> Iterator[Client]:
+    with Client() as client:
+        yield client
+
+
+def test_notes_and_tags(client: Client) -> None:
+    assert client("GET", NOTES) == {"tags": [], "notes": []}
+    (note,) = client("POST", NOTES, 201, json=BLOCKED | {"by": " Ada  "})["notes"]
+    assert {name: note[name] for name in BLOCKED} == BLOCKED
+    assert note["at"].endswith("Z")
+    lines = {"by": "Bob", "text": " one\r\n\ttwo 👩‍🔧\n"}
+    assert client("POST", NOTES, 201, json=lines)["notes"][1]["text"] == "one\n\ttwo 👩‍🔧"
+    tags = client("PUT", TAGS, json={"tags": [" maintenance", "blocked", "blocked "]})["tags"]
+    assert tags == ["blocked", "maintenance"]
+    assert client("GET", "/goals/tags") == {"tags": tags}
+    left = client("DELETE", f"{NOTES}/{note['note_id']}")
+    assert [each["by"] for each in left["notes"]] == ["Bob"]
+    assert client("DELETE", f"{NOTES}/{note['note_id']}", 404)["code"] == "note_not_found"
+    assert client("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "path.note_id"
+    assert client("GET", f"/goals/{GOAL.replace('-', '').upper()}/notes") == left
+    assert client("PUT", TAGS, json={"tags": []})["tags"] == []
+
+
+@pytest.mark.parametrize(
+    ("body", "path"),
+    [
+        ({"text": "no name"}, "by"),
+        (BLOCKED | {"by": "x" * 61}, "by"),
+        (BLOCKED | {"by": "two\nlines"}, "by"),
+        ({"by": "Ada"}, "text"),
+        (BLOCKED | {"text": 5}, "text"),
+        (BLOCKED | {"text": " \n "}, "text"),
+        (BLOCKED | {"text": "x" * 2001}, "text"),
+        (BLOCKED | {"text": "a\x00b"}, "text"),
+        (BLOCKED | {"at": "now"}, "at"),
+        ([], ""),
+    ],
+)
+def test_a_note_that_is_refused(client: Client, body: Any, path: str) -> None:
+    assert [error["path"] for error in client("POST", NOTES, 422, json=body)["errors"]] == [path]
+    assert client("GET", NOTES)["notes"] == []
+
+
+@pytest.mark.parametrize(
+    ("body", "path"),
+    [
+        ({}, "tags"),
+        ({"tags": "blocked"}, "tags"),
+        ({"tags": [str(number) for number in range(11)]}, "tags"),
+        ({"tags": ["fine", "x" * 31]}, "tags.1"),
+        ({"tags": [" "]}, "tags.0"),
+        ({"tags": [None]}, "tags.0"),
+    ],
+)
+def test_tags_that_are_refused(client: Client, body: Any, path: str) -> None:
+    assert [error["path"] for error in client("PUT", TAGS, 422, json=body)["errors"]] == [path]
+    assert client("GET", NOTES)["tags"] == []
+
+
+def test_a_goal_that_is_not_there(client: Client) -> None:
+    missing = "/goals/00000000-0000-4000-8000-000000000002"
+    for method, path, content in (
+        ("GET", "/notes", {}),
+        ("POST", "/notes", {"json": BLOCKED}),
+        ("DELETE", f"/notes/{'0' * 32}", {}),
+        ("PUT", "/tags", {"json": {"tags": []}}),
+    ):
+        assert client(method, missing + path, 404, **content)["code"] == "goal_not_found"

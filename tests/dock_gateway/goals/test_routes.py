@@ -1,0 +1,60 @@
+"""A goal to dock whose server has left goes to another action of the robot, unless a stop came first."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.goals import routes as goals
+from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.submission import Delivery
+from dock_gateway.settings import Settings
+
+
+class FakeAction:
+    """An action off the graph; `submit` fails if it has no server, and a stop may come meanwhile."""
+
+    on_graph = False
+
+    def __init__(self, *, server: bool, stopped: bool = False) -> None:
+        nothing: Any = None
+        tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
+        interlock: Any = SimpleNamespace(holds=lambda _: False)
+        self.delivery = Delivery(Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=nothing)
+        self.submitter = self
+        self.server = server
+        self.stopped = stopped
+        self.sent: list[Any] = []
+
+    def parse_request(self, body: object) -> object:
+        return body
+
+    async def submit(self, message: object, key: str | None) -> Any:
+        if self.stopped:
+            self.delivery.stop()
+        if not self.server:
+            raise Unavailable("there is no server")
+        self.sent.append((message, key))
+        return message
+
+
+async def send(first: Any, other: Any) -> Any:
+    async def pick() -> Any:
+        return other
+
+    return await goals._send_docking_goal(first, pick, {}, "key")
+
+
+async def test_another_action_gets_the_goal_of_one_without_a_server() -> None:
+    first, other = FakeAction(server=False), FakeAction(server=True)
+    assert await send(first, other) == (other, {})
+    assert other.sent == [({}, "key")]
+
+
+async def test_a_stop_that_comes_meanwhile_keeps_it_from_being_sent() -> None:
+    first, other = FakeAction(server=False, stopped=True), FakeAction(server=True)
+    with pytest.raises(Conflict) as refused:
+        await send(first, other)
+    assert refused.value.code == "stopped"
+    assert other.sent == []

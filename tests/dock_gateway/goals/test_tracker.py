@@ -1,0 +1,273 @@
+"""Goals as ROS tells of them: in any order, twice, too late. The port is a fake; tests/system has the real one."""
+
+import asyncio
+import time
+from collections.abc import Collection
+from datetime import UTC, datetime
+
+import orjson
+import pytest
+
+from dock_gateway.core import tasks as later_module
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import Event, message_event, status_event
+from dock_gateway.core.goal import Goal, GoalError
+from dock_gateway.goals import adoption, goal_machine
+from dock_gateway.goals import tracker as tracker_module
+from tests.support.history import make_goal
+from tests.support.tracking import A, B, S, Scene, scene
+from tests.support.waiting import until
+
+__all__ = ["scene"]
+
+
+async def test_the_usual_order(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.accept(goal, 1)
+    scene.status((A, S.EXECUTING))
+    scene.feedback(1)
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.SUCCEEDED, b'{"n":2}')
+    assert await scene.events() == [
+        "status:pending",
+        "status:accepted",
+        "status:executing",
+        "feedback:1",
+        "status:succeeded",
+        "result:succeeded",
+    ]
+    assert goal.result == b'{"n":2}'
+    assert scene.tracker.live == {}
+    assert len(scene.port.calls[A]) == 1
+
+
+async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> None:
+    goal = scene.send()
+    scene.feedback(1)
+    assert goal.status is S.PENDING
+    scene.tracker.move(goal, S.ACCEPTED)
+    scene.feedback(2)
+    assert goal.status is S.ACCEPTED
+    scene.status((A, S.EXECUTING))
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.feedback(3)
+    scene.status((A, S.EXECUTING))
+    assert goal.feedback_count == 2
+    assert (await scene.events())[-1] == "result:succeeded"
+
+
+async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
+    goal = scene.send()
+    scene.status((A, S.EXECUTING))
+    scene.tracker.on_progress(goal, "CONTROLLING", 0, 7)
+    scene.tracker.on_progress(goal, "CONTROLLING", 0, 8)  # said again
+    scene.tracker.on_progress(goal, "RETRY", 1, 9)
+    scene.tracker.end(goal, S.ABORTED, result=b"{}")
+    scene.tracker.on_progress(goal, "CONTROLLING", 2, 10)
+    assert (goal.stage, goal.retries) == ("RETRY", 1)
+    assert await scene.events() == [
+        "status:pending",
+        "status:executing",
+        "status:executing",
+        "status:executing",
+        "status:aborted",
+        "result:aborted",
+    ]
+
+
+async def test_a_goal_of_someone_else(scene: Scene) -> None:
+    scene.status((B, S.EXECUTING))
+    await until(lambda: B in scene.port.calls)
+    goal = scene.tracker.live[B]
+    assert (goal.action_name, goal.action_type) == ("/dock", "pkg/action/Dock")
+    assert (goal.origin, goal.goal) == ("external", None)
+    assert goal.created_at.year == 1970, "when the server accepted it"
+    scene.port.answer(B, S.CANCELED, b'{"n":0}')
+    assert await scene.events() == ["status:executing", "status:canceled", "result:canceled"]
+    kept = await scene.history.get(B)
+    assert kept is not None
+    assert (kept.origin, kept.status) == ("external", S.CANCELED)
+
+
+async def test_lost_and_back(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    assert scene.tracker.running() == []
+    scene.feedback(1)
+    assert goal.status is S.EXECUTING
+    assert goal.error is None
+    assert scene.returned == [goal]
+
+
+async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(scene: Scene) -> None:
+    goal = scene.send()
+    await scene.tracker.wait_terminal(goal, 0.01)
+    waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 10))
+    await asyncio.sleep(0)
+    scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
+    await asyncio.wait_for(waiting, 1)
+    other = scene.send(B)
+    waiting = asyncio.create_task(scene.tracker.wait_terminal(other, 10))
+    await asyncio.sleep(0)
+    scene.tracker.release_all()
+    await asyncio.wait_for(waiting, 1)
+
+
+async def test_memory_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(goal_machine, "MAX_REMEMBERED", 10)
+    monkeypatch.setattr(later_module, "MAX_REMEMBERED", 10)
+    monkeypatch.setattr(goal_machine, "MAX_LOST", 5)
+    for number in range(50):
+        goal = scene.send(f"{number:08d}-0000-4000-8000-000000000000")
+        scene.reasons.put(goal.goal_id, GoalError("x", "y"))
+        scene.tracker.lose(goal, GoalError("action_server_lost", "gone"))
+    assert len(scene.tracker.live) == 5
+    assert len(scene.tracker._machine._ended) <= 10
+    assert len(scene.reasons) <= 10
+
+
+async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_shared(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another gateway may tell of the end first; a reader of ours that goes there resumes after what it had here."""
+    monkeypatch.setattr(scene.history, "shared", True)
+    first, second = scene.send(A), scene.send(B)
+    for goal in (first, second):
+        scene.tracker.move(goal, S.EXECUTING)
+    scene.status((A, S.SUCCEEDED))
+    scene.feedback(1, B)
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.SUCCEEDED, b"{}")
+    assert (await scene.events())[-3:] == ["status:succeeded", "result:succeeded", "feedback:1"]
+    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 0.01)
+    scene.status((B, S.SUCCEEDED))
+    scene.hub.publish(message_event("battery", b"{}", scene.hub.clock.stamp(0)))
+    await until(lambda: not scene.hub._line)  # a result that does not come holds nothing up for long
+
+
+async def test_each_message_is_a_sign_of_life(scene: Scene) -> None:
+    goal = scene.send()
+    for hear in (lambda: scene.status((A, S.EXECUTING)), lambda: scene.feedback(1)):
+        scene.tracker.last_heard = 0.0
+        hear()
+        assert 0.0 <= scene.tracker.silence_of(goal) < 5.0
+        assert scene.tracker.last_heard > 0.0
+
+
+async def test_the_silence_of_a_goal_without_news_is_that_of_the_server(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.last_heard = time.monotonic() - 100.0
+    assert 100.0 <= scene.tracker.silence_of(goal) < 110.0
+    scene.tracker.move(goal, S.ACCEPTED)
+    assert scene.tracker.silence_of(goal) < 10.0
+
+
+async def test_who_waits_goes_on_when_the_goal_is_lost(scene: Scene) -> None:
+    goal = scene.send()
+    waiting = [asyncio.create_task(scene.tracker.wait_terminal(goal, 60)) for _ in range(2)]
+    await asyncio.sleep(0)
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    await asyncio.wait_for(asyncio.gather(*waiting), 5)
+    await asyncio.wait_for(scene.tracker.wait_terminal(goal, 60), 5)
+    scene.hub.close()
+    await asyncio.wait_for(scene.tracker.wait_terminal(scene.send(B), 60), 5)
+
+
+async def test_the_end_is_stored_under_the_stamp_of_the_message_that_reported_it(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.end(goal, S.ABORTED, result=b"{}", stamp_ns=7)
+    documents = await scene.documents()
+    assert [document["type"] for document in documents[-2:]] == ["status", "result"]
+    assert [document["time"] for document in documents[-2:]] == ["1970-01-01T00:00:00Z"] * 2
+    assert documents[-1]["id"].split("-")[0] == documents[-2]["id"].split("-")[0]
+    kept = await scene.history.get(A)
+    assert kept is not None
+    assert kept.last_event_id == documents[-1]["id"] == goal.last_event_id
+
+
+async def test_a_rejected_goal_has_no_result(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
+    assert await scene.events() == ["status:pending", "status:rejected"]
+
+
+async def test_the_end_that_another_gateway_stored_first_counts(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    goal = scene.send()
+    later = time.time_ns() + 1_000_000_000
+    theirs = status_event(make_goal(1), later), status_event(make_goal(1), later + 1)
+
+    async def seal(ended: Goal, end: list[Event]) -> list[Event]:
+        assert (ended, [orjson.loads(event.data)["type"] for event in end]) == (goal, ["status", "result"])
+        return list(theirs)
+
+    monkeypatch.setattr(scene.history, "seal", seal)
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    await until(lambda: goal.last_event_id == theirs[-1].id)
+    kept = await scene.history.get(A)
+    assert kept is not None
+    assert kept.last_event_id == theirs[-1].id
+    assert [document["id"] for document in await scene.documents()][-2:] == [event.id for event in theirs]
+
+
+async def test_an_end_that_cannot_be_stored_is_published_all_the_same(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def seal(*_: object) -> list[Event]:
+        raise Unavailable("full", code="history_unavailable")
+
+    monkeypatch.setattr(scene.history, "seal", seal)
+    goal = scene.send()
+    waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 60))
+    await asyncio.sleep(0)
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    await asyncio.wait_for(waiting, 5)
+    assert (await scene.events())[-1] == "result:succeeded"
+
+
+async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scene.history, "shared", True)
+    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 60.0)
+    ended = Goal(B, "/dock", "pkg/action/Dock", datetime(2026, 1, 1, tzinfo=UTC), status=S.SUCCEEDED)
+    scene.history.record(ended)
+    for _ in range(2):
+        scene.status((B, S.SUCCEEDED))
+    assert len(scene.hub._line) == 1, "one place is enough"
+    await until(lambda: not scene.hub._line)
+    scene.status((B, S.SUCCEEDED))
+    assert not scene.hub._line, "its end is known"
+
+
+async def test_a_place_that_nobody_takes_says_so(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(scene.history, "shared", True)
+    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 0.01)
+    goal = scene.send()
+    scene.status((A, S.SUCCEEDED))
+    await until(lambda: not scene.hub._line)
+    assert A in caplog.text
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    assert (await scene.events())[-1] == "result:succeeded"
+
+
+async def test_a_history_that_fails_is_asked_again(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    answers = [ValueError("broken"), Unavailable("away")]
+    known = scene.history.known
+
+    async def fail_first(goal_ids: Collection[str]) -> dict[str, Goal]:
+        if answers:
+            raise answers.pop(0)
+        return await known(goal_ids)
+
+    monkeypatch.setattr(scene.history, "known", fail_first)
+    monkeypatch.setattr(adoption, "RETRY_INTERVAL", 0.01)
+    scene.status((B, S.EXECUTING))
+    await until(lambda: B in scene.tracker.live)
+    assert answers == []
+    assert "while looking up goals" in caplog.text
+    assert scene.tracker.live[B].origin == "external"

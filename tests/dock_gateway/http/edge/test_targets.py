@@ -1,0 +1,109 @@
+"""Request lines: paths and addresses, and every way to write a stop."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dock_gateway.http.edge.targets import RequestLine, begins_stop, is_stop, read_request_line
+
+STOPS = [
+    b"/stop",
+    b"//stop",
+    b"///stop//",
+    b"/stop/",
+    b"/STOP",
+    b"/Stop/",
+    b"/stop#",
+    b"/stop#now",
+    b"/%73top",
+    b"/%53%54%4F%50",
+    b"/stop%2F",
+    b"/./stop",
+    b"/stop/.",
+    b"/x/../stop",
+    b"/../stop",
+    b"/stop;v=1",
+    b"/stop%20",
+    b"http://127.0.0.1:8000/stop",
+    b"http://robots.example/stop",
+    b"https://robots.example:8443//stop/",
+    b"HTTP://ROBOTS.EXAMPLE/stop",
+]
+OTHERS = [
+    b"/",
+    b"/stops",
+    b"/st/op",
+    b"/stop/../dock",
+    b"/dock",
+    b"/stop%00",
+    b"/%2573top",
+    b"/stop/x",
+    b"/x/stop",
+    b"*",
+]
+
+
+@pytest.mark.parametrize("target", STOPS)
+@pytest.mark.parametrize("method", [b"POST", b"post", b"Post"])
+def test_a_stop(method: bytes, target: bytes) -> None:
+    line = read_request_line(method, target)
+    assert (line.method, line.target) == (b"POST", b"/stop")
+    assert read_request_line(method, target.partition(b"#")[0] + b"?robot=/r1#x").target == b"/stop?robot=/r1"
+    assert begins_stop(method + b" " + target + b" HTTP/1.1\r\n")
+    assert not begins_stop(b"GET " + target + b" HTTP/1.1\r\n")
+
+
+@pytest.mark.parametrize("target", OTHERS)
+def test_what_is_no_stop(target: bytes) -> None:
+    assert not is_stop(b"POST", target)
+    assert not begins_stop(b"POST " + target + b" HTTP/1.1\r\n")
+
+
+@pytest.mark.parametrize("method", [b"GET", b"PUT", b"DELETE", b"STOP"])
+@pytest.mark.parametrize("target", [target for target in STOPS if target.startswith(b"/")])
+def test_another_method_is_passed_on_as_it_is(method: bytes, target: bytes) -> None:
+    """A release of a stop, say, is what it says and nothing else."""
+    assert read_request_line(method, target) == RequestLine(method, target)
+
+
+@pytest.mark.parametrize(
+    ("target", "path", "host"),
+    [
+        (b"http://a/robots?x=1", b"/robots?x=1", b"a"),
+        (b"http://a:80", b"/", b"a:80"),
+        (b"http://a?x=1", b"/?x=1", b"a"),
+        (b"https://[::1]:8000/dock/", b"/dock/", b"[::1]:8000"),
+        (b"http://user@a/dock", b"/dock", b"user@a"),
+    ],
+)
+def test_an_address(target: bytes, path: bytes, host: bytes) -> None:
+    assert read_request_line(b"GET", target) == RequestLine(b"GET", path, host)
+
+
+@pytest.mark.parametrize(
+    "target", [b"*", b"stop", b"127.0.0.1:8000", b"ftp://a/stop", b"http:///stop", b"http:/stop", b"?x"]
+)
+def test_what_is_no_target(target: bytes) -> None:
+    with pytest.raises(ValueError, match="neither a path nor"):
+        read_request_line(b"POST", target)
+
+
+@given(
+    before=st.lists(st.sampled_from(["", ".", "x/..", "..", ";a", "%2e"])),
+    name=st.text("stopSTOP", min_size=4, max_size=4).filter(lambda name: name.lower() == "stop") | st.just("stop"),
+    encoded=st.sets(st.integers(0, 3)),
+    after=st.lists(st.sampled_from(["", "."])),
+)
+def test_however_it_is_written(before: list[str], name: str, encoded: set[int], after: list[str]) -> None:
+    written = "".join(f"%{ord(each):02X}" if place in encoded else each for place, each in enumerate(name))
+    target = "/" + "/".join([*before, written, *after])
+    assert read_request_line(b"POST", target.encode()) == RequestLine(b"POST", b"/stop")
+
+
+@given(st.binary())
+def test_any_bytes(target: bytes) -> None:
+    try:
+        line = read_request_line(b"POST", target)
+    except ValueError:
+        return
+    assert line.target.startswith(b"/")

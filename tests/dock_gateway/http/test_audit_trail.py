@@ -1,0 +1,357 @@
+"""What is recorded of requests, by whom, and what an admin reads of it."""
+
+import asyncio
+import csv
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.access.quotas import Quotas
+from dock_gateway.app import create_app
+from dock_gateway.audit import routes as audit
+from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.gateway import Gateway
+from dock_gateway.http.audit_trail import AuditTrail, audited_command
+from dock_gateway.http.permissions import AUDITED_READS, COMMANDS, PUBLIC, ROUTES, STORED_FIRST, UNAUDITED_COMMANDS
+from dock_gateway.settings import Settings
+from dock_gateway.stop import routes as stop
+from dock_gateway.storage.memory import MemoryHistory
+from tests.support.audit import AuditList, make_entry
+from tests.support.shapes import check_answer
+
+DOCKING = SimpleNamespace(catalog=DockingCatalog(Settings()))
+
+GOAL = "7d9c1c9e-0000-4000-8000-00000000000a"
+
+
+class Site:
+    """A gateway with a token for each role, which knows no robot."""
+
+    def __init__(self, **settings: Any) -> None:
+        self.history = MemoryHistory(10)
+        self.audit = AuditList()
+        self.settings = Settings(database_url="sqlite:////nowhere", **settings)
+        self.running: dict[str, str] = {GOAL: "/robot7/dock"}
+        logins = Logins(self.history)
+        self.secrets = asyncio.run(self._fill(logins))
+        gateway = SimpleNamespace(
+            settings=self.settings,
+            history=self.history,
+            audit=self.audit,
+            logins=logins,
+            actions=SimpleNamespace(goal=self._goal, docking=DOCKING),
+            stopper=SimpleNamespace(release=self._release),
+            quotas=Quotas(self.settings),
+            robots=SimpleNamespace(get=self._no_robot, all=lambda: [SimpleNamespace(namespace="/robot7")]),
+        )
+        self._app = create_app(self.settings, cast("Gateway", gateway))
+
+    async def _fill(self, logins: Logins) -> dict[Role, str]:
+        return {role: (await logins.create_token(role.value, Grant(role)))[1] for role in Role}
+
+    def _goal(self, goal_id: str) -> Any:
+        name = self.running.get(goal_id)
+        return name and SimpleNamespace(goal_id=goal_id, action_name=name)
+
+    async def _release(self, robot: str | None) -> dict[str, Any]:
+        if robot == "/broken":
+            raise RuntimeError("a bug")
+        if robot == "/busy":
+            raise Conflict("busy", code="dock_busy")
+        return {"robot": robot or "/", "latched": False, "since": None, "by": None, "namespace": None}
+
+    def _no_robot(self, robot: str | None) -> Any:
+        raise NotFound(f"there is no robot {robot}", code="robot_not_found")
+
+    @contextmanager
+    def client(self, role: Role | None = None) -> Iterator[TestClient]:
+        headers = {} if role is None else {"Authorization": f"Bearer {self.secrets[role]}"}
+        url, client = "http://127.0.0.1:8000", ("192.0.2.7", 50000)
+        with TestClient(self._app, url, raise_server_exceptions=False, headers=headers, client=client) as http:
+            yield http
+
+    def one(self) -> AuditEntry:
+        (entry,) = self.audit.entries
+        self.audit.entries.clear()
+        return entry
+
+
+@pytest.fixture
+def site() -> Site:
+    return Site(authentication=True)
+
+
+def test_the_lists_name_what_there_is() -> None:
+    assert ROUTES.keys() | PUBLIC | COMMANDS.keys() >= STORED_FIRST
+    assert COMMANDS.keys() >= UNAUDITED_COMMANDS
+    assert AUDITED_READS & ROUTES.keys() == {"list_audit", "export_audit"}
+
+
+def test_who_did_what_from_where(site: Site) -> None:
+    """Whatever the request says of itself."""
+    with site.client(Role.SUPERVISOR) as http:
+        spoofs = {"X-Forwarded-For": "203.0.113.9", "Forwarded": "for=203.0.113.9", "X-Forwarded-User": "root"}
+        assert http.delete("/stop?robot=robot1", headers=spoofs).status_code == 200
+        entry = site.one()
+        assert (entry.what, entry.principal, entry.role, entry.client) == (
+            "release_stop",
+            "supervisor",
+            "supervisor",
+            "192.0.2.7",
+        )
+        assert (entry.robot, entry.status, entry.code) == ("/robot1", 200, None)
+        assert entry.token_id is not None
+        assert site.audit.stored_first == ["release_stop"]
+        http.delete("/stop")
+        assert site.one().robot == "/"
+        http.post("/battery", json={"by": "somebody else"})
+        entry = site.one()
+        assert (entry.principal, entry.code, entry.robot) == ("supervisor", "robot_not_found", "/")
+
+
+def test_refusals_and_failures(site: Site) -> None:
+    with site.client() as http:
+        http.post("/dock?robot=/robot1")
+        entry = site.one()
+        assert (entry.principal, entry.role, entry.token_id) == (None, None, None)
+        assert (entry.what, entry.robot, entry.status, entry.code) == ("dock", "/robot1", 401, "not_authenticated")
+    with site.client(Role.VIEWER) as http:
+        http.post("/actions/robot1/spin/goals", json={})
+        entry = site.one()
+        assert (entry.principal, entry.status, entry.code) == ("viewer", 403, "role_required")
+        assert (entry.action_name, entry.robot) == ("/robot1/spin", "/robot1")
+        http.delete("/stop")
+        assert site.audit.stored_first == []
+    site.audit.entries.clear()
+    with site.client(Role.SUPERVISOR) as http:
+        http.delete("/stop?robot=/busy")
+        assert site.one().code == "dock_busy"
+        http.delete("/stop?robto=/robot1")
+        assert (entry := site.one()).code == "invalid_field"
+        assert entry.outcome == "refused"
+        assert http.delete("/stop?robot=/broken").status_code == 500
+        entry = site.one()
+        assert site.audit.stored_first == []
+        assert (entry.status, entry.code, entry.outcome) == (500, "internal_error", "failed")
+
+
+def test_goals_and_subjects(site: Site) -> None:
+    with site.client(Role.VIEWER) as http:  # refused, but it is clear what it is about
+        http.post(f"/goals/{GOAL.replace('-', '').upper()}/cancel")
+        entry = site.one()
+        assert (entry.goal_id, entry.action_name, entry.robot) == (GOAL, "/robot7/dock", "/robot7")
+        http.post("/goals/nonsense/cancel")
+        assert site.one().goal_id == "nonsense"
+        http.put("/simulator/faults/stuck_wheel", json={"active": True})
+        assert (entry := site.one()).subject == "stuck_wheel"
+        assert entry.robot == "/"
+        http.put("/automation/rules/night", json={})
+        assert site.one().subject == "night"
+
+
+def test_a_request_cannot_name_another_robot_than_it_is_about(site: Site) -> None:
+    with site.client(Role.VIEWER) as http:
+        for path in ("/goals", "/dock", "/undock", "/actions/robot7/dock/goals"):
+            http.post(f"{path}/{GOAL}/cancel?robot=/robot9")
+            assert site.one().robot == "/robot7"
+    with site.client(Role.SUPERVISOR) as http:
+        assert http.delete("/stop?robot=/robot9&robot=/robot7").status_code == 422
+        assert (entry := site.one()).robot == "/robot9,/robot7"
+        assert entry.outcome == "refused"
+        http.delete("/stop?robot=/robot9,/robot7")
+        assert site.one().robot == "/robot9?/robot7"
+
+
+def test_names_that_are_no_robots_leave_room_for_those_that_are(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stop, "BEGIN_WITHIN", 60.0)  # a busy machine reads the body late, and records that, too
+    with site.client(Role.VIEWER) as http:
+        http.post("/stop", params={"robot": [*(f"/none{number}_{'x' * 200}" for number in range(60)), "/robot7"]})
+        assert (site.one().robot or "").split(",")[0] == "/robot7"
+
+
+def test_tokens_and_logins(site: Site) -> None:
+    with site.client() as http:
+        http.post("/session", json={"token": "dgw_wrong"})
+        entry = site.one()
+        assert (entry.what, entry.principal, entry.code) == ("log_in", None, "invalid_token")
+        http.post("/session", json={"token": site.secrets[Role.ADMIN]})
+        entry = site.one()
+        assert (entry.what, entry.principal, entry.status) == ("log_in", "admin", 200)
+        created = http.post("/tokens", json={"name": "cron", "role": "viewer"}).json()
+        assert (entry := site.one()).subject == "cron"
+        assert created["secret"] not in repr(entry)
+        http.delete(f"/tokens/{created['id']}")
+        assert site.one().subject == "cron"
+        http.delete("/session")
+        assert (entry := site.one()).principal == "admin"
+        http.delete("/session")
+        assert (entry := site.one()).principal is None
+        assert entry.status == 200
+    assert site.audit.stored_first == ["log_in", "create_token", "revoke_token", "log_out", "log_out"]
+
+
+def test_what_is_not_recorded(site: Site) -> None:
+    with site.client(Role.ADMIN) as http:
+        for path in ("/session", "/tokens", "/healthz", "/nowhere", "/docs"):
+            http.get(path)
+        http.post("/nowhere")
+        assert http.put("/dock").status_code == 405
+        http.options("/dock")
+        http.options("/goals/export")
+        assert http.post("/dock", headers={"Origin": "https://evil.example"}).status_code == 403
+    assert site.audit.entries == []
+
+
+def test_where_no_token_is_asked_for_everybody_is_nameless() -> None:
+    site = Site()
+    with site.client() as http:
+        http.delete("/stop")
+        assert ((entry := site.one()).principal, entry.role) == (None, "admin")
+        http.post("/session", json={"token": "x"})
+        assert (site.one().role, http.get("/audit").status_code) == ("admin", 200)
+
+
+def test_a_request_that_cannot_be_recorded_is_answered(site: Site, caplog: pytest.LogCaptureFixture) -> None:
+    def fail(_: AuditEntry) -> None:
+        raise RuntimeError("full")
+
+    site.audit.store = fail  # type: ignore[assignment,method-assign]
+    with site.client(Role.SUPERVISOR) as http:
+        assert http.delete("/stop").status_code == 200
+    assert "release_stop could not be recorded" in caplog.text
+
+
+def test_reading_is_for_admins_and_recorded(site: Site) -> None:
+    asyncio.run(site.history.audit.append([make_entry(number, subject="=1+1") for number in range(5)]))
+    with site.client(Role.SUPERVISOR) as http:
+        assert http.get("/audit").json()["code"] == "role_required"
+        assert site.one().what == "list_audit"
+    with site.client(Role.ADMIN) as http:
+        answer = http.get("/audit", params={"limit": 2, "principal": "ada"})
+        check_answer("GET", "/audit", 200, "application/json", answer.content)
+        assert [record["sequence"] for record in answer.json()["records"]] == [5, 4]
+        assert answer.json()["records"][0]["outcome"] == "done"
+        assert site.one().subject == "limit=2&principal=ada"
+        second = http.get("/audit", params={"limit": 4, "cursor": answer.json()["next_cursor"]}).json()
+        assert ([record["sequence"] for record in second["records"]], second["next_cursor"]) == ([3, 2, 1], None)
+        assert http.get("/audit", params={"outcome": "refused"}).json()["records"] == []
+        assert http.get("/audit", params={"robot": "/robot1", "what": "dock"}).json()["records"]
+        for wrong in ({"outcome": "x"}, {"robot": "a b"}, {"goal_id": "x"}, {"cursor": 0}, {"who": "x"}):
+            assert http.get("/audit", params=wrong).status_code == 422
+        site.audit.entries.clear()
+        sheet = http.get("/audit/export", params={"format": "csv"})
+        head, first, *_ = csv.reader(io.StringIO(sheet.text))
+        assert dict(zip(head, first, strict=True))["subject"] == "'=1+1"
+        assert dict(zip(head, first, strict=True))["sequence"] == "5"
+        document = http.get("/audit/export", params={"until": "2000-01-01T00:00:00Z"})
+        assert document.json() == []
+        whole = http.get("/audit/export")
+        check_answer("GET", "/audit/export", 200, "application/json", whole.content)
+        assert len(whole.json()) == 5
+        assert [entry.what for entry in site.audit.entries] == ["export_audit"] * 3
+
+
+@pytest.mark.parametrize("kind", ["csv", "json"])
+def test_an_export_of_a_history_that_is_away_is_refused(site: Site, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fail(*_: object, **__: object) -> None:
+        raise Unavailable("the history database does not answer", code="history_unavailable")
+
+    monkeypatch.setattr(site.history.audit, "page", fail)
+    with site.client(Role.ADMIN) as http:
+        answer = http.get("/audit/export", params={"format": kind})
+    assert (answer.status_code, answer.json()["code"]) == (503, "history_unavailable")
+
+
+@pytest.mark.parametrize("count", [0, 1, 3, 6, 7])
+def test_an_export_has_every_record(site: Site, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audit, "ROWS", 3)
+    if count:
+        asyncio.run(site.history.audit.append([make_entry(number) for number in range(count)]))
+    with site.client(Role.ADMIN) as http:
+        head, *rows = csv.reader(io.StringIO(http.get("/audit/export", params={"format": "csv"}).text))
+        records = http.get("/audit/export").json()
+    assert head[0] == "sequence"
+    assert [int(row[0]) for row in rows] == [record["sequence"] for record in records] == [*range(count, 0, -1)]
+
+
+COMMAND = [
+    ("stop", {"robot": "/robot1", "by": "root"}, {}, ("/robot1", None, None, 200, None)),
+    ("release_stop", {}, {}, ("/", None, None, 200, None)),
+    ("send_goal", {}, {"goal": {"goal_id": GOAL, "action_name": "/d"}}, ("/", "/d", GOAL, 200, None)),
+    ("send_goal", {"action": "spin", "robot": "r"}, NotFound("x", code="y"), ("/r", "/r/spin", None, 404, "y")),
+    ("send_goal", {"action": "/a/spin", "robot": "/b"}, NotFound("x", code="y"), ("/a", "/a/spin", None, 404, "y")),
+    ("cancel_goal", {"goal_id": GOAL}, Conflict("x", code="y"), ("/robot7", "/robot7/dock", GOAL, 409, "y")),
+    ("cancel_goal", {"goal_id": 7}, RuntimeError("x"), ("/", None, None, 500, "internal_error")),
+]
+
+
+@pytest.mark.parametrize(("op", "fields", "result", "found"), COMMAND)
+async def test_commands(op: str, fields: dict[str, Any], result: Any, found: tuple[Any, ...]) -> None:
+    site = await asyncio.to_thread(Site)
+    actions = SimpleNamespace(goal=site._goal, docking=DOCKING)
+    quotas = Quotas(site.settings)
+    gateway = SimpleNamespace(settings=site.settings, audit=site.audit, actions=actions, quotas=quotas)
+    scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"gateway": gateway}, "request_id": "r1"}
+
+    async def carry_out() -> Any:
+        if isinstance(result, Exception):
+            raise result
+        return result
+
+    if isinstance(result, Exception):
+        with pytest.raises(type(result)):
+            await audited_command(scope, op, fields, carry_out)
+    else:
+        assert await audited_command(scope, op, fields, carry_out) == result
+    entry = site.one()
+    assert (entry.robot, entry.action_name, entry.goal_id, entry.status, entry.code) == found
+    assert (entry.what, entry.client, entry.request_id) == (op, "192.0.2.7", "r1")
+    assert site.audit.stored_first == (["release_stop"] if op == "release_stop" else [])
+
+
+@pytest.mark.parametrize("op", ["ping", "unsubscribe", "nonsense"])
+async def test_other_commands_are_not_recorded(op: str) -> None:
+    async def carry_out() -> dict[str, Any]:
+        return {}
+
+    assert await audited_command({}, op, {}, carry_out) == {}
+
+
+async def forever(*_: Any) -> Any:
+    await asyncio.Event().wait()
+
+
+@pytest.mark.parametrize("command", [False, True])
+async def test_what_the_end_of_the_gateway_cuts_off_is_recorded(command: bool) -> None:
+    site = await asyncio.to_thread(Site)
+    route = SimpleNamespace(name="calibrate_dock", dependant=SimpleNamespace(query_params=[]))
+    scope: dict[str, Any] = {
+        "type": "http",
+        "method": "POST",
+        "path": "/calibration",
+        "query_string": b"",
+        "headers": [],
+        "route": route,
+        "client": ("192.0.2.7", 1),
+        "state": {"gateway": SimpleNamespace(settings=site.settings, audit=site.audit)},
+    }
+    async with asyncio.TaskGroup() as tasks:
+        cut_off = tasks.create_task(
+            audited_command(scope | {"type": "websocket"}, "publish_battery", {}, forever)
+            if command
+            else AuditTrail(forever)(scope, forever, forever)
+        )
+        await asyncio.sleep(0)
+        cut_off.cancel()
+    entry = site.one()
+    assert entry.what == ("publish_battery" if command else "calibrate_dock")
+    assert (entry.status, entry.code, entry.outcome) == (503, "shutting_down", "failed")

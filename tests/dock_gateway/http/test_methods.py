@@ -1,0 +1,56 @@
+"""`OPTIONS` and 405 name the methods that a path has, as OpenAPI lists them."""
+
+import re
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.app import create_app
+from dock_gateway.settings import Settings
+
+APP = create_app(Settings())
+PATHS: dict[str, dict[str, object]] = APP.openapi()["paths"]
+METHODS = {"get", "put", "post", "delete"}
+
+
+@pytest.fixture(scope="module")
+def client() -> TestClient:
+    return TestClient(APP, base_url="http://127.0.0.1:8000")
+
+
+def example(path: str) -> str:
+    return re.sub(r"{[^}]+}", "x", path.replace("{goal_id}", "7d9c1c9e-0000-4000-8000-000000000000"))
+
+
+def read(allow: str) -> set[str]:
+    return {method.strip().lower() for method in allow.split(",")}
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_options(client: TestClient, path: str) -> None:
+    response = client.options(example(path))
+    assert (response.status_code, response.content) == (204, b"")
+    assert read(response.headers["allow"]) == {"options", *(METHODS & PATHS[path].keys())}
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_a_method_that_a_path_does_not_have(client: TestClient, path: str) -> None:
+    response = client.patch(example(path))
+    assert (response.status_code, response.json()["code"]) == (405, "method_not_allowed")
+    assert read(response.headers["allow"]) == {"options", *(METHODS & PATHS[path].keys())}
+
+
+def test_pages_and_what_is_not_there(client: TestClient) -> None:
+    assert read(client.options("/").headers["allow"]) == {"get", "head", "options"}
+    assert read(client.put("/docs").headers["allow"]) == {"get", "options"}
+    for method in ("OPTIONS", "DELETE"):
+        response = client.request(method, "/nothing")
+        assert (response.status_code, response.json()["code"]) == (404, "not_found")
+
+
+def test_a_request_that_is_no_preflight_of_an_allowed_page() -> None:
+    client = TestClient(create_app(Settings(allowed_origins="https://ops.example")), base_url="http://127.0.0.1:8000")  # type: ignore[arg-type]
+    response = client.options("/dock", headers={"Origin": "https://ops.example"})
+    assert response.status_code == 204
+    assert read(response.headers["allow"]) == {"get", "post", "options"}
+    assert response.headers["access-control-allow-origin"] == "https://ops.example"

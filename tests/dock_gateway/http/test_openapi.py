@@ -1,0 +1,205 @@
+"""The OpenAPI document describes what is really sent, and the copy that the dashboard's types come from is fresh."""
+
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+from openapi_spec_validator import OpenAPIV31SpecValidator, validate
+
+from dock_gateway.app import create_app
+from dock_gateway.settings import Settings
+
+COPY = Path(__file__).parents[3] / "frontend" / "openapi.json"
+
+
+@pytest.fixture(scope="module")
+def document() -> dict[str, Any]:
+    return create_app(Settings()).openapi()
+
+
+def references(value: object) -> set[str]:
+    if isinstance(value, dict):
+        own = {value["$ref"]} if isinstance(value.get("$ref"), str) else set()
+        return own.union(*(references(item) for item in value.values()))
+    return set().union(*(references(item) for item in value)) if isinstance(value, list) else set()
+
+
+def test_it_is_a_valid_openapi_3_1_document(document: dict[str, Any]) -> None:
+    assert document["openapi"].startswith("3.1")
+    plain = orjson.loads(orjson.dumps(document))
+    validate(plain, cls=OpenAPIV31SpecValidator)
+    plain["components"]["schemas"]["BatteryState"]["type"] = "battery"
+    assert list(OpenAPIV31SpecValidator(plain).iter_errors())
+
+
+def test_it_asks_for_a_token_where_the_gateway_does(document: dict[str, Any]) -> None:
+    assert "security" not in document
+    settings = Settings(authentication=True, database_url="sqlite:////nowhere")
+    guarded = orjson.loads(orjson.dumps(create_app(settings).openapi()))
+    validate(guarded, cls=OpenAPIV31SpecValidator)
+    assert {name for option in guarded["security"] for name in option} == guarded["components"][
+        "securitySchemes"
+    ].keys()
+    assert guarded["paths"]["/healthz"]["get"]["security"] == []
+
+
+def test_every_reference_has_its_schema(document: dict[str, Any]) -> None:
+    names = {f"#/components/schemas/{name}" for name in document["components"]["schemas"]}
+    assert references(document) <= names
+
+
+def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
+    operations = {(method, path) for path, item in document["paths"].items() for method in item}
+    assert operations == {
+        ("get", "/audit"),
+        ("get", "/audit/export"),
+        ("post", "/dock"),
+        ("get", "/dock"),
+        ("get", "/dock/{goal_id}"),
+        ("post", "/dock/{goal_id}/cancel"),
+        ("post", "/undock"),
+        ("get", "/undock"),
+        ("get", "/undock/{goal_id}"),
+        ("post", "/undock/{goal_id}/cancel"),
+        ("get", "/undock/{goal_id}/events"),
+        ("post", "/stop"),
+        ("get", "/stop"),
+        ("delete", "/stop"),
+        ("get", "/docks"),
+        ("get", "/calibration"),
+        ("post", "/calibration"),
+        ("get", "/simulator"),
+        ("post", "/simulator/reset"),
+        ("post", "/simulator/place"),
+        ("put", "/simulator/faults/{fault}"),
+        ("get", "/goals"),
+        ("get", "/goals/tags"),
+        ("get", "/goals/{goal_id}/notes"),
+        ("post", "/goals/{goal_id}/notes"),
+        ("delete", "/goals/{goal_id}/notes/{note_id}"),
+        ("put", "/goals/{goal_id}/tags"),
+        ("get", "/statistics"),
+        ("get", "/automation/rules"),
+        ("put", "/automation/rules/{rule_id}"),
+        ("delete", "/automation/rules/{rule_id}"),
+        ("get", "/automation/decisions"),
+        ("get", "/session"),
+        ("post", "/session"),
+        ("post", "/session/ticket"),
+        ("get", "/session/oidc"),
+        ("get", "/session/oidc/callback"),
+        ("get", "/people"),
+        ("delete", "/people/{person}/sessions"),
+        ("delete", "/session"),
+        ("put", "/session/password"),
+        ("delete", "/sessions"),
+        ("get", "/users"),
+        ("put", "/users/{user}"),
+        ("delete", "/users/{user}"),
+        ("delete", "/users/{user}/sessions"),
+        ("get", "/tokens"),
+        ("post", "/tokens"),
+        ("delete", "/tokens/{token_id}"),
+        ("get", "/webhooks"),
+        ("put", "/webhooks/{webhook_id}"),
+        ("delete", "/webhooks/{webhook_id}"),
+        ("post", "/webhooks/{webhook_id}/test"),
+        ("get", "/webhooks/{webhook_id}/deliveries"),
+        ("get", "/goals/{goal_id}"),
+        ("post", "/goals/{goal_id}/cancel"),
+        ("get", "/goals/{goal_id}/events"),
+        ("get", "/goals/{goal_id}/history"),
+        ("get", "/goals/export"),
+        ("get", "/goals/{goal_id}/export"),
+        ("get", "/actions"),
+        ("get", "/actions/{name}"),
+        ("post", "/actions/{name}/goals"),
+        ("get", "/actions/{name}/goals"),
+        ("get", "/actions/{name}/goals/{goal_id}"),
+        ("post", "/actions/{name}/goals/{goal_id}/cancel"),
+        ("get", "/actions/{name}/goals/{goal_id}/events"),
+        ("get", "/dock/{goal_id}/events"),
+        ("get", "/robots"),
+        ("put", "/robots/label"),
+        ("get", "/alerts"),
+        ("put", "/alerts/{alert_id}/acknowledgement"),
+        ("delete", "/alerts/{alert_id}/acknowledgement"),
+        ("get", "/interfaces"),
+        ("get", "/interfaces/{package}/action/{name}"),
+        ("get", "/graph"),
+        ("get", "/graph/topics/{name}"),
+        ("get", "/battery"),
+        ("get", "/battery/history"),
+        ("post", "/battery"),
+        ("get", "/battery/publisher"),
+        ("put", "/battery/publisher"),
+        ("delete", "/battery/publisher"),
+        ("get", "/healthz"),
+        ("get", "/readyz"),
+        ("get", "/metrics"),
+    }
+
+
+def test_errors_are_problem_documents(document: dict[str, Any]) -> None:
+    for item in document["paths"].values():
+        for operation in item.values():
+            for status, response in operation["responses"].items():
+                if status >= "400" and status != "503":
+                    assert list(response["content"]) == ["application/problem+json"], operation["operationId"]
+
+
+def test_operations_name_the_role_that_they_need(document: dict[str, Any]) -> None:
+    roles = {
+        (method, path): operation.get("x-role")
+        for path, item in document["paths"].items()
+        for method, operation in item.items()
+    }
+    assert roles["get", "/goals"] == "viewer"
+    assert roles["post", "/dock"] == "operator"
+    assert roles["delete", "/stop"] == "supervisor"
+    assert roles["get", "/tokens"] == "admin"
+    public = {operation for operation, role in roles.items() if role is None}
+    assert public == {(method, "/session") for method in ("get", "post", "delete")} | {
+        ("get", "/healthz"),
+        ("get", "/readyz"),
+        ("get", "/session/oidc"),
+        ("get", "/session/oidc/callback"),
+    }
+
+
+def test_names_and_ids_have_patterns(document: dict[str, Any]) -> None:
+    for path, item in document["paths"].items():
+        for operation in item.values():
+            for parameter in operation.get("parameters", ()):
+                if parameter["name"] in {"robot", "goal_id", "since", "until"}:
+                    schema = parameter["schema"]
+                    kinds = [schema, *schema.get("anyOf", ())]
+                    assert any("pattern" in {**kind, **kind.get("items", {})} for kind in kinds), (path, schema)
+    for path, method in (("/stop", "post"), ("/alerts/{alert_id}/acknowledgement", "put")):
+        by = document["paths"][path][method]["requestBody"]["content"]["application/json"]["schema"]["properties"]["by"]
+        assert by["pattern"]
+
+
+def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> None:
+    schemas = document["components"]["schemas"]
+    assert schemas["BatteryState"]["required"] == list(schemas["BatteryStateInput"]["properties"])
+    assert "required" not in schemas["BatteryStateInput"]
+    for name in ("BatteryState", "BatteryStateInput"):
+        voltage = schemas[name]["properties"]["voltage"]
+        assert voltage["description"] == "Voltage in Volts (Mandatory)"
+        assert voltage["x-unit"] == "V"
+
+
+@pytest.mark.parametrize(("union", "count"), [("Event", 22), ("EchoEvent", 6)])
+def test_events_are_told_apart_by_their_type(document: dict[str, Any], union: str, count: int) -> None:
+    schemas = document["components"]["schemas"]
+    kinds = [
+        schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"] for option in schemas[union]["oneOf"]
+    ]
+    assert len(set(kinds)) == len(kinds) == count
+    assert schemas[union]["discriminator"]["mapping"].keys() == set(kinds)
+
+
+def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:
+    assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway openapi > frontend/openapi.json"

@@ -1,0 +1,124 @@
+"""Bodies: one that is not there means something only where that is documented."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from starlette.requests import Request
+
+from dock_gateway.core.errors import InvalidField
+from dock_gateway.core.goal import GoalStatus
+from dock_gateway.goals.routes import send_goal
+from dock_gateway.http.audit_trail import Trail
+from dock_gateway.http.requests import check_key, known_query, read_goal_id, read_json, read_name
+from dock_gateway.settings import Settings
+from tests.support.history import make_goal
+
+
+def request(body: bytes, headers: list[tuple[bytes, bytes]] | None = None) -> Request:
+    async def receive() -> dict[str, Any]:
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    state = {"gateway": SimpleNamespace(settings=Settings())}
+    scope = {"type": "http", "headers": headers or [], "state": state}
+    return Request(scope | {"audit": Trail(scope)}, receive)
+
+
+async def test_an_empty_body_is_refused() -> None:
+    with pytest.raises(InvalidField) as refused:
+        await read_json(request(b""))
+    assert refused.value.extra["errors"][0]["expected"] == "an object, {} for the defaults"
+
+
+async def test_an_empty_body_where_it_has_a_meaning() -> None:
+    assert await read_json(request(b""), empty={"order": 1}) == {"order": 1}
+    assert await read_json(request(b""), empty={}) == {}
+
+
+@pytest.mark.parametrize(("body", "value"), [(b"null", None), (b"[]", []), (b"0", 0), (b'""', ""), (b"false", False)])
+async def test_what_is_false_is_not_empty(body: bytes, value: object) -> None:
+    assert await read_json(request(body), empty={"order": 1}) == value
+
+
+@pytest.mark.parametrize(("value", "name"), [("Ada", "Ada"), (" Ada L. ", "Ada L."), ("Ä" * 10, "Ä" * 10)])
+def test_a_name(value: str, name: str) -> None:
+    assert read_name(value, 10) == name
+
+
+@pytest.mark.parametrize(
+    "value", ["", " \t", "a" * 11, " " * 8 + "Ada", "a\nb", "a\0", "\u2028", "a\u202eb", "\u200b", 7, None, ["Ada"]]
+)
+def test_what_is_no_name(value: object) -> None:
+    with pytest.raises(InvalidField) as refused:
+        read_name(value, 10)
+    (error,) = refused.value.extra["errors"]
+    assert (error["path"], error["expected"]) == ("by", "1 to 10 characters, in one line")
+
+
+@pytest.mark.parametrize("key", ["", "k" * 201, "key\0"])
+def test_what_is_no_idempotency_key(key: str) -> None:
+    with pytest.raises(InvalidField) as refused:
+        check_key(key, "idempotency_key")
+    (error,) = refused.value.extra["errors"]
+    assert (error["path"], error["expected"]) == ("idempotency_key", "1 to 200 characters, without NUL")
+
+
+async def test_no_goal_is_sent_for_an_empty_body() -> None:
+    action: Any = SimpleNamespace(
+        name="/fibonacci", port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value))
+    )
+    with pytest.raises(InvalidField):
+        await send_goal(request(b""), action, "/actions/fibonacci/goals")
+
+
+async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted() -> None:
+    """The gateway may be killed before the goal ends."""
+    recorded: list[int] = []
+
+    async def submit(*_: object) -> Any:
+        return make_goal(1, GoalStatus.EXECUTING)
+
+    async def record(status: int) -> None:
+        recorded.append(status)
+
+    async def wait_terminal(*_: object) -> None:
+        assert recorded == [202]
+        recorded.append(0)
+
+    action: Any = SimpleNamespace(
+        name="/robot1/spin",
+        port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)),
+        submitter=SimpleNamespace(submit=submit),
+        tracker=SimpleNamespace(wait_terminal=wait_terminal),
+    )
+    asked = request(b"{}", [(b"prefer", b"wait=30")])
+    asked.scope["audit"].record = record
+    await send_goal(asked, action, "/actions/spin/goals")
+    assert recorded == [202, 0]
+    assert asked.scope["audit"].fields == {
+        "robot": "/robot1",
+        "action_name": "/robot1/spin",
+        "goal_id": "goal-0001",
+    }
+
+
+@pytest.mark.parametrize("query", [b"robot=/robot1&robot=/robot2", b"robot=/robot1&robot=/robot1", b"robto=/robot1"])
+async def test_what_robot_is_meant_is_clear(query: bytes) -> None:
+    with pytest.raises(InvalidField):
+        await known_query("robot", "status")(Request({"type": "http", "query_string": query}))
+    await known_query("robot", "status")(
+        Request({"type": "http", "query_string": b"robot=/robot1&status=lost&status=aborted"})
+    )
+
+
+@pytest.mark.parametrize("text", ["7D9C1C9E-0000-4000-8000-00000000000A", "7d9c1c9e00004000800000000000000a"])
+def test_a_goal_id_as_others_write_it(text: str) -> None:
+    assert read_goal_id(text) == "7d9c1c9e-0000-4000-8000-00000000000a"
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1234", "{7d9c1c9e-0000-4000-8000-00000000000a}", "7d9c1c9e" * 4 + "\n", "\u0661" * 32]
+)
+def test_what_is_no_goal_id(text: str) -> None:
+    with pytest.raises(InvalidField):
+        read_goal_id(text)

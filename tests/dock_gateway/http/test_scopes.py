@@ -1,0 +1,178 @@
+"""A limited grant: every route and every command about another robot is refused, whatever the role."""
+
+import asyncio
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.app import create_app
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.core.errors import NotAllowed, NotFound
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.gateway import Gateway
+from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.http.permissions import COMMAND_SCOPES, PUBLIC, ROUTES, SCOPES, Scope
+from dock_gateway.http.scopes import require_covered
+from dock_gateway.settings import Settings
+from dock_gateway.storage.memory import MemoryHistory
+from tests.dock_gateway.http.test_principal import REQUESTS, path_of
+from tests.support.audit import audit_parts
+
+SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
+GOAL, UNKNOWN = "00000000-0000-4000-8000-000000000000", "00000000-0000-4000-8000-000000000001"
+ALERT = "x1"
+
+
+async def _goal(goal_id: str, grant: Grant) -> Any:
+    if goal_id != GOAL or not grant.covers_action(action := "/robot2/connect_to_charging_dock"):
+        raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
+    return SimpleNamespace(action_name=action)
+
+
+def _alert(alert_id: str, grant: Grant) -> Any:
+    if alert_id != ALERT or not grant.covers_alert("/robot2"):
+        raise NotFound(f"there is no alert {alert_id}", code="alert_not_found")
+    return SimpleNamespace(robot="/robot2")
+
+
+class Other:
+    """A gateway with a robot `/robot2`, a goal and an alert of it. What else it is asked for shows a gap."""
+
+    def __init__(self) -> None:
+        self.settings = SETTINGS
+        self.logins = Logins(MemoryHistory(10))
+        self.robots = SimpleNamespace(default_namespace="/robot2")
+        self.alerts = SimpleNamespace(get=_alert)
+        self.goal = _goal
+        parts = audit_parts()
+        parts["actions"].docking = DockingActions(DockingCatalog(Settings()), {})
+        vars(self).update(parts)
+
+    def __getattr__(self, name: str) -> Any:
+        raise NotFound(f"there is no {name}")
+
+
+@pytest.fixture
+def gateway() -> Gateway:
+    return cast("Gateway", Other())
+
+
+def refused(gateway: Gateway, grant: Grant, scope: Scope, names: dict[str, Any]) -> bool:
+    try:
+        asyncio.run(require_covered(gateway, grant, scope, names, "it"))
+    except NotAllowed as error:
+        return error.code == "not_covered"
+    return False
+
+
+@pytest.mark.parametrize("limits", [{"robots": ("/robot1",)}, {"actions": ("/robot1/*",)}])
+def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str, ...]]) -> None:
+    gateway: Any = Other()
+    grant = Grant(Role.SUPERVISOR, **limits)
+    _, secret = asyncio.run(gateway.logins.create_token("limited", grant))
+    app = create_app(SETTINGS, gateway)
+    with TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+        client.headers["Authorization"] = f"Bearer {secret}"
+        for method, template, name in REQUESTS:
+            scope = SCOPES.get(name)
+            if name in PUBLIC or scope in (Scope.ANY, Scope.LISTED) or ROUTES.get(name) is Role.ADMIN:
+                continue
+            if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
+                continue  # they are about a robot, not about one of its actions
+            answer = client.request(method, path_of(template))
+            if scope is Scope.GOAL and "{name" not in template:
+                unknown = client.request(method, path_of(template).replace(GOAL, UNKNOWN))
+                assert (answer.status_code, answer.json()["code"]) == (404, "goal_not_found"), name
+                assert answer.text.replace(GOAL, UNKNOWN) == unknown.text, name
+            elif scope is Scope.ALERT:
+                assert (answer.status_code, answer.json()["code"]) == (404, "alert_not_found"), name
+            else:
+                assert answer.json()["code"] == "not_covered", name
+
+
+ROBOT1 = Grant(Role.SUPERVISOR, robots=("/robot1",))
+NAMES: dict[Scope, dict[str, Any]] = {
+    Scope.ROBOT: {"robot": "/robot1"},
+    Scope.ROBOTS: {"robot": "/robot1/arm"},
+    Scope.DOCK: {"robot": "/robot1"},
+    Scope.UNDOCK: {"robot": "/robot1/"},
+    Scope.ACTION: {"name": "robot1/fibonacci"},
+    Scope.NEW_GOAL: {"action": "fibonacci", "robot": "/robot1"},
+    Scope.TOPIC: {"topic": "/robot1/odom"},
+}
+OTHERS: dict[Scope, list[dict[str, Any]]] = {
+    Scope.ROBOT: [{}, {"robot": "/robot2"}, {"robot": "/"}, {"robot": "/robot10"}],
+    Scope.ROBOTS: [{}, {"robot": "/robot2"}, {"robot": "/"}, {"robot": "/robot10"}],
+    Scope.DOCK: [{}, {"robot": "/robot2"}],
+    Scope.UNDOCK: [{}, {"robot": "/robot2"}],
+    Scope.ACTION: [{"name": "robot2/fibonacci"}, {"name": "robot1"}, {"name": "fibonacci"}],
+    Scope.NEW_GOAL: [
+        {},
+        {"robot": "/robot2"},
+        {"action": "fibonacci"},
+        {"action": "/robot2/fibonacci", "robot": "/robot1"},
+        {"action": "/robot1/fibonacci", "robot": "/robot2"},
+        {"action": "robot2/fibonacci"},
+    ],
+    Scope.TOPIC: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}, {"name": "rosout"}],
+    Scope.GOAL: [{"goal_id": GOAL, "name": "robot2/fibonacci"}],
+    Scope.EVERY: [{}, {"robot": "/robot1"}],
+}
+
+
+@pytest.mark.parametrize("scope", list(NAMES))
+def test_what_is_about_the_own_robot_is_allowed(gateway: Gateway, scope: Scope) -> None:
+    assert not refused(gateway, ROBOT1, scope, NAMES[scope])
+
+
+@pytest.mark.parametrize(("scope", "names"), [(scope, names) for scope, many in OTHERS.items() for names in many])
+def test_what_is_about_another_one_is_not(gateway: Gateway, scope: Scope, names: dict[str, Any]) -> None:
+    assert refused(gateway, ROBOT1, scope, names)
+
+
+@pytest.mark.parametrize(
+    ("scope", "name", "ids"),
+    [(Scope.GOAL, "goal_id", (GOAL, UNKNOWN)), (Scope.ALERT, "alert_id", (ALERT, "low_battery:/x"))],
+)
+def test_what_is_another_s_is_as_unknown_as_what_there_is_not(
+    gateway: Gateway, scope: Scope, name: str, ids: tuple[str, str]
+) -> None:
+    problems = []
+    for each in ids:
+        with pytest.raises(NotFound) as error:
+            asyncio.run(require_covered(gateway, ROBOT1, scope, {name: each}, "it"))
+        problems.append(str(error.value.problem()).replace(each, "ID"))
+    assert problems[0] == problems[1]
+
+
+@pytest.mark.parametrize("scope", list(Scope))
+def test_without_limits_everything_is_allowed(gateway: Gateway, scope: Scope) -> None:
+    assert not refused(gateway, Grant(Role.VIEWER), scope, {"topic": "/x"})
+
+
+@pytest.mark.parametrize("robots", [("/",), ("/", "/*"), ("**",)])
+async def test_who_is_limited_to_some_robots_cannot_release_the_stop_of_all(robots: tuple[str, ...]) -> None:
+    gateway: Any = Other()
+    gateway.robots.default_namespace = "/"
+    for scope in (SCOPES["release_stop"], COMMAND_SCOPES["release_stop"]):
+        for names in ({}, {"robot": "/"}):
+            with pytest.raises(NotAllowed, match="every robot"):
+                await require_covered(gateway, Grant(Role.SUPERVISOR, robots), scope, names, "release_stop")
+            for grant in (Grant(Role.SUPERVISOR), Grant(Role.SUPERVISOR, actions=("*/undock",))):
+                await require_covered(gateway, grant, scope, names, "release_stop")
+
+
+def test_a_list_of_topics_alone_limits_nothing_else(gateway: Gateway) -> None:
+    grant = Grant(Role.OPERATOR, topics=("*/battery_status",))
+    assert not refused(gateway, grant, Scope.ROBOT, {"robot": "/robot2"})
+    assert not refused(gateway, grant, Scope.TOPIC, {"topic": "/robot2/battery_status"})
+    assert refused(gateway, grant, Scope.TOPIC, {"topic": "/robot2/odom"})
+
+
+def test_every_scope_is_used_and_known() -> None:
+    used = {*SCOPES.values(), *COMMAND_SCOPES.values()}
+    assert used == set(Scope)
+    assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED, Scope.ALERT}

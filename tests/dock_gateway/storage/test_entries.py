@@ -1,0 +1,160 @@
+"""Labels as the histories store them; tests/dock_gateway/fleet/test_shared_entries.py has acknowledgements."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
+from dock_gateway.storage import History, RobotLabel, sqlite
+from tests.support.history import locked, open_place
+from tests.support.waiting import PATIENCE, until
+
+LEFT = RobotLabel("Left forklift", ("hall 1", "Gabelstapler ü, \"'"))
+RIGHT = RobotLabel(None, ("hall 1",))
+BARE = RobotLabel("Bar\u00e9", ())
+
+
+@pytest.fixture
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine is no outage."""
+    monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
+
+
+@asynccontextmanager
+async def opened(url: str, folder: Path) -> AsyncIterator[History]:
+    async with open_place(url, folder) as history:
+        await until(lambda: history.stats().database_reachable)
+        yield history
+
+
+async def labels_in(history: History) -> dict[str, RobotLabel]:
+    """All labels, once the database answers."""
+    for _ in range(200):
+        try:
+            return await history.labels.read()
+        except Unavailable:
+            await asyncio.sleep(0.05)
+    raise AssertionError("they cannot be read")
+
+
+def is_free(name: str) -> Callable[[Mapping[str, RobotLabel]], None]:
+    def check(labels: Mapping[str, RobotLabel]) -> None:
+        if any(label.display_name == name for label in labels.values()):
+            raise Conflict("taken", code="display_name_taken")
+
+    return check
+
+
+@pytest.mark.usefixtures("patient")
+async def test_labels_are_stored_replaced_and_removed(place: str, tmp_path: Path) -> None:
+    async with opened(place, tmp_path) as history:
+        assert await labels_in(history) == {}
+        await history.labels.write("/robot1", LEFT)
+        await history.labels.write("/robot1", BARE)
+        await history.labels.write("/robot2", LEFT)
+        await history.labels.write("/robot3", RIGHT)
+        await history.labels.write("/robot3", None)
+        await history.labels.write("/never", None)
+        assert await labels_in(history) == {"/robot1": BARE, "/robot2": LEFT}
+        assert await history.acknowledgements.read() == {}
+
+
+@pytest.mark.usefixtures("patient")
+async def test_rules_and_decisions_of_automatic_docking_are_what_they_were(place: str, tmp_path: Path) -> None:
+    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+    low = Rule("Low", Mode.ON, False, ("/robot1",), ("hall 1",), 0.2, 60.0, (), (), None, None, at)
+    night = Rule("Nacht ü", Mode.DRY_RUN, True, (), (), None, None, ("22:00",), ("mon",), "Europe/Berlin", "Ada", at)
+    sent = Decision("low", "Low", "/robot1", at, Outcome.SENT, 0.1, at, at, "a", "b", "c", open=True)
+    bare = Decision("low", "Low", "/robot1", at, Outcome.GAVE_UP, None, None, None, None, None, None, open=False)
+    async with opened(place, tmp_path) as history:
+        for rule_id, rule in (("low", night), ("low", low), ("night", night)):
+            await history.automation_rules.write(rule_id, rule)
+        for identity, decision in (("a", bare), ("a", sent), ("b", bare)):
+            await history.automation_decisions.write(identity, decision)
+        rules, decisions = await history.automation_rules.read(), await history.automation_decisions.read()
+        assert rules == {"low": low, "night": night}
+        assert decisions == {"a": sent, "b": bare}
+        assert isinstance(rules["low"].mode, Mode)
+        assert isinstance(decisions["a"].outcome, Outcome)
+
+
+@pytest.mark.usefixtures("patient")
+async def test_webhooks_and_their_deliveries_are_what_they_were(place: str, tmp_path: Path) -> None:
+    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+    off = Webhook("Büro", "https://x/ü", "whsec_a", False, ("critical",), False, ("/a",), ("hall 1",), "Ada", at)
+    every = Webhook("Hook", "http://x", "whsec_b", True, ("critical", "warning"), True, (), (), None, at)
+    body = b'{"text":"\xc3\xbc","n":1.0}'
+    sent = Delivery("a", EventType.RAISED, DeliveryState.DELIVERED, "id", at, body, 2, at, at, 204, "why")
+    bare = Delivery("b", EventType.TEST, DeliveryState.PENDING, None, at, b"{}", 0, None, None, None, None)
+    async with opened(place, tmp_path) as history:
+        for webhook_id, webhook in (("a", every), ("a", off), ("b", every)):
+            await history.webhooks.write(webhook_id, webhook)
+        for identity, delivery in (("1", bare), ("1", sent), ("2", bare)):
+            await history.webhook_deliveries.write(identity, delivery)
+        deliveries = await history.webhook_deliveries.read()
+        assert await history.webhooks.read() == {"a": off, "b": every}
+        assert deliveries == {"1": sent, "2": bare}
+        assert isinstance(deliveries["1"].event_type, EventType)
+        assert isinstance(deliveries["1"].state, DeliveryState)
+
+
+@pytest.mark.usefixtures("patient")
+async def test_a_label_that_is_refused_is_not_stored(place: str, tmp_path: Path) -> None:
+    async with opened(place, tmp_path) as history:
+        await history.labels.write("/robot1", LEFT, is_free("Left forklift"))
+        with pytest.raises(Conflict):
+            await history.labels.write("/robot2", LEFT, is_free("Left forklift"))
+        await history.labels.write("/robot2", RIGHT, is_free("anything else"))
+        assert await labels_in(history) == {"/robot1": LEFT, "/robot2": RIGHT}
+
+
+@pytest.mark.usefixtures("patient")
+async def test_they_outlive_a_restart(database_url: str, tmp_path: Path) -> None:
+    async with opened(database_url, tmp_path) as history:
+        await history.labels.write("/robot1", LEFT)
+    async with opened(database_url, tmp_path) as history:
+        assert await labels_in(history) == {"/robot1": LEFT}
+
+
+@pytest.mark.usefixtures("patient")
+async def test_of_two_gateways_at_the_same_time_one_gets_the_name(database_url: str, tmp_path: Path) -> None:
+    async with opened(database_url, tmp_path / "a") as one, opened(database_url, tmp_path / "b") as other:
+        for number in range(10):
+            label = RobotLabel(f"Forklift {number}", ())
+            check = is_free(f"Forklift {number}")
+            ends = await asyncio.gather(
+                one.labels.write(f"/a{number}", label, check),
+                other.labels.write(f"/b{number}", label, check),
+                return_exceptions=True,
+            )
+            assert sorted(type(end) for end in ends if end is not None) == [Conflict]
+        names = [label.display_name for label in (await labels_in(one)).values()]
+        assert sorted(map(str, names)) == [f"Forklift {number}" for number in range(10)]
+
+
+async def test_a_database_that_is_locked_takes_none(sqlite_url: str, tmp_path: Path) -> None:
+    async with opened(sqlite_url, tmp_path) as history:
+        await history.labels.write("/robot1", LEFT)
+        with locked(sqlite_url.removeprefix("sqlite:///")):
+            with pytest.raises(Unavailable) as refused:
+                await history.labels.write("/robot1", RIGHT)
+            assert refused.value.code == "history_unavailable"
+        assert await labels_in(history) == {"/robot1": LEFT}
+
+
+async def test_after_the_file_was_deleted_they_can_be_set_again(sqlite_url: str, tmp_path: Path) -> None:
+    async with opened(sqlite_url, tmp_path) as history:
+        await history.labels.write("/robot1", LEFT)
+        (tmp_path / "history.db").unlink()
+        with pytest.raises(Unavailable):
+            await history.labels.write("/robot1", RIGHT)
+        await until(lambda: history.incident is not None and history.stats().database_reachable)
+        assert await labels_in(history) == {}
+        await history.labels.write("/robot1", RIGHT)
+        assert await labels_in(history) == {"/robot1": RIGHT}

@@ -1,0 +1,151 @@
+"""Notes and tags as the histories store them: limits, two gateways, an outage, and the end of their goal."""
+
+import asyncio
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.storage import GoalNotes, History, Note, immediate, notes, sqlite
+from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.storage.tables import goal_notes, goal_tags
+from tests.support.history import NOW, locked, make_goal, open_at, open_place, page_of, settled, written
+from tests.support.waiting import PATIENCE, until
+
+NOTHING = GoalNotes((), ())
+
+
+def note(number: int, text: str = "wheel was blocked by a box ü\n\tand a 'chair'") -> Note:
+    return Note(f"{number:032x}", "Ada", NOW + timedelta(seconds=number), text)
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine is no outage."""
+    monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
+
+
+async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path) -> None:
+    async with open_place(place, tmp_path) as history:
+        await ready(history)
+        store = history.notes
+        assert await store.of("goal-0001") == NOTHING
+        assert await store.add("goal-0001", note(2)) == GoalNotes((), (note(2),))
+        both = await store.add("goal-0001", note(3))
+        assert both == GoalNotes((), (note(2), note(3)))
+        await store.add("goal-0002", note(4))
+        tagged = await store.replace_tags("goal-0001", ["maintenance", "blocked"])
+        assert tagged == GoalNotes(("blocked", "maintenance"), both.notes)
+        await store.replace_tags("goal-0002", ["blocked", "Ärger"])
+        assert await store.tags_of(["goal-0001", "goal-0002", "goal-0003"]) == {
+            "goal-0001": ("blocked", "maintenance"),
+            "goal-0002": ("blocked", "Ärger"),
+        }
+        assert await store.all_tags() == ["blocked", "maintenance", "Ärger"]
+        assert (await store.remove("goal-0001", note(2).note_id)).notes == (note(3),)
+        for goal_id in ("goal-0001", "goal-0002"):
+            with pytest.raises(NotFound, match="has no note") as refused:
+                await store.remove(goal_id, note(2).note_id)
+            assert refused.value.code == "note_not_found"
+        assert await store.replace_tags("goal-0002", []) == GoalNotes((), (note(4),))
+        assert await store.of("goal-0001") == GoalNotes(("blocked", "maintenance"), (note(3),))
+
+
+async def test_a_goal_has_room_for_a_hundred_notes(place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(notes, "MAX_NOTES", 3)
+    async with open_place(place, tmp_path) as history:
+        await ready(history)
+        for number in range(3):
+            await history.notes.add("goal-0001", note(number))
+        with pytest.raises(Conflict) as refused:
+            await history.notes.add("goal-0001", note(9))
+        assert refused.value.code == "too_many_notes"
+        await history.notes.add("goal-0002", note(4))
+        assert len((await history.notes.of("goal-0001")).notes) == 3
+
+
+async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(notes, "MAX_NOTES", 5)
+    async with open_at(database_url, tmp_path / "a") as one, open_at(database_url, tmp_path / "b") as other:
+        await ready(one)
+        await ready(other)
+        one.record(make_goal(1))
+        await written(one)
+        adds = (each.notes.add("goal-0001", note(number)) for number, each in enumerate((one, other) * 4))
+        ends = await asyncio.gather(*adds, return_exceptions=True)
+        assert sum(isinstance(end, Conflict) for end in ends) == 3
+        assert len((await one.notes.of("goal-0001")).notes) == 5
+        await other.notes.replace_tags("goal-0001", ["blocked"])
+        assert await one.notes.of("goal-0001") == await other.notes.of("goal-0001")
+
+
+@pytest.mark.parametrize("waiting", [False, True])
+async def test_goals_by_tag(place: str, tmp_path: Path, *, waiting: bool) -> None:
+    async with open_place(place, tmp_path) as history:
+        await ready(history)
+        for number in range(1, 5):
+            history.record(make_goal(number))
+        await settled(history)
+        await history.notes.replace_tags("goal-0001", ["blocked", "maintenance"])
+        await history.notes.replace_tags("goal-0003", ["maintenance"])
+        if waiting:
+            for number in range(1, 5):
+                history.record(make_goal(number))
+        for tags, expected in (
+            (["blocked"], [1]),
+            (["maintenance"], [3, 1]),
+            (["blocked", "maintenance"], [3, 1]),
+            (["Blocked"], []),
+            ([], [4, 3, 2, 1]),
+        ):
+            found = await page_of(history, tags=frozenset(tags))
+            assert [int(goal.goal_id[-4:]) for goal in found] == expected
+
+
+async def test_they_go_with_their_goal(database_url: str, tmp_path: Path) -> None:
+    old = make_goal(1)
+    new = make_goal(2, created_at=datetime.now(UTC))
+    async with open_at(database_url, tmp_path, goal_age=86_400.0) as history:
+        await ready(history)
+        for goal in (old, new):
+            goal.created_at = goal.created_at if goal is new else datetime.now(UTC) - timedelta(days=2)
+            history.record(goal)
+        await written(history)
+        for goal in (old, new):
+            await history.notes.add(goal.goal_id, note(int(goal.goal_id[-1])))
+            await history.notes.replace_tags(goal.goal_id, ["blocked"])
+        await history.retention.enforce()
+        assert await history.get(old.goal_id) is None
+        for table in (goal_notes, goal_tags):
+            query = sa.select(table.c.goal_id)
+            stored = await history._database.read(lambda db, query: list(db.scalars(query)), query)
+            assert stored == [new.goal_id]
+
+
+async def test_they_go_with_their_goal_in_memory() -> None:
+    history = MemoryHistory(1)
+    history.record(make_goal(1))
+    await history.notes.add("goal-0001", note(1))
+    await history.notes.replace_tags("goal-0001", ["blocked"])
+    history.record(make_goal(2))
+    assert await history.notes.of("goal-0001") == NOTHING
+    assert await history.notes.all_tags() == []
+
+
+async def test_a_database_that_is_locked_takes_none(
+    sqlite_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(immediate, "WRITE_TIMEOUT", 0.5)
+    async with open_at(sqlite_url, tmp_path) as history:
+        await ready(history)
+        with locked(sqlite_url.removeprefix("sqlite:///")):
+            for change in (history.notes.add("goal-0001", note(1)), history.notes.replace_tags("goal-0001", ["x"])):
+                with pytest.raises(Unavailable) as refused:
+                    await change
+                assert refused.value.code == "history_unavailable"
+
+
+async def ready(history: History) -> None:
+    await until(lambda: history.stats().database_reachable)

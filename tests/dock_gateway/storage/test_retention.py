@@ -1,0 +1,202 @@
+"""What is too old or too much goes: feedback and battery events, and goals that have ended with all their events."""
+
+import asyncio
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from dock_gateway.core.event import Event, feedback_event, nanoseconds, result_event, status_event
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.settings import Settings
+from dock_gateway.storage import open_history, retention
+from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage.tables import events, goals, idempotency_keys
+from tests.support.history import EVERYTHING, make_event, make_goal, open_at, written
+
+HOUR_NS = 3600 * 10**9
+
+
+async def left(history: SqlHistory) -> list[str]:
+    return await history._database.read(lambda db: list(db.scalars(sa.select(events.c.id).order_by(events.c.id))))
+
+
+async def follows(history: SqlHistory, event_id: str, *topics: str) -> int | None:
+    found = await history.events_after(
+        event_id, goal_id=None, action_name=None, topics=frozenset(topics) or EVERYTHING, limit=10_000
+    )
+    return len(found.events) if found.complete else None
+
+
+async def test_by_age(database_url: str, tmp_path: Path) -> None:
+    old = [make_event(number - 2 * HOUR_NS, "battery", droppable=True) for number in range(2500)]
+    status = make_event(-3 * HOUR_NS)
+    later_status = make_event(-HOUR_NS // 2)
+    new = make_event(-HOUR_NS // 2 + 1, "battery", droppable=True)
+    async with open_at(database_url, tmp_path, max_waiting=5000) as history:
+        history.record(make_goal(1, GoalStatus.SUCCEEDED))
+        for event in [*old, status, later_status, new]:
+            history.record_event(event)
+        await written(history)
+        assert await history.retention.enforce() == len(old)
+        assert await left(history) == [status.id, later_status.id, new.id]
+        assert await history.get("goal-0001") is not None
+        assert await follows(history, status.id or "") is None
+        assert await follows(history, status.id or "", "goals") == 1
+        assert await follows(history, later_status.id or "") == 1
+        assert await history.retention.enforce() == 0
+
+
+async def test_by_size(database_url: str, tmp_path: Path) -> None:
+    made = [make_event(number, droppable=number % 10 != 0) for number in range(1000)]
+    size = len(made[1].data)
+    async with open_at(database_url, tmp_path, event_bytes=100 * size) as history:
+        for event in made:
+            history.record_event(event)
+        await written(history)
+        assert await history.retention.enforce() == 800
+        ids = await left(history)
+        droppable = [event.id for event in made if event.droppable]
+        assert ids == sorted({event.id or "" for event in made if not event.droppable} | set(droppable[-100:]))
+        assert await follows(history, made[880].id or "") is None
+        assert await follows(history, made[900].id or "") == 99
+
+
+async def test_two_replicas_clean_up_together(database_url: str, tmp_path: Path) -> None:
+    async with (
+        open_at(database_url, tmp_path, event_bytes=1, max_waiting=5000) as one,
+        open_at(database_url, tmp_path, event_bytes=1) as other,
+    ):
+        for number in range(3000):
+            one.record_event(make_event(number, "battery", droppable=True))
+        await written(one)
+        await asyncio.gather(one.retention.enforce(), other.retention.enforce())
+        assert await left(one) == []
+
+
+DAY = timedelta(days=1)
+
+
+def made(number: int, days: float, status: GoalStatus = GoalStatus.SUCCEEDED, heard: float | None = None) -> Goal:
+    """A goal that was sent so many days ago, and `heard` of last then, too, or later."""
+    sent, last = (datetime.now(UTC) - ago * DAY for ago in (days, days if heard is None else heard))
+    return make_goal(number, status, created_at=sent, updated_at=last)
+
+
+def story(goal: Goal, feedback: int = 0) -> list[Event]:
+    """A status event, feedback and a result, all of the time when the goal was sent."""
+    kinds = [status_event, *[feedback_event] * feedback, result_event]
+    start = nanoseconds(goal.created_at)
+    return [make(goal, start + number) for number, make in enumerate(kinds)]
+
+
+async def keep(history: SqlHistory, goals: list[Goal], feedback: int = 0) -> list[Event]:
+    kept = [event for goal in goals for event in story(goal, feedback)]
+    for goal in goals:
+        history.record(goal)
+    for event in kept:
+        history.record_event(event)
+    await written(history)
+    return kept
+
+
+async def goals_left(history: SqlHistory) -> list[str]:
+    return await history._database.read(
+        lambda db: list(db.scalars(sa.select(goals.c.goal_id).order_by(goals.c.goal_id)))
+    )
+
+
+async def test_old_goals_go_with_all_that_there_is_of_them(database_url: str, tmp_path: Path) -> None:
+    old = [made(number, 400 + number) for number in range(100)]
+    lost = made(200, 400, GoalStatus.LOST)
+    lost_lately = made(201, 400, GoalStatus.LOST, heard=0)
+    running = [made(300 + number, 400, status) for number, status in enumerate(GoalStatus) if not status.terminal]
+    new = made(400, 300)
+    age = 365 * DAY.total_seconds()
+    async with open_at(database_url, tmp_path, goal_age=age, event_age=10**9, max_waiting=5000) as history:
+        kept = await keep(history, [*old, lost, lost_lately, *running, new], feedback=3)
+        await history.add(made(500, 400), "key")
+        assert await history.retention.enforce() == 101 * 5
+        stay = [goal.goal_id for goal in (lost_lately, *running, new)]
+        assert await goals_left(history) == [*stay, "goal-0500"], "a retry with its key must find it"
+        assert await left(history) == sorted(event.id or "" for event in kept if event.goal_id in stay)
+        assert await history.get("goal-0001") is None
+        gone = sorted(event.id or "" for event in kept if event.goal_id not in stay)
+        assert [await follows(history, event_id) for event_id in (gone[0], gone[-2])] == [None, None]
+        assert await follows(history, gone[-1]) is not None
+        await history._database.write(lambda db: db.execute(sa.delete(idempotency_keys)) and None)
+        await history.retention.enforce()
+        assert await history.get("goal-0500") is None
+
+
+async def test_the_oldest_goals_go_where_they_are_too_much(database_url: str, tmp_path: Path) -> None:
+    ended = [made(number, 200 - number) for number in range(100)]
+    running = made(1000, 300, GoalStatus.EXECUTING)
+    size = sum(len(event.data) + retention.OVERHEAD for event in story(ended[0]))
+    async with open_at(database_url, tmp_path, goal_bytes=51 * size, event_age=10**9) as history:
+        await keep(history, [running, *ended], feedback=1)
+        await history.retention.enforce()
+        ids = await goals_left(history)
+        assert ids == [goal.goal_id for goal in [*ended[-len(ids) + 1 :], running]]
+        assert len(ids) == 51
+        assert await history.retention.enforce() == 0
+
+
+async def test_a_goal_with_more_events_than_a_transaction_takes(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(retention, "CHUNK", 10)
+    async with open_at(database_url, tmp_path, goal_age=DAY.total_seconds(), event_age=10**9) as history:
+        await keep(history, [made(1, 2), made(2, 2)], feedback=98)
+        assert await history.retention.enforce() == 200
+        assert await goals_left(history) == []
+        assert await left(history) == []
+
+
+async def test_two_replicas_delete_goals_together(database_url: str, tmp_path: Path) -> None:
+    limits = {"goal_age": DAY.total_seconds(), "event_age": 10**9}
+    async with (
+        open_at(database_url, tmp_path / "1", **limits) as one,
+        open_at(database_url, tmp_path / "2", **limits) as other,
+    ):
+        await keep(one, [made(number, 2) for number in range(200)])
+        deleted = await asyncio.gather(one.retention.enforce(), other.retention.enforce())
+        assert sum(deleted) == 400
+        assert await goals_left(one) == []
+
+
+async def test_two_replicas_delete_no_more_than_is_too_much(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(retention, "LOOK", 30)
+    monkeypatch.setattr(retention, "GOAL_LOOK", 30)
+    ended = [made(number, 200 - number) for number in range(200)]
+    status, feedback, result = story(ended[0], 1)
+    size = len(status.data) + len(result.data) + 2 * retention.OVERHEAD
+    limits = {"goal_bytes": 100 * size, "event_bytes": 80 * len(feedback.data), "event_age": 10**9}
+    async with (
+        open_at(database_url, tmp_path / "1", **limits) as one,
+        open_at(database_url, tmp_path / "2", **limits) as other,
+    ):
+        await keep(one, ended, feedback=1)
+        await asyncio.gather(one.retention.enforce(), other.retention.enforce())
+        assert await goals_left(one) == [goal.goal_id for goal in ended[-100:]]
+        assert len(await left(one)) == 2 * 100 + 80
+
+
+async def test_the_longest_and_largest_that_can_be_set(database_url: str, tmp_path: Path) -> None:
+    settings = Settings(
+        retention_hours=8_760_000,
+        retention_mb=10**9,
+        goal_retention_days=365_000,
+        goal_retention_mb=10**9,
+        audit_retention_days=365_000,
+        database_url=database_url,
+        spool_path=tmp_path / "spool",
+    )
+    async with open_history(settings) as history:
+        assert isinstance(history, SqlHistory)
+        kept = await keep(history, [made(1, 10_000)], feedback=1)
+        assert await history.retention.enforce() == 0
+        assert await left(history) == [event.id for event in kept]

@@ -1,0 +1,186 @@
+"""`/ws` without a network and without ROS; tests/system has the real one."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import orjson
+import pytest
+from fastapi import WebSocket
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.access.quotas import Quotas
+from dock_gateway.core.access import ANYBODY
+from dock_gateway.core.event import Event, notice, utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Grant
+from dock_gateway.core.hub import Hub, Subscriber
+from dock_gateway.gateway import Gateway
+from dock_gateway.settings import Settings
+from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.streams import socket as socket_module
+from dock_gateway.streams.socket import Session
+from tests.support.audit import audit_parts
+from tests.support.stopping import fake_fleet
+from tests.support.tracking import A
+from tests.support.waiting import until
+
+
+class FakeWebSocket:
+    """What the client says before it leaves, if it does, and what it is told."""
+
+    def __init__(self, *texts: str, stays: bool = False) -> None:
+        self._texts = list(texts)
+        self._stays = stays
+        self.told: list[dict[str, Any]] = []
+        gateway = SimpleNamespace(**audit_parts(), settings=SimpleNamespace(namespace=""))
+        self.scope = {"type": "websocket", "principal": ANYBODY, "state": {"gateway": gateway}}
+
+    async def receive(self) -> dict[str, Any]:
+        await asyncio.sleep(0.01)
+        if self._texts:
+            return {"type": "websocket.receive", "text": self._texts.pop(0)}
+        if self._stays:
+            await asyncio.Event().wait()
+        return {"type": "websocket.disconnect"}
+
+    async def send(self, message: dict[str, Any]) -> None:
+        self.told.append(orjson.loads(message["text"]))
+
+    async def close(self, code: int, reason: str) -> None:
+        self.told.append({"code": code, "reason": reason})
+
+
+async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytest.MonkeyPatch) -> None:
+    released = asyncio.Event()
+
+    async def hang(*_: object) -> dict[str, Any]:
+        await released.wait()
+        return {}
+
+    async def stop(*_: object) -> dict[str, Any]:
+        return {"canceling": []}
+
+    monkeypatch.setattr(socket_module, "COMMANDS", {"send_goal": hang, "stop": stop})
+    monkeypatch.setattr(socket_module, "MAX_COMMANDS", 2)
+    goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
+    websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
+    settings = Settings(subscriber_timeout=1.0)
+    gateway = SimpleNamespace(settings=settings, quotas=Quotas(settings), logins=Logins(MemoryHistory(1)))
+    session = Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
+    await session._read()
+    await asyncio.sleep(0.01)
+    assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
+        ("error", "too_many_requests", None),
+        ("error", "too_many_requests", None),
+        ("ack", None, "stop"),
+    ]
+    released.set()
+    await asyncio.sleep(0.01)
+
+
+class Lookups:
+    """A gateway that takes its time to look up a goal."""
+
+    def __init__(self) -> None:
+        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.quotas, self.logins = Quotas(Settings()), Logins(MemoryHistory(1))
+        self.settings = SimpleNamespace(subscriber_timeout=1.0)
+        self.robots = SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/"))
+
+    async def goal(self, goal_id: str, _: Grant) -> Any:
+        await asyncio.sleep(0.05)
+        return SimpleNamespace(goal_id=goal_id, action_name="/dock")
+
+
+@pytest.fixture
+def lookups(monkeypatch: pytest.MonkeyPatch) -> Lookups:
+    async def feed(gateway: Lookups, subscriber: Subscriber, **_: object) -> AsyncIterator[Event]:
+        while not gateway.hub.closing:
+            await subscriber.take(60.0)
+        await asyncio.sleep(0.05)  # such as for a snapshot
+        yield notice("closing", utc_now())
+
+    monkeypatch.setattr(socket_module, "feed", feed)
+    return Lookups()
+
+
+def subscribe(identity: str) -> str:
+    return f'{{"op": "subscribe", "id": "{identity}", "goal_id": "{A}"}}'
+
+
+def session_of(websocket: FakeWebSocket, gateway: Lookups) -> Session:
+    return Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
+
+
+async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_refused(lookups: Lookups) -> None:
+    websocket = FakeWebSocket(subscribe("a"), subscribe("a"), subscribe("b"))
+    session = session_of(websocket, lookups)
+    await session._read()
+    await asyncio.sleep(0.1)
+    assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
+        ("error", "subscription_exists", "a"),
+        ("ack", None, "a"),
+        ("ack", None, "b"),
+    ]
+    assert len(lookups.hub) == 2
+    await session.close()
+    assert len(lookups.hub) == 0
+
+
+@pytest.mark.parametrize("later", [0.0, 0.02])
+async def test_a_subscription_that_is_under_way_when_the_socket_closes_leaves_no_trace(
+    lookups: Lookups, later: float
+) -> None:
+    websocket = FakeWebSocket()
+    session = session_of(websocket, lookups)
+    command = asyncio.create_task(session._handle(subscribe("a")))
+    await asyncio.sleep(later)
+    await session.close()
+    await command
+    await asyncio.sleep(0.1)
+    assert len(lookups.hub) == 0
+
+
+async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups: Lookups) -> None:
+    websocket = FakeWebSocket(subscribe("a"), stays=True)
+    session = session_of(websocket, lookups)
+    place = lookups.hub.subscribe(EventFilter())
+    running = asyncio.create_task(session.run(place))
+    await until(lambda: any(answer.get("op") == "ack" for answer in websocket.told))
+    lookups.hub.close()
+    await running
+    assert [told.get("op") or told.get("type") or told["code"] for told in websocket.told] == ["ack", "closing", 1012]
+
+
+async def test_stops_are_never_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(socket_module, "MAX_COMMANDS", 1)
+    monkeypatch.setattr(socket_module, "MAX_STOPS", 1)
+    async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
+        fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
+        fleet.gateway.logins = Logins(MemoryHistory(1))
+        fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
+        websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
+        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
+        reading = asyncio.create_task(session._read())
+        await until(lambda: len(websocket.told) == 20)
+        reading.cancel()
+        assert {answer["op"] for answer in websocket.told} == {"ack"}
+        assert fleet.interlock.holds("/")
+
+
+async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
+    async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
+        fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
+        fleet.gateway.logins = Logins(MemoryHistory(1))
+        websocket = FakeWebSocket()
+        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
+        await session._handle({"text": None, "bytes": b'{"op": "ping"}'})
+        await session._handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
+        assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [
+            ("error", "malformed_json"),
+            ("ack", None),
+        ]
+        assert fleet.interlock.holds("/")
