@@ -77,7 +77,7 @@ def follow_docking(domain: int, folder: Path) -> dict[str, list[Trace]]:
     """Dock a simulated robot."""
     output = folder / "docking.json"
     environment = ros_environment(domain)
-    server = ("docking_server", "--ros-args", "-p", "controller:=dock_pose", "-p", "odometry_timeout:=10.0")
+    server = ("docking_server", "--ros-args", "-p", "controller:=dock_pose")
     with Process("dock_simulator", env=environment), followed(domain, output, *server):
         with Process("connect_to_charging_dock_client", "--timeout", "60", env=environment) as client:
             code = client.wait(180)

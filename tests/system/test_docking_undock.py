@@ -88,13 +88,14 @@ def test_it_backs_out_with_feedback_and_ends_when_the_robot_does_not_move(domain
 
 
 def test_nothing_moves_without_odometry(domain: int, observer: Observer) -> None:
-    with docking_servers(domain, "odometry_timeout:=0.5"):
+    with docking_servers(domain, "odometry_timeout:=2.0"):
         wheels = watch_wheels(observer)
         reports = Reports(observer)
         with observer.publishing(CHARGING, BATTERY):
             goal = send_undock_goal(observer)
+            reports.wait_for(goal_id=goal.goal_id, stage="WAIT_FOR_ODOMETRY", error_code="ODOMETRY_LOST")
             assert goal.result().status == ABORTED
-        reports.wait_for(goal_id=goal.goal_id, error_code="ODOMETRY_LOST")
+        reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="ODOMETRY_LOST")
         assert all(message == Twist() for message in wheels.messages)
 
 

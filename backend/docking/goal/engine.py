@@ -213,10 +213,11 @@ class Goal:
         self._stage_time += dt
         try:
             if self._watch is not None and not self._watch.sees(observation):
-                return self._command(self._rest())
+                self._stage_time -= dt  # the time limits of stages are for driving
+                return self._wait_for_odometry(self._watch)
             self._plan.observe(observation)
             if self._obstacles is not None and not self._is_clear(self._obstacles, observation, dt):
-                self._stage_time -= dt  # the time limits of stages are for driving
+                self._stage_time -= dt
                 return self._wait_for_clearance(self._obstacles)
             self._check_deadline()
             velocity = self._move(observation, dt)
@@ -228,6 +229,12 @@ class Goal:
             self._objective.memory.moves()
         return self._command(velocity)
 
+    def _wait_for_odometry(self, watch: MotionWatch) -> Command:
+        if not watch.waiting:
+            return self._command(self._rest())
+        waiting = self._command(self._rest(), Stage.WAIT_FOR_ODOMETRY)
+        return replace(waiting, error_code=ErrorCode.ODOMETRY_LOST, error_msg=watch.waiting)
+
     def _wait_for_clearance(self, obstacles: ObstacleWatch) -> Command:
         if not obstacles.reason:
             return self._command(self._rest())
@@ -238,8 +245,8 @@ class Goal:
     def _navigate(self, navigation: Navigation, observation: Observation, dt: float) -> Command | Outcome:
         """Leave the wheels to the server that drives to the staging pose; then the plan begins."""
         try:
-            if self._watch is not None:
-                self._watch.hears(observation)
+            if self._watch is not None and self._watch.hears(observation) is None and self._watch.waiting:
+                return self._wait_for_odometry(self._watch)
             going = navigation.step(dt)
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))

@@ -10,6 +10,8 @@ from docking.estimation.motion_model import MotionModel
 
 DELAY = 0.3
 """How old odometry may be, in s, for the robot to go on driving."""
+REPORTED_AFTER = 1.0
+"""Seconds without odometry after which a goal says that it waits: discovery or a busy processor takes a moment."""
 FARTHEST = 1e6
 """In m from where odometry began; what is farther is no pose."""
 LAGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
@@ -36,6 +38,8 @@ JUMP = (0.05, 0.25)
 """In m and rad; odometry that gets farther at once than commanded, by more, has jumped."""
 CARRIED = (0.5, 1.0)
 """In m/s and rad/s; how fast someone may move the robot meanwhile."""
+CARRIED_FOR = 0.5
+"""Seconds for which that is believed after a silence: a pose farther away is of a base that has restarted."""
 
 
 class MotionWatch:
@@ -43,20 +47,23 @@ class MotionWatch:
 
     Attributes:
         model: How the base carries out commands.
+        waiting: Why the robot waits for odometry, as a sentence; empty while odometry comes, or is only a little late.
     """
 
     def __init__(self, odometry_timeout: float, blocked_after: float, started_at: float) -> None:
         """Begin at a standstill.
 
         Args:
-            odometry_timeout: Silence of odometry, in s, that is an error.
+            odometry_timeout: Silence of odometry, in s, after which the goal is given up.
             blocked_after: Seconds over which commanded and measured motion are compared.
             started_at: Seconds of the monotonic clock.
         """
         self.model = MotionModel(blocked_after)
+        self.waiting = ""
         self._odometry_timeout = odometry_timeout
         self._blocked_after = blocked_after
         self._heard_at = started_at
+        self._silent = False  # at the last look
         self._first: Odometry | None = None  # of those with the same pose as the last
         self._repeats = self._has_velocity = False
         self._begins_at = self._looked_at = started_at
@@ -90,8 +97,11 @@ class MotionWatch:
         """
         sound = self.hears(observation)
         if sound is None:
+            self._silent = True
             return False
         since, now = observation.now - self._looked_at, observation.now
+        if self._silent:
+            since, self._silent = min(since, CARRIED_FOR), False
         self._looked_at = now
         jump = self._jump(now, since, sound.pose)
         self.model.look(now, sound.pose)
@@ -102,7 +112,7 @@ class MotionWatch:
         return True
 
     def hears(self, observation: Observation) -> Odometry | None:
-        """The odometry, also while nav2 drives; None while it is late.
+        """The odometry, also while nav2 drives; None while it is late, so that the robot must not move.
 
         Args:
             observation: What is known now.
@@ -115,14 +125,18 @@ class MotionWatch:
         repeats = sound is not None and self._is_repeated(sound, now)
         if sound is not None and not repeats:
             self._heard_at = max(self._heard_at, sound.stamp)
-        if sound is None or repeats or now - sound.stamp > DELAY:
-            if now - self._heard_at > self._odometry_timeout:
-                nonsense = "" if odometry is sound else f" except an implausible pose, {odometry and odometry.pose}"
-                if repeats:
-                    nonsense = " except one pose, again and again, although its velocity says that the robot moves"
-                raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
-            return None
-        return sound
+        if sound is not None and not repeats and now - sound.stamp <= DELAY:
+            self.waiting = ""
+            return sound
+        nonsense = "" if odometry is sound else f" except an implausible pose, {odometry and odometry.pose}"
+        if repeats:
+            nonsense = " except one pose, again and again, although its velocity says that the robot moves"
+        silence = now - self._heard_at
+        if silence > self._odometry_timeout:
+            raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
+        if silence > REPORTED_AFTER:
+            self.waiting = f"no odometry for over {REPORTED_AFTER:g} s{nonsense}: the robot waits"
+        return None
 
     def _is_repeated(self, odometry: Odometry, now: float) -> bool:
         """Whether odometry repeats a pose while the robot moves, until there is another pose.

@@ -26,6 +26,7 @@ LEVELS = {
     Stage.UNDOCKING: Level.OK,
     Stage.WAIT_FOR_CLEARANCE: Level.WARN,
     Stage.WAIT_FOR_BATTERY: Level.WARN,
+    Stage.WAIT_FOR_ODOMETRY: Level.WARN,
     Stage.SUCCEEDED: Level.OK,
     Stage.CANCELED: Level.OK,
     Stage.ABORTED: Level.ERROR,

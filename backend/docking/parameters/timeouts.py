@@ -28,7 +28,12 @@ class Timeouts:
         0.0, 0.0, 86400.0, "s", "Maximum duration of a goal, after which it is aborted; 0: no limit."
     )
     odometry_timeout: float = number(
-        1.0, 0.1, 60.0, "s", "Time without odometry after which the goal is aborted; does not apply to rotate."
+        5.0,
+        0.1,
+        60.0,
+        "s",
+        "Time without odometry after which the goal is aborted; does not apply to rotate. After 0.3 s "
+        "without odometry the robot stands still; the goal continues with the next message.",
     )
     blocked_after: float = number(
         2.0,

@@ -10,6 +10,7 @@ const COLORS: Record<string, PlotBand["color"]> = {
   WAIT_FOR_CHARGE: "green",
   RETRY: "orange",
   WAIT_FOR_BATTERY: "orange",
+  WAIT_FOR_ODOMETRY: "orange",
   WAIT_FOR_CLEARANCE: "orange",
 };
 

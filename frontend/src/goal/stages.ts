@@ -21,6 +21,7 @@ const LABELS: Record<string, string> = {
 const SHORT: Record<string, string> = {
   RETRY: "Backing off",
   WAIT_FOR_BATTERY: "Waiting for the battery",
+  WAIT_FOR_ODOMETRY: "Waiting for odometry",
   WAIT_FOR_CLEARANCE: "Waiting for a clear way",
 };
 
@@ -87,6 +88,7 @@ const WORDS: Record<string, string> = {
   UNDOCKING: "Backing out of the dock.",
   WAIT_FOR_CLEARANCE: "An obstacle is in the way, or there is no laser scan: the robot stands still.",
   WAIT_FOR_BATTERY: "No battery data: the robot stands still until a battery state arrives.",
+  WAIT_FOR_ODOMETRY: "No odometry: the robot stands still until it arrives.",
 };
 
 /** What a stage means, in a sentence; null where it is none of the way. */

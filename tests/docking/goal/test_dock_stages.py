@@ -8,7 +8,7 @@ import pytest
 
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.observation import STANDSTILL, InfraredReading, Observation, Velocity
+from docking.core.observation import STANDSTILL, InfraredReading, Observation, Odometry, Velocity
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.parameters import ControllerName, DockSettings, DockTimeouts, MotionLimits
@@ -71,7 +71,7 @@ class World:
             if step.stage is not self.stage:
                 self.stages.append(step.stage)
                 self.entered_at = simulation.time
-            if step.stage in {Stage.WAIT_FOR_CHARGE, Stage.WAIT_FOR_BATTERY}:
+            if step.stage in {Stage.WAIT_FOR_CHARGE, Stage.WAIT_FOR_BATTERY, Stage.WAIT_FOR_ODOMETRY}:
                 assert step.velocity == STANDSTILL
             self.reasons.add(step.error_code)
             simulation.run(PERIOD, step.velocity)
@@ -329,6 +329,27 @@ def test_odometry_that_stops(controller: ControllerName, stage: Stage | None) ->
     outcome = world.run()
     assert (outcome.end, outcome.error_code, outcome.retries) == (End.ABORTED, ErrorCode.ODOMETRY_LOST, 0)
     assert world.simulation.time - (lost_at or [0.0])[0] < LIMITS.odometry_timeout + 1.2
+
+
+@both
+@pytest.mark.parametrize("silence", [0.5, 2.0, 4.5])
+@pytest.mark.parametrize("stage", ORDER)
+def test_odometry_that_stops_and_comes_back(controller: ControllerName, stage: Stage, silence: float) -> None:
+    world = World(controller, limits=replace(LIMITS, max_retries=0))
+    lost: list[Odometry] = []
+
+    def blind(observation: Observation) -> Observation:
+        assert observation.odometry is not None
+        if stage in world.stages:
+            lost.append(observation.odometry)
+        silent = bool(lost) and observation.now < lost[0].stamp + silence
+        return replace(observation, odometry=lost[0]) if silent else observation
+
+    world.blind = blind
+    assert world.run() == Outcome(End.SUCCEEDED)
+    assert (Stage.WAIT_FOR_ODOMETRY in world.stages) is (silence > 1.0)
+    assert (ErrorCode.ODOMETRY_LOST in world.reasons) is (silence > 1.0)
+    assert world.simulation.bumps == 0
 
 
 @both

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from docking.core.battery import BatteryReading
-from docking.core.errors import ErrorCode
+from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import (
     STANDSTILL,
@@ -23,6 +23,7 @@ from docking.core.observation import (
 )
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.motion_watch import DELAY, REPORTED_AFTER
 from docking.goal.undock import Undocking
 from docking.parameters import ControllerName, UndockTimeouts
 from docking.plans.registry import make_plan
@@ -77,7 +78,8 @@ def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
     goal, now, last, ended = Goal(make_plan(docking), Docking(docking.timeouts), 0.0), 0.0, STANDSTILL, None
     for pause, observation in known:
         now += pause
-        step = goal.step(at(now, observation, Pose(0.01 * now, 0.0, 0.1 * math.sin(now))))
+        told = at(now, observation, Pose(0.01 * now, 0.0, 0.1 * math.sin(now)))
+        step = goal.step(told)
         if ended is not None:
             assert step is ended
         if isinstance(step, Outcome):
@@ -89,6 +91,8 @@ def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
         assert abs(step.velocity.linear_x) <= docking.motion.v_linear_max
         assert abs(step.velocity.angular_z) <= docking.motion.v_angular_max
         if step.velocity != STANDSTILL:
+            assert told.odometry is not None
+            assert now - told.odometry.stamp <= DELAY
             assert abs(step.velocity.linear_x - last.linear_x) <= docking.motion.a_linear_max * pause + 1e-9
             assert abs(step.velocity.angular_z - last.angular_z) <= docking.motion.a_angular_max * pause + 1e-9
         last = step.velocity
@@ -170,6 +174,45 @@ def test_whatever_is_wrong_with_the_robot_it_is_never_fast_and_ends_at_rest(
         assert simulation.contact
     simulation.run(2.0, STANDSTILL)
     assert simulation.robot.velocity == STANDSTILL
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@settings(max_examples=12, derandomize=True)
+@given(
+    silences=st.lists(st.tuples(st.floats(0.5, 15.0), st.floats(0.05, 6.0)), min_size=1, max_size=4),
+    seed=st.integers(0, 10**6),
+)
+@example(silences=[(5.0, 4.8), (5.0, 5.5)], seed=0)
+def test_without_odometry_it_stands_and_goes_on_unless_that_takes_too_long(
+    controller: ControllerName, silences: list[tuple[float, float]], seed: int
+) -> None:
+    """Odometry comes for a while, and then stops for another, several times."""
+    docking, simulation = settings_of(controller), simulation_of(controller, seed)
+    goal = Goal(make_plan(docking), Docking(docking.timeouts), 0.0)
+    period, now, spans = docking.control_period, 0.0, []
+    for comes_for, silence in silences:
+        spans.append((now + comes_for, now + comes_for + silence))
+        now += comes_for + silence
+    last = simulation.observe().odometry
+    while True:
+        observation = simulation.observe()
+        silent = any(begin <= observation.now < end for begin, end in spans)
+        last = last if silent else observation.odometry
+        assert last is not None
+        step = goal.step(replace(observation, odometry=last))
+        if isinstance(step, Outcome):
+            break
+        silence = observation.now - last.stamp
+        assert silence <= DELAY or step.velocity == STANDSTILL
+        assert (step.stage is Stage.WAIT_FOR_ODOMETRY) is (step.error_code is ErrorCode.ODOMETRY_LOST)
+        assert step.stage is not Stage.WAIT_FOR_ODOMETRY or silence > REPORTED_AFTER
+        simulation.run(period, step.velocity)
+    if step.error_code is ErrorCode.ODOMETRY_LOST:
+        assert observation.now - last.stamp > docking.timeouts.odometry_timeout
+    else:
+        assert step.end is End.SUCCEEDED
+        assert simulation.contact
+    assert simulation.bumps == 0
 
 
 @settings(max_examples=8, derandomize=True)

@@ -219,6 +219,32 @@ def test_odometry_is_lost_only_after_its_time_and_the_error_says_so() -> None:
         motion.sees(Observation(1.01))
 
 
+def test_a_wait_for_odometry_is_reported_after_a_second_until_it_is_back() -> None:
+    motion = MotionWatch(odometry_timeout=5.0, blocked_after=2.0, started_at=0.0)
+    assert step(motion, 0.0, Pose())
+    for now in (0.5, 1.0):
+        assert not motion.sees(Observation(now, odometry=Odometry(Pose(), STANDSTILL, 0.0)))
+        assert motion.waiting == ""
+    for now in (1.01, 5.0):
+        assert not motion.sees(Observation(now, odometry=Odometry(Pose(), STANDSTILL, 0.0)))
+        assert motion.waiting == "no odometry for over 1 s: the robot waits"
+    assert step(motion, 5.01, Pose())
+    assert motion.waiting == ""
+
+
+@pytest.mark.parametrize(("pose", "believed"), [(Pose(0.25), True), (Pose(0.4), False), (Pose(theta=1.0), False)])
+def test_after_a_silence_a_pose_elsewhere_is_of_a_base_that_has_restarted(pose: Pose, believed: bool) -> None:
+    motion = MotionWatch(odometry_timeout=5.0, blocked_after=2.0, started_at=0.0)
+    assert step(motion, 0.0, Pose())
+    assert not motion.sees(Observation(4.0, odometry=Odometry(Pose(), STANDSTILL, 0.0)))
+    if believed:
+        assert step(motion, 4.5, pose)
+    else:
+        with pytest.raises(Blocked, match="odometry jumped"):
+            step(motion, 4.5, pose)
+    assert step(motion, 4.55, pose)
+
+
 @pytest.mark.parametrize("pose", [Pose(1e6), Pose(0.0, -1e6), Pose(0.0, 0.0, 1e6)])
 def test_a_pose_too_far_away_is_none(pose: Pose) -> None:
     assert not step(watch(), 0.5, pose)

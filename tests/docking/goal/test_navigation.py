@@ -230,7 +230,7 @@ def test_every_way_out_cancels_the_navigation() -> None:
 
     trial = Trial(Navigator())
     ride = trial.drive()
-    outcome = trial.run(3.0, odometry=False)
+    outcome = trial.run(6.0, odometry=False)
     assert isinstance(outcome, Outcome)
     assert (outcome.error_code, ride.canceled) == (ErrorCode.ODOMETRY_LOST, True)
 
@@ -247,6 +247,20 @@ def test_it_is_canceled_while_the_battery_is_silent_and_begins_again() -> None:
     waiting = trial.step(None)
     assert isinstance(waiting, Command)
     assert (waiting.stage, waiting.velocity, waiting.yields) == (Stage.WAIT_FOR_BATTERY, STANDSTILL, False)
+    assert ride.canceled
+    assert trial.step() == Command(Stage.NAV_TO_STAGING_POSE, STANDSTILL, yields=True)
+    assert [ride.canceled for ride in trial.navigator.rides] == [True, False]
+
+
+def test_it_is_canceled_while_odometry_is_silent_and_begins_again() -> None:
+    trial = Trial(Navigator())
+    ride = trial.drive()
+    trial.run(0.9, odometry=False)
+    assert not ride.canceled
+    waiting = trial.run(0.2, odometry=False)
+    assert isinstance(waiting, Command)
+    assert (waiting.stage, waiting.error_code) == (Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST)
+    assert (waiting.velocity, waiting.yields) == (STANDSTILL, False)
     assert ride.canceled
     assert trial.step() == Command(Stage.NAV_TO_STAGING_POSE, STANDSTILL, yields=True)
     assert [ride.canceled for ride in trial.navigator.rides] == [True, False]

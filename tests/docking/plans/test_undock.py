@@ -158,12 +158,13 @@ def test_a_way_that_takes_too_long_is_a_failure() -> None:
 
 def test_without_odometry_it_does_not_move_and_gives_up() -> None:
     goal = undock_goal()
-    for number in range(10):
+    for number in range(50):
         now = 0.1 * number
         step = goal.step(Observation(now, BatteryReading(1, now)))
         assert isinstance(step, Command)
         assert step.velocity == STANDSTILL
-    assert goal.step(Observation(1.1, BatteryReading(1, 1.1))).error_code is ErrorCode.ODOMETRY_LOST
+        assert (step.stage is Stage.WAIT_FOR_ODOMETRY) is (now > 1.0)
+    assert goal.step(Observation(5.1, BatteryReading(1, 5.1))).error_code is ErrorCode.ODOMETRY_LOST
 
 
 def test_it_waits_for_a_silent_battery() -> None:
