@@ -218,7 +218,7 @@ class SqlHistory:
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
         """Store the end of a goal now, if the database answers; return its events as stored."""
         self.record(goal)
-        if not self._writer.reachable or self._writer.slow:
+        if not self._writer.answers:
             return list(end)
         return await self._sealer.seal(copy(goal), end)
 
@@ -317,7 +317,7 @@ class SqlHistory:
             waiting=len(self._waiting),
             spooled=self._spool.count,
             dropped=self._waiting.dropped,
-            database_reachable=self._writer.reachable and not self._writer.slow,
+            database_reachable=writer.answers,
             last_error="; ".join(filter(None, reasons)) or None,
         )
 

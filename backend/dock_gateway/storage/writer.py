@@ -41,8 +41,9 @@ class Writer:
 
     def __init__(self, database: Database, spool: Spool, waiting: Waiting, on_loss: Callable[[], None]) -> None:
         self.reachable = False
-        self.slow = False  # the database kept a goal waiting and has not answered since
-        self.last_error: str | None = None
+        # Why the database does not answer; None says that it does. Set while it is reachable, it is slow: it kept a
+        # goal waiting and has not answered since.
+        self.last_error: str | None = "the database has not been used yet"
         self.evicted = 0  # entries that are in the spool and no longer in memory
         self.answered = asyncio.Event()  # set after the first access to the database, successful or not
         self._database = database
@@ -63,14 +64,17 @@ class Writer:
         self._tasks = [asyncio.create_task(self._write_on()), asyncio.create_task(self._spool_on())]
 
     @property
+    def answers(self) -> bool:
+        """Whether the database is reachable and not slow. If not, `last_error` says why."""
+        return self.last_error is None
+
+    @property
     def awaited(self) -> str | None:
-        """What the database does that keeps it from being reachable, without a full stop; None if it is reachable."""
-        if self.reachable and not self.slow:
+        """What the database does while it does not answer, without a full stop; None if it does nothing."""
+        if self.answers or self._running is None:
             return None
-        if self._running is not None:
-            what, since = self._running
-            return f"{what} has been running for {time.monotonic() - since:.1f} s"
-        return None if self.last_error else "the database has not been used yet"
+        what, since = self._running
+        return f"{what} has been running for {time.monotonic() - since:.1f} s"
 
     @contextmanager
     def _run(self, what: str) -> Iterator[None]:
@@ -116,12 +120,11 @@ class Writer:
             self._waiting.put_key(key)
         self.notice(must_keep=True)
         self._urgent.set()
-        if self.reachable and not self.slow:
+        if self.answers:
             with suppress(*DATABASE_ERRORS):
                 async with asyncio.timeout(ANSWER_TIMEOUT):
                     await asyncio.shield(ticket)
                 return
-            self.slow = True
             self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
         entries: list[Entry] = [kept] if key is None else [key, kept]
         try:
@@ -261,7 +264,6 @@ class Writer:
         if not self.reachable:
             log.info("the history database answers")
         self.reachable = True
-        self.slow = False
         self.last_error = None
 
     def _say_unreachable(self, error: Exception) -> None:

@@ -94,6 +94,23 @@ async def test_an_outage_has_a_reason_from_its_first_moment_on(outage: tuple[str
     assert hangs or "Connect call failed" in str(reasons)
 
 
+async def test_a_history_that_is_slow_or_not_open_says_why(sqlite_url: str, tmp_path: Path) -> None:
+    history = history_at(sqlite_url, tmp_path)
+    before = history.stats()
+    assert (before.database_reachable, before.last_error) == (False, "the database has not been used yet")
+    await history.open()
+    await until(lambda: history.stats().database_reachable)
+    assert history.stats().last_error is None
+    with locked(sqlite_url.removeprefix("sqlite:///")):
+        await history.add(make_goal(1))
+        slow = history.stats()
+    assert not slow.database_reachable
+    assert (slow.last_error or "").startswith("no answer within 100 ms")
+    await written(history)
+    assert (history.stats().database_reachable, history.stats().last_error) == (True, None)
+    await history.close()
+
+
 async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path: Path) -> None:
     url, not_answering = outage
     async with open_at(url, tmp_path) as history:
