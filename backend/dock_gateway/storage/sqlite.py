@@ -23,8 +23,8 @@ from typing import Any
 import sqlalchemy as sa
 
 from dock_gateway.storage.database import CONNECT_TIMEOUT, READERS, Database, T, Ts
-from dock_gateway.storage.files import LOG_FILES, aside, beside, identity, is_damage, locked, set_aside
-from dock_gateway.storage.migrate import migrate
+from dock_gateway.storage.files import LOG_FILES, aside, beside, identity, is_damage, locked, rename, set_aside
+from dock_gateway.storage.migrate import EarlyTablesError, migrate
 from dock_gateway.storage.protocol import Incident
 from dock_gateway.storage.tables import prepare_for
 
@@ -34,7 +34,7 @@ log = logging.getLogger(__name__)
 BUSY_TIMEOUT = 0.5
 # The same while the tables are created and several processes may start at once.
 LOCK_PATIENCE = 3.0
-# How long a deleted or replaced file is reported. A damaged file is reported until it has been moved.
+# How long a deleted or replaced file is reported. A file that was set aside is reported until it has been moved.
 TOLD_FOR = timedelta(hours=24)
 
 
@@ -58,7 +58,7 @@ class SqliteDatabase(Database):
         self._connected: object = None
         self._opened: list[object] = []
         self._damage: str | None = None
-        self._kept: Path | None = None  # the damaged file of the incident
+        self._kept: Path | None = None  # where the file of the incident is kept
         self._writer = self._engine(1, write=True)
         self._reader = self._engine(READERS, write=False)
         self._write_thread = ThreadPoolExecutor(1, thread_name_prefix="history-write")
@@ -165,6 +165,10 @@ class SqliteDatabase(Database):
             self._make_way()
             self._disconnect()
             self._make_tables()
+        except EarlyTablesError as early:
+            self._disconnect()
+            self._set_aside(early)
+            self._make_tables()
         self._opened = self._identities()
         if self._opened[0] != self._connected:
             raise NotOpenError(f"{self._path} was replaced while it was opened")
@@ -189,6 +193,21 @@ class SqliteDatabase(Database):
                 self._kept = None
                 self._lose(f"{self._path} was {what} while the gateway was running. Its contents are lost.")
             self._damage, self._opened = None, []
+
+    def _set_aside(self, early: EarlyTablesError) -> None:
+        """Rename a file of before the first release, unless another gateway has done so."""
+        kept = beside(self._path, f".{early.revision}")
+        with locked(self._path.parent):
+            if identity(self._path) != self._connected:
+                return
+            if kept.exists():
+                raise OSError(f"tables from before the first release cannot be renamed to {kept}: there is such a file")
+            rename(self._path, kept)
+        self._kept = kept
+        self._lose(
+            f"{self._path} has tables from before the first release (revision {early.revision}), which are not "
+            f"upgraded. It is kept as {kept}, and a new history was started. Move that file to clear this alert."
+        )
 
     def _lose(self, detail: str) -> None:
         log.error("%s", detail)

@@ -9,20 +9,25 @@ from typing import Any, TypeVar
 
 import pytest
 import sqlalchemy as sa
-from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 
-from dock_gateway.core.goal import Goal
-from dock_gateway.storage.migrate import MIGRATIONS, migrate
+from dock_gateway.core.access import Token
+from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.grant import Role
+from dock_gateway.storage.migrate import HEAD, MIGRATIONS, migrate
 from dock_gateway.storage.rows import goal_row
 from dock_gateway.storage.sql import open_database
-from dock_gateway.storage.tables import goals, metadata, prepare_for
-from tests.support.history import make_goal, open_at
+from dock_gateway.storage.tables import goals, metadata, prepare_for, users
+from tests.support.history import NOW, make_goal, open_at, written
+from tests.support.waiting import until
 
 T = TypeVar("T")
 
+EARLY_REVISION = "0012"
 PROGRAM = [sys.executable, "-m", "tests.support.history"]
 
 
@@ -42,12 +47,32 @@ async def carry_out(url: str, work: Callable[[sa.Connection], T]) -> T:
         await database.close()
 
 
-def upgrade_to(connection: sa.Connection, revision: str) -> None:
-    """Make the tables of an earlier version."""
-    config = Config()
-    config.set_main_option("script_location", str(MIGRATIONS))
-    config.attributes["connection"] = connection
-    command.upgrade(config, revision)
+def make_earlier_tables(connection: sa.Connection) -> None:
+    """Make the tables as the migrations before the baseline did."""
+    statements = (Path(__file__).parent / "revision_0018.sql").read_text()
+    if connection.dialect.name == "sqlite":
+        statements = statements.replace(' COLLATE "C"', "").replace("TIMESTAMP WITH TIME ZONE", "DATETIME")
+    for statement in statements.split(";\n"):
+        connection.execute(sa.text(statement))
+
+
+def set_revision(connection: sa.Connection, revision: str) -> None:
+    connection.execute(sa.text("UPDATE alembic_version SET version_num = :revision"), {"revision": revision})
+
+
+def make_early_tables(connection: sa.Connection) -> None:
+    """Make tables that call themselves older than the baseline, with a goal and a user."""
+    make_earlier_tables(connection)
+    set_revision(connection, EARLY_REVISION)
+    insert(connection, make_goal(1), without=())
+    person = {"name": "ada", "role": "admin", "robots": (), "actions": (), "topics": (), "password": "p", "era": "e"}
+    connection.execute(sa.insert(users).values(**person, disabled=False, created_at=NOW))
+
+
+def contents(connection: sa.Connection) -> tuple[str | None, list[str], list[str]]:
+    """The revision, the goals and the users of a database."""
+    revision = connection.scalar(sa.text("SELECT version_num FROM alembic_version"))
+    return revision, [*connection.scalars(sa.select(goals.c.goal_id))], [*connection.scalars(sa.select(users.c.name))]
 
 
 def insert(connection: sa.Connection, goal: Goal, *, without: tuple[str, ...]) -> None:
@@ -56,31 +81,106 @@ def insert(connection: sa.Connection, goal: Goal, *, without: tuple[str, ...]) -
     connection.execute(sa.insert(goals).values(row))
 
 
-async def test_migrations_make_the_tables_that_the_code_expects(database_url: str) -> None:
+@pytest.mark.parametrize("make", [migrate, make_earlier_tables], ids=["new", "of before the baseline"])
+async def test_the_tables_are_those_that_the_code_expects(
+    database_url: str, make: Callable[[sa.Connection], None]
+) -> None:
     def differences(connection: sa.Connection) -> list[Any]:
-        migrate(connection)
+        make(connection)
         return compare_metadata(MigrationContext.configure(connection), metadata)
 
     assert await carry_out(database_url, differences) == []
 
 
-async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp_path: Path) -> None:
-    def make_first_tables(connection: sa.Connection) -> None:
-        upgrade_to(connection, "0001")
-        insert(connection, make_goal(1), without=("stage", "retries", "verb"))
+async def test_a_new_database_has_the_newest_revision(database_url: str) -> None:
+    def revision(connection: sa.Connection) -> str | None:
+        migrate(connection)
+        migrate(connection)
+        return contents(connection)[0]
 
-    await carry_out(database_url, make_first_tables)
+    assert await carry_out(database_url, revision) == HEAD
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS))
+    assert ScriptDirectory.from_config(config).get_current_head() == HEAD
+
+
+async def test_the_database_of_before_the_baseline_is_used_as_it_is(database_url: str, tmp_path: Path) -> None:
+    def make_tables(connection: sa.Connection) -> None:
+        make_early_tables(connection)
+        set_revision(connection, "0018")
+
+    await carry_out(database_url, make_tables)
     async with open_at(database_url, tmp_path) as history:
         goal = await history.get("goal-0001")
         assert goal is not None
-        assert (goal.goal, goal.stage, goal.retries) == (b'{"order":5}', None, None)
+        assert (goal.goal, goal.status) == (b'{"order":5}', GoalStatus.SUCCEEDED)
+        assert (await history.users.read())["ada"].password == "p"
+        await history.add(make_goal(2))
+        await history.tokens.write("t", Token("name", Role.OPERATOR, (), (), (), "digest", None, NOW, None, None))
+        entry = AuditEntry("e", NOW, None, None, None, None, None, "login", None, None, None, None, 200, None)
+        assert [row.sequence for row in await history.audit.append([entry])] == [1]
+        assert await history._database.read(contents) == ("0018", ["goal-0001", "goal-0002"], ["ada"])
+
+
+async def test_a_sqlite_file_of_before_the_first_release_is_set_aside(
+    sqlite_url: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    await carry_out(sqlite_url, make_early_tables)
+    kept = tmp_path / f"history.db.{EARLY_REVISION}"
+    async with (
+        open_at(sqlite_url, tmp_path / "one") as history,
+        open_at(sqlite_url, tmp_path / "another") as other,
+    ):
+        assert (history.stats().database_reachable, other.stats().database_reachable) == (True, True)
+        assert await history.get("goal-0001") is None
+        await history.add(make_goal(2))
+        assert await other.get("goal-0002") is not None
+        incident = history.incident
+        assert incident is not None
+        assert f"is kept as {kept}" in incident.detail
+        assert history.stats().last_error == incident.detail
+        assert other.incident is None, "it has not lost anything"
+        assert caplog.text.count("tables from before the first release") == 1
+        prepare_for("sqlite")
+        assert await carry_out(f"sqlite:///{kept}", contents) == (EARLY_REVISION, ["goal-0001"], ["ada"])
+        kept.unlink()
+        await until(lambda: history.stats().last_error is None)
+
+
+async def test_no_file_is_overwritten_by_one_that_is_set_aside(sqlite_url: str, tmp_path: Path) -> None:
+    await carry_out(sqlite_url, make_early_tables)
+    kept = tmp_path / f"history.db.{EARLY_REVISION}"
+    kept.write_text("of last time")
+    async with open_at(sqlite_url, tmp_path) as history:
+        await history.add(make_goal(2))
+        assert f"cannot be renamed to {kept}" in (history.stats().last_error or "")
+        assert history.stats().spooled == 1
+        assert kept.read_text() == "of last time"
+        kept.rename(tmp_path / "elsewhere")
+        await written(history)
+    assert await carry_out(f"sqlite:///{kept}", contents) == (EARLY_REVISION, ["goal-0001"], ["ada"])
+    assert (await carry_out(sqlite_url, contents))[1] == ["goal-0002"]
+
+
+async def test_a_postgresql_database_of_before_the_first_release_is_left_alone(
+    postgresql_url: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    await carry_out(postgresql_url, make_early_tables)
+    async with open_at(postgresql_url, tmp_path) as history:
+        await history.add(make_goal(2))
+        stats = history.stats()
+        assert (stats.database_reachable, stats.spooled) == (False, 1)
+        assert "tables from before the first release (revision 0012)" in (stats.last_error or "")
+        assert "DOCK_GATEWAY_DATABASE_URL" in (stats.last_error or ""), "what to do is said in full"
+    assert "tables from before the first release" in caplog.text
+    assert await carry_out(postgresql_url, contents) == (EARLY_REVISION, ["goal-0001"], ["ada"])
 
 
 async def test_earlier_goals_get_their_verb_from_their_type(database_url: str, tmp_path: Path) -> None:
     types = {"ConnectToChargingDock": "dock", "DisconnectFromChargingDock": "undock", "Fibonacci": None}
 
     def make_tables(connection: sa.Connection) -> None:
-        upgrade_to(connection, "0012")
+        make_earlier_tables(connection)
         for number, name in enumerate(types):
             goal = make_goal(number, action_type=f"action_tutorials_interfaces/action/{name}")
             insert(connection, goal, without=("verb",))

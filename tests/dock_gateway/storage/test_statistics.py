@@ -7,6 +7,7 @@ from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
+import asyncpg
 import numpy as np
 import pytest
 import sqlalchemy as sa
@@ -17,7 +18,6 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.storage import GoalFilter, History, queries
 from dock_gateway.storage import statistics as tallies
 from dock_gateway.storage.rows import MAX_CODE
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.statistics import Span, Tally, merged
 from tests.support.history import NOW, make_goal, open_at, open_place, page_of, settled
 
@@ -219,14 +219,19 @@ async def test_the_indexes_are_used(database_url: str, tmp_path: Path) -> None:
         blocked = GoalError("blocked", "")
         goals = [ended(n, goal=b"x" * 1000, error=None if n % 100 else blocked) for n in range(2000)]
         await filled(history, goals)
+        alone = "COVERING INDEX goals_by_end"
         if database_url.startswith("postgresql"):
-            await analyze(history)
-        assert "goals_by_end" in await history._database.read(explain, read)
+            await vacuum(database_url)
+            alone = "Index Only Scan using goals_by_end"
+        assert alone in await history._database.read(explain, read)
         assert "goals_by_error" in await history._database.read(explain, page)
 
 
-async def analyze(history: SqlHistory) -> None:
-    await history._database.write(lambda connection: connection.exec_driver_sql("ANALYZE goals") and None)
+async def vacuum(url: str) -> None:
+    """Do what PostgreSQL does by itself after some time: note what is where, and what everybody can see."""
+    connection = await asyncpg.connect(url)
+    await connection.execute("VACUUM ANALYZE goals")
+    await connection.close()
 
 
 async def test_others_are_answered_meanwhile(sqlite_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
