@@ -6,7 +6,7 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.fleet.schema import LABEL_EXAMPLE, Label
 from dock_gateway.http.audit_trail import audited
-from dock_gateway.http.fields import MAX_GROUPS, MAX_ROBOT, read_robot
+from dock_gateway.http.fields import MAX_ROBOT, read_robot
 from dock_gateway.http.openapi import body
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -21,6 +21,7 @@ from dock_gateway.http.requests import (
     read_names,
     read_object,
 )
+from dock_gateway.http.schema import MAX_GROUPS
 from dock_gateway.storage import RobotLabel
 
 router = APIRouter()

@@ -8,31 +8,13 @@ from fastapi import Path
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, PATTERN, Grant, Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.http.requests import MAX_GROUP, ROBOT_PATTERN, name_schema, read_name
 from dock_gateway.settings import LONGEST_NAME
 
 MAX_ROBOT = LONGEST_NAME
-MAX_GROUPS = 20
-MAX_ROBOTS = 500
 SLUG = re.compile(r"[a-z0-9](?:[a-z0-9-]{0,38}[a-z0-9])?")
 SLUG_IN_PATH = Path(
     description="Lower-case letters, digits and hyphens, up to 40", json_schema_extra={"pattern": f"^{SLUG.pattern}$"}
 )
-ROBOTS_REQUEST = {
-    "type": "object",
-    "description": "`all`, or at least one robot or group",
-    "additionalProperties": False,
-    "properties": {
-        "all": {"type": "boolean"},
-        "names": {
-            "type": "array",
-            "maxItems": MAX_ROBOTS,
-            "items": {"type": "string", "maxLength": MAX_ROBOT, **ROBOT_PATTERN},
-        },
-        "groups": {"type": "array", "maxItems": MAX_GROUPS, "items": name_schema(MAX_GROUP)},
-    },
-}
-
 _PATTERNS_REQUEST = {
     "type": "array",
     "maxItems": MAX_PATTERNS,
@@ -84,23 +66,6 @@ def read_slug(value: str, path: str) -> str:
     return value
 
 
-def read_part(value: object, path: str, *fields: str) -> dict[str, Any]:
-    """Return an object within a body; its errors carry the path.
-
-    Raises:
-        InvalidField: It is not an object, or has other fields.
-    """
-    if not isinstance(value, dict):
-        raise InvalidField([FieldError(path, f"an object with {', '.join(fields)}", got(value))])
-    if unknown := [name for name in value if name not in fields]:
-        errors = [
-            FieldError(f"{path}.{name[:100]}", f"one of {', '.join(fields)}", "got an unknown field")
-            for name in unknown[:20]
-        ]
-        raise InvalidField(errors)
-    return value
-
-
 def read_robot(value: object, path: str) -> str:
     """Return the namespace of a robot, which need not be on the ROS graph.
 
@@ -110,24 +75,6 @@ def read_robot(value: object, path: str) -> str:
     if not isinstance(value, str) or len(value) > MAX_ROBOT:
         raise InvalidField([FieldError(path, f"a ROS namespace of up to {MAX_ROBOT} characters", got(value))])
     return read_namespace(value, path)
-
-
-def read_robots(value: object) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
-    """Return which robots the field `robots` names: whether all, else their namespaces and their groups.
-
-    Raises:
-        InvalidField: It is not a selection of robots.
-    """
-    fields = read_part(value, "robots", "all", "names", "groups")
-    everyone = read_flag(fields.get("all", False), "robots.all")
-    names = read_texts(fields.get("names", []), "robots.names", MAX_ROBOTS, "namespaces")
-    robots = dict.fromkeys(read_robot(name, f"robots.names.{index}") for index, name in enumerate(names))
-    texts = read_texts(fields.get("groups", []), "robots.groups", MAX_GROUPS, "groups")
-    groups = dict.fromkeys(read_name(text, MAX_GROUP, f"robots.groups.{index}") for index, text in enumerate(texts))
-    if everyone is bool(robots or groups):
-        detail = "got both" if everyone else "got neither"
-        raise InvalidField([FieldError("robots", "either `all`, or robots or groups", detail)])
-    return everyone, tuple(robots), tuple(groups)
 
 
 def read_flag(value: object, path: str) -> bool:
@@ -149,19 +96,4 @@ def read_choice(value: object, choices: tuple[str, ...], path: str) -> str:
     """
     if not isinstance(value, str) or value not in choices:
         raise InvalidField([FieldError(path, f"one of {', '.join(choices)}", got(value))])
-    return value
-
-
-def read_texts(value: object, path: str, longest: int, what: str, *, at_least: int = 0) -> list[str]:
-    """Return an array of texts.
-
-    Raises:
-        InvalidField: It is something else, or has too few or too many.
-    """
-    if not isinstance(value, list) or not at_least <= len(value) <= longest:
-        detail = f"got {len(value)}" if isinstance(value, list) else got(value)
-        raise InvalidField([FieldError(path, f"an array of {at_least} to {longest} {what}", detail)])
-    for index, text in enumerate(value):
-        if not isinstance(text, str):
-            raise InvalidField([FieldError(f"{path}.{index}", "a string", got(text))])
     return value

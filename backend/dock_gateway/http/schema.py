@@ -1,12 +1,20 @@
 """The JSON shapes that several resources share."""
 
-from pydantic import BaseModel, ConfigDict
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from dock_gateway.http.bodies import Name40, RobotName, Unique, expected
+
+MAX_ROBOTS, MAX_GROUPS = 500, 20
 
 
 class Schema(BaseModel):
-    """Base of the schemas. Every field is always present."""
+    """Base of the schemas. Every field of an answer is always present; a body has no other fields, and exact types."""
 
-    model_config = ConfigDict(json_schema_serialization_defaults_required=True, extra="forbid")
+    model_config = ConfigDict(
+        json_schema_serialization_defaults_required=True, extra="forbid", strict=True, allow_inf_nan=False
+    )
 
 
 class FieldProblem(Schema):
@@ -43,6 +51,12 @@ class Problem(BaseModel):
 class RobotSelection(Schema):
     """The robots that something applies to: all, or those named and those in the groups."""
 
-    all: bool
-    names: list[str]
-    groups: list[str]
+    all: bool = False
+    names: Annotated[list[RobotName], Field(max_length=MAX_ROBOTS), Unique] = []
+    groups: Annotated[list[Name40], Field(max_length=MAX_GROUPS), Unique] = []
+
+    @model_validator(mode="after")
+    def _are_chosen(self) -> Self:
+        if self.all is bool(self.names or self.groups):
+            raise expected("either `all`, or robots or groups", "got both" if self.all else "got neither")
+        return self

@@ -1976,9 +1976,15 @@ export interface components {
          * @description The battery has been below `below` (0 to 1), and the robot idle, for `idle_s` seconds.
          */
         BatteryCondition: {
-            /** Below */
+            /**
+             * Below
+             * @description Charge, 0 to 1
+             */
             below: number;
-            /** Idle S */
+            /**
+             * Idle S
+             * @description Seconds
+             */
             idle_s: number;
         };
         /**
@@ -3724,11 +3730,20 @@ export interface components {
          * @description The robots that something applies to: all, or those named and those in the groups.
          */
         RobotSelection: {
-            /** All */
+            /**
+             * All
+             * @default false
+             */
             all: boolean;
-            /** Names */
+            /**
+             * Names
+             * @default []
+             */
             names: string[];
-            /** Groups */
+            /**
+             * Groups
+             * @default []
+             */
             groups: string[];
         };
         /**
@@ -3764,14 +3779,15 @@ export interface components {
          *     `applies_to` lists the robots on the gateway that it applies to.
          */
         Rule: {
-            /** Id */
-            id: string;
             /** Name */
             name: string;
+            /** @default off */
             mode: components["schemas"]["Mode"];
             robots: components["schemas"]["RobotSelection"];
             battery: components["schemas"]["BatteryCondition"] | null;
             schedule: components["schemas"]["Schedule"] | null;
+            /** Id */
+            id: string;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -3869,7 +3885,10 @@ export interface components {
             times: string[];
             /** Weekdays */
             weekdays: ("mon" | "tue" | "wed" | "thu" | "fri" | "sat" | "sun")[];
-            /** Time Zone */
+            /**
+             * Time Zone
+             * @description IANA name, such as Europe/Berlin
+             */
             time_zone: string;
         };
         /**
@@ -4261,17 +4280,38 @@ export interface components {
          * @description A webhook that was stored. `secret` is there only if the gateway has just made it, and is not shown again.
          */
         StoredWebhook: {
-            /** Id */
-            id: string;
             /** Name */
             name: string;
-            /** Url */
+            /**
+             * Url
+             * @description `http` or `https`, without a password
+             */
             url: string;
-            /** Enabled */
+            /**
+             * Enabled
+             * @default true
+             */
             enabled: boolean;
-            /** Severities */
+            /**
+             * Severities
+             * @description Both by default
+             * @default [
+             *       "critical",
+             *       "warning"
+             *     ]
+             */
             severities: ("critical" | "warning")[];
+            /**
+             * @description All by default. Alerts of the gateway itself are always sent
+             * @default {
+             *       "all": true,
+             *       "names": [],
+             *       "groups": []
+             *     }
+             */
             robots: components["schemas"]["RobotSelection"];
+            /** Id */
+            id: string;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -4544,17 +4584,38 @@ export interface components {
          * @description An address that receives alerts. `pending` counts the deliveries that are still to be sent.
          */
         Webhook: {
-            /** Id */
-            id: string;
             /** Name */
             name: string;
-            /** Url */
+            /**
+             * Url
+             * @description `http` or `https`, without a password
+             */
             url: string;
-            /** Enabled */
+            /**
+             * Enabled
+             * @default true
+             */
             enabled: boolean;
-            /** Severities */
+            /**
+             * Severities
+             * @description Both by default
+             * @default [
+             *       "critical",
+             *       "warning"
+             *     ]
+             */
             severities: ("critical" | "warning")[];
+            /**
+             * @description All by default. Alerts of the gateway itself are always sent
+             * @default {
+             *       "all": true,
+             *       "names": [],
+             *       "groups": []
+             *     }
+             */
             robots: components["schemas"]["RobotSelection"];
+            /** Id */
+            id: string;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -8487,17 +8548,20 @@ export interface operations {
                 "application/json": {
                     name: string;
                     /**
-                     * @description `off` by default
-                     * @enum {unknown}
+                     * @description What a rule does when its condition is met: nothing, record what it would do, or dock the robot.
+                     * @default off
+                     * @enum {string}
                      */
                     mode?: "off" | "dry_run" | "on";
-                    /** @description `all`, or at least one robot or group */
+                    /** @description The robots that something applies to: all, or those named and those in the groups. */
                     robots: {
+                        /** @default false */
                         all?: boolean;
+                        /** @default [] */
                         names?: string[];
+                        /** @default [] */
                         groups?: string[];
                     };
-                    /** @description Either this or `schedule` */
                     battery?: {
                         /** @description Charge, 0 to 1 */
                         below: number;
@@ -8510,7 +8574,6 @@ export interface operations {
                         /** @description IANA name, such as Europe/Berlin */
                         time_zone: string;
                     } | null;
-                    /** @description Who changes the rule */
                     by?: string | null;
                 };
             };
@@ -8810,19 +8873,34 @@ export interface operations {
                     name: string;
                     /** @description `http` or `https`, without a password */
                     url: string;
-                    /** @description Signs what is sent: `whsec_` and 24 to 64 bytes in base64. Without it, a webhook keeps its secret; a new one gets a random one */
-                    secret?: string | null;
-                    /** @description `true` by default */
+                    /** @default true */
                     enabled?: boolean;
-                    /** @description Both by default */
+                    /**
+                     * @description Both by default
+                     * @default [
+                     *       "critical",
+                     *       "warning"
+                     *     ]
+                     */
                     severities?: ("critical" | "warning")[];
-                    /** @description All by default. Alerts of the gateway itself are always sent */
+                    /**
+                     * @description All by default. Alerts of the gateway itself are always sent
+                     * @default {
+                     *       "all": true,
+                     *       "names": [],
+                     *       "groups": []
+                     *     }
+                     */
                     robots?: {
+                        /** @default false */
                         all?: boolean;
+                        /** @default [] */
                         names?: string[];
+                        /** @default [] */
                         groups?: string[];
                     };
-                    /** @description Who changes the webhook */
+                    /** @description Signs what is sent: `whsec_` and 24 to 64 bytes in base64 */
+                    secret?: string | null;
                     by?: string | null;
                 };
             };

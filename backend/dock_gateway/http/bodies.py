@@ -1,0 +1,120 @@
+"""Bodies as pydantic models: one declaration is the reader, the JSON Schema and the example."""
+
+from typing import Annotated, Any, TypeVar
+
+import orjson
+from fastapi import Request
+from pydantic import AfterValidator, BaseModel, ValidationError, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.namespace import NAMESPACE, normalize_namespace
+from dock_gateway.http.principal import read_signed_json
+from dock_gateway.http.requests import NAME, name_schema
+from dock_gateway.settings import LONGEST_NAME
+
+ModelT = TypeVar("ModelT", bound=BaseModel)
+MAX_ERRORS = 20
+
+
+async def read_signed(model: type[ModelT], request: Request) -> ModelT:
+    """Return the body of a request, with the name of who sent it as `by`, if it is known.
+
+    Raises:
+        InvalidField: It is not what the model describes. Lists the invalid fields.
+        MalformedRequest: It is not JSON, too large, too slow or cut off, or has another content type.
+    """
+    return read_model(model, await read_signed_json(request))
+
+
+def read_model(model: type[ModelT], value: object) -> ModelT:
+    """Return a decoded body as a model.
+
+    Raises:
+        InvalidField: It is not what the model describes. Lists the invalid fields.
+    """
+    try:
+        return model.model_validate_json(orjson.dumps(value))
+    except ValidationError as error:
+        schema = body_schema(model)
+        raise InvalidField([_field_error(item, schema) for item in error.errors()[:MAX_ERRORS]]) from None
+
+
+def body_schema(model: type[BaseModel]) -> dict[str, Any]:
+    """Return the JSON Schema of a body, without references."""
+    schema = model.model_json_schema()
+    parts = schema.pop("$defs", {})
+
+    def inline(value: Any) -> Any:
+        if isinstance(value, list):
+            return [inline(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        part = parts[value["$ref"].rpartition("/")[2]] if "$ref" in value else {}
+        return {key: inline(item) for key, item in {**part, **value}.items() if key not in ("$ref", "title")}
+
+    inlined: dict[str, Any] = inline(schema)
+    return inlined
+
+
+def expected(what: str, detail: str | None = None, path: str = "") -> PydanticCustomError:
+    """Return the error of a validator: what is expected, what was received instead, and at which path below."""
+    return PydanticCustomError("expected", "{expected}", {"expected": what, "detail": detail, "path": path})
+
+
+def _field_error(item: Any, schema: dict[str, Any]) -> FieldError:
+    context = item.get("ctx", {})
+    path = ".".join(str(part)[:200] for part in (*item["loc"], *filter(None, [context.get("path")])))
+    match item["type"]:
+        case "missing":
+            return FieldError(path, "a value", "got none")
+        case "extra_forbidden":
+            known = ", ".join(_fields(schema, item["loc"][:-1]))
+            return FieldError(path, f"one of {known}", "got an unknown field")
+        case "expected":
+            return FieldError(path, context["expected"], context["detail"] or got(item["input"]))
+    return FieldError(path, item["msg"].removeprefix("Input should be "), got(item["input"]))
+
+
+def _fields(schema: dict[str, Any], path: tuple[int | str, ...]) -> list[str]:
+    """Return the names of the fields at a path."""
+    for part in path:
+        options = [option.get("properties", {}).get(part, option.get("items")) for option in _options(schema)]
+        schema = next(filter(None, options))
+    return [name for option in _options(schema) for name in option.get("properties", {})]
+
+
+def _options(schema: dict[str, Any]) -> list[dict[str, Any]]:
+    options: list[dict[str, Any]] = schema.get("anyOf", [schema])
+    return options
+
+
+def _name(longest: int) -> AfterValidator:
+    def check(value: str) -> str:
+        if len(value) > longest or not NAME.fullmatch(value):
+            raise expected(f"1 to {longest} characters, in one line")
+        return value.strip()
+
+    return AfterValidator(check)
+
+
+def _robot(value: str) -> str:
+    if len(value) > LONGEST_NAME or not NAMESPACE.fullmatch(value):
+        raise expected(f"a ROS namespace such as /robot1, of up to {LONGEST_NAME} characters")
+    return normalize_namespace(value)
+
+
+def _unique(values: list[str]) -> list[str]:
+    return list(dict.fromkeys(values))
+
+
+# A line of text without surrounding spaces, of up to 40 or 60 characters.
+Name40 = Annotated[str, _name(40), WithJsonSchema(name_schema(40))]
+Name60 = Annotated[str, _name(60), WithJsonSchema(name_schema(60))]
+# The namespace of a robot, which need not be on the ROS graph.
+RobotName = Annotated[
+    str,
+    AfterValidator(_robot),
+    WithJsonSchema({"type": "string", "maxLength": LONGEST_NAME, "pattern": f"^{NAMESPACE.pattern}$"}),
+]
+Unique = AfterValidator(_unique)
