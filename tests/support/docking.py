@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -18,11 +18,9 @@ from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.plan import Plan
-from docking.nodes.dock_server import DOCK, docking_objective
-from docking.nodes.undock_server import UNDOCK
+from docking.nodes.dock_server import DockAction, docking_objective
+from docking.nodes.undock_server import UndockAction
 from docking.parameters import DockSettings
-from docking.plans.registry import make_plan
-from docking.ros.action_spec import ActionSpec
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.battery_subscriber import BatteryStateSubscriber
 from docking.ros.node import ActionNode
@@ -34,7 +32,6 @@ ACTION = "connect_to_charging_dock"
 SERVER = "/connect_to_charging_dock_action_server"
 UNDOCK_ACTION = "disconnect_from_charging_dock"
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
-REAL_PLAN = make_plan
 
 
 def battery_state(status: int) -> BatteryState:
@@ -64,17 +61,19 @@ def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION, *,
     return observer.send_goal(ConnectToChargingDock, action, goal)
 
 
-def _with_plan(make_plan: Callable[[DockSettings], Plan]) -> ActionSpec[DockSettings]:
-    if make_plan is REAL_PLAN:
-        return DOCK
+class PlannedDockAction(DockAction):
+    """Docking by a plan of the test's."""
 
-    def make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-        objective = docking_objective(settings, memory)
-        return Goal(
-            make_plan(settings), objective, started_at, watch_obstacles(settings, backward=settings.dock.backward)
-        )
+    def __init__(self, make_plan: Callable[[DockSettings], Plan]) -> None:
+        self._make_plan = make_plan
 
-    return replace(DOCK, make_goal=make_goal)
+    def make_goal(self, settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
+        obstacles = watch_obstacles(settings, backward=settings.dock.backward)
+        return Goal(self._make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
+
+
+def _dock_action(make_plan: Callable[[DockSettings], Plan] | None) -> DockAction:
+    return DockAction() if make_plan is None else PlannedDockAction(make_plan)
 
 
 # A busy machine is no broken odometry.
@@ -85,7 +84,7 @@ PATIENT = "odometry_timeout:=10.0"
 def docking_servers(
     domain: int,
     *parameters: str,
-    make_plan: Callable[[DockSettings], Plan] = make_plan,
+    make_plan: Callable[[DockSettings], Plan] | None = None,
     file: Path | None = None,
 ) -> Iterator[tuple[ActionNode[Any], ActionNode[Any]]]:
     """The docking and the undocking server in the test process, with the battery subscriber.
@@ -94,15 +93,15 @@ def docking_servers(
         domain: The ROS domain.
         parameters: As on the command line: `name:=value`.
         file: More parameters, which count less.
-        make_plan: In place of what the parameters ask for.
+        make_plan: Makes plans in place of those that the parameters ask for.
     """
     arguments = [text for parameter in (PATIENT, *parameters) for text in ("-p", parameter)]
     if file is not None:
         arguments = ["--params-file", str(file), *arguments]
     with ros_nodes(domain, *arguments) as context:
         battery, active_goal = Battery(), ActiveGoal()
-        dock = ActionNode(_with_plan(make_plan), battery, active_goal=active_goal, context=context)
-        undock = ActionNode(UNDOCK, battery, active_goal=active_goal, context=context)
+        dock = ActionNode(_dock_action(make_plan), battery, active_goal=active_goal, context=context)
+        undock = ActionNode(UndockAction(), battery, active_goal=active_goal, context=context)
         with _spun(context, battery, dock, undock):
             yield dock, undock
 
@@ -111,13 +110,13 @@ def docking_servers(
 def dock_server(
     domain: int,
     *parameters: str,
-    make_plan: Callable[[DockSettings], Plan] = make_plan,
+    make_plan: Callable[[DockSettings], Plan] | None = None,
 ) -> Iterator[ActionNode[Any]]:
     """The tutorial's two nodes in the test process; see `docking_servers`."""
     arguments = [text for parameter in parameters for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
         battery = Battery()
-        server = ActionNode(_with_plan(make_plan), battery, context=context)
+        server = ActionNode(_dock_action(make_plan), battery, context=context)
         with _spun(context, battery, server):
             yield server
 

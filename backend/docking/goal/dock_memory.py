@@ -1,5 +1,6 @@
 """Whether the robot is docked, as far as earlier goals can tell."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from docking.core.geometry import Pose
@@ -53,6 +54,12 @@ class DockMemory:
         """A goal moves the robot: what is known without a pose is known no longer."""
         if self.at is None:
             self.docked = None
+
+    def type_among(self, types: Sequence[str]) -> str | None:
+        """The type of the dock that the robot is on; empty where there are no types, None if it is not known."""
+        if self.dock_type in types:
+            return self.dock_type
+        return None if len(types) > 1 else "".join(types)
 
     def recall(self, robot: Pose | None) -> bool | None:
         """Whether the robot is docked; None where that is not known, as when it was moved since.

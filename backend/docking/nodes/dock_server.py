@@ -6,29 +6,20 @@ from dataclasses import replace
 
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.core.errors import Stage
+from docking.core.footprint import Footprint
+from docking.core.transform import Transform
 from docking.goal.admission import DOCKING
 from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
-from docking.parameters import ControllerName, DockSettings
+from docking.parameters import ControllerName, DockPlace, DockSettings, StagingGoal
 from docking.plans.registry import make_plan, sensors_of
-from docking.ros.action_spec import ActionSpec
 from docking.ros.node import FEEDBACK_PERIOD, ActionNode
 from docking.ros.process import run_process
+from docking.ros.robot_action import RobotAction
 from docking.ros.sensors import Sensor
 from docking.ros.server_process import serve
-
-
-def _needs(settings: DockSettings) -> frozenset[Sensor]:
-    needs = frozenset(map(Sensor, sensors_of(settings.controller)))
-    watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
-    return needs | {Sensor.SCAN} if watched else needs
-
-
-def _control_period(settings: DockSettings) -> float:
-    # `rotate` gives ten velocities a second, as the tutorial does.
-    return FEEDBACK_PERIOD if settings.controller == ControllerName.ROTATE else settings.control_period
 
 
 def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
@@ -45,38 +36,72 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
     )
 
 
-def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-    obstacles = watch_obstacles(settings, backward=settings.dock.backward)
-    last, turn = memory.places.get(settings.dock_name), memory.turns.get(settings.dock_name, 0.0)
-    settings = replace(settings, last_docked=None if last is None else settings.dock.base_link(last), last_turn=turn)
-    return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
+class DockAction(RobotAction[DockSettings]):
+    """Docking."""
 
+    node_name = "connect_to_charging_dock_action_server"
+    action_name = "connect_to_charging_dock"
+    action_type = ConnectToChargingDock
+    purpose = DOCKING
+    settings_type = DockSettings
+    progress = (Stage.CONTROLLING, "NOT CHARGING...")
+    success = ("CHARGING...", "Successfully connected to the charging dock!")
+    ends_with_charge = True
 
-DOCK = ActionSpec(
-    node_name="connect_to_charging_dock_action_server",
-    action_name="connect_to_charging_dock",
-    action_type=ConnectToChargingDock,
-    purpose=DOCKING,
-    settings=DockSettings,
-    needs=_needs,
-    control_period=_control_period,
-    make_goal=_make_goal,
-    progress={Stage.CONTROLLING: "NOT CHARGING..."},
-    success=("CHARGING...", "Successfully connected to the charging dock!"),
-    ends_with_charge=True,
-    outline=lambda settings: settings.outline.points,
-    at_dock=DockSettings.at_dock,
-    dock_types=lambda settings: settings.database.dock_plugins,
-    marker_tilt=lambda settings: settings.dock.tilt,
-    navigates=lambda settings: settings.navigates,
-    staging=lambda settings: settings.staging_goal,
-    place=lambda settings: settings.place if Sensor.ODOMETRY in _needs(settings) else None,
-    has_places=lambda settings: settings.database.has_poses and Sensor.ODOMETRY in _needs(settings),
-)
+    def needs(self, settings: DockSettings) -> frozenset[Sensor]:
+        """Those of the controller, and the laser scan where obstacles are watched."""
+        needs = frozenset(map(Sensor, sensors_of(settings.controller)))
+        watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
+        return needs | {Sensor.SCAN} if watched else needs
+
+    def make_goal(self, settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
+        """A docking goal that knows where the robot docked last."""
+        obstacles = watch_obstacles(settings, backward=settings.dock.backward)
+        last, turn = memory.places.get(settings.dock_name), memory.turns.get(settings.dock_name, 0.0)
+        last_docked = None if last is None else settings.dock.base_link(last)
+        settings = replace(settings, last_docked=last_docked, last_turn=turn)
+        return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
+
+    def control_period(self, settings: DockSettings) -> float:
+        """As the parameter says; `rotate` gives ten velocities a second, as the tutorial does."""
+        return FEEDBACK_PERIOD if settings.controller == ControllerName.ROTATE else settings.control_period
+
+    def at_dock(self, settings: DockSettings, dock_name: str) -> DockSettings:
+        """The parameters with those of the dock."""
+        return settings.at_dock(dock_name)
+
+    def uses_frames(self, settings: DockSettings) -> bool:
+        """Also to navigate, and to look for a dock where the database has it."""
+        has_places = settings.database.has_poses and Sensor.ODOMETRY in self.needs(settings)
+        return super().uses_frames(settings) or self.navigates(settings) or has_places
+
+    def marker_tilt(self, settings: DockSettings) -> Transform:
+        """As the parameters of the dock say."""
+        return settings.dock.tilt
+
+    def dock_types(self, settings: DockSettings) -> Sequence[str]:
+        """Those of the database."""
+        return settings.database.dock_plugins
+
+    def place(self, settings: DockSettings) -> DockPlace | None:
+        """The place of the dock, for a controller that knows by odometry where the robot is."""
+        return settings.place if Sensor.ODOMETRY in self.needs(settings) else None
+
+    def navigates(self, settings: DockSettings) -> bool:
+        """Where the parameters want it."""
+        return settings.navigates
+
+    def staging(self, settings: DockSettings) -> StagingGoal | None:
+        """The staging pose in front of the dock."""
+        return settings.staging_goal
+
+    def outline(self, settings: DockSettings) -> Footprint | None:
+        """The footprint of the parameters."""
+        return settings.outline.points
 
 
 def _run(args: Sequence[str] | None) -> int:
-    return serve(lambda battery, context: [ActionNode(DOCK, battery, context=context)], args)
+    return serve(lambda battery, context: [ActionNode(DockAction(), battery, context=context)], args)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -7,8 +7,8 @@ from typing import Any
 from rclpy.context import Context
 
 from docking.core.battery import Battery
-from docking.nodes.dock_server import DOCK
-from docking.nodes.undock_server import UNDOCK
+from docking.nodes.dock_server import DockAction
+from docking.nodes.undock_server import UndockAction
 from docking.parameters import ControllerName, DockSettings, UndockSettings
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.node import ActionNode
@@ -24,8 +24,8 @@ def make_servers(battery: Battery, context: Context) -> list[ActionNode[Any]]:
         context: The ROS context.
     """
     active_goal = ActiveGoal()
-    dock = ActionNode(DOCK, battery, active_goal=active_goal, context=context)
-    undock = ActionNode(UNDOCK, battery, active_goal=active_goal, context=context)
+    dock = ActionNode(DockAction(), battery, active_goal=active_goal, context=context)
+    undock = ActionNode(UndockAction(), battery, active_goal=active_goal, context=context)
     if sentence := compare_directions(dock.settings, undock.settings):
         undock.get_logger().warning(sentence)
     return [dock, undock]
@@ -45,7 +45,7 @@ def compare_directions(docking: DockSettings, undocking: UndockSettings) -> str 
     others = " and ".join(sorted(directions))
     return (
         f"The robot docks {others}, but until a goal has docked it, it undocks as if it had docked {own}: set"
-        f" dock_direction of {UNDOCK.node_name}"
+        f" dock_direction of {UndockAction.node_name}"
     )
 
 

@@ -9,31 +9,34 @@ from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.undock import Undocking
 from docking.parameters import UndockSettings
 from docking.plans.undock import UndockPlan
-from docking.ros.action_spec import ActionSpec
+from docking.ros.robot_action import RobotAction
 from docking.ros.sensors import Sensor
 
 
-def _needs(settings: UndockSettings) -> frozenset[Sensor]:
-    watched = settings.collision.use_collision_detection
-    return frozenset({Sensor.ODOMETRY, Sensor.SCAN} if watched else {Sensor.ODOMETRY})
+class UndockAction(RobotAction[UndockSettings]):
+    """Undocking."""
 
+    node_name = "disconnect_from_charging_dock_action_server"
+    action_name = "disconnect_from_charging_dock"
+    action_type = DisconnectFromChargingDock
+    purpose = UNDOCKING
+    settings_type = UndockSettings
+    progress = (Stage.UNDOCKING, "BACKING OUT...")
+    success = ("NOT CHARGING...", "Successfully disconnected from the charging dock!")
 
-def _make_goal(settings: UndockSettings, memory: DockMemory, started_at: float) -> Goal:
-    objective = Undocking(settings.timeouts, memory, charging=settings.charging, assume_docked=settings.assume_docked)
-    staging = memory.staging or settings.staging
-    plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
-    return Goal(plan, objective, started_at, watch_obstacles(settings))
+    def needs(self, settings: UndockSettings) -> frozenset[Sensor]:
+        """Odometry, and the laser scan where obstacles are watched."""
+        watched = settings.collision.use_collision_detection
+        return frozenset({Sensor.ODOMETRY, Sensor.SCAN} if watched else {Sensor.ODOMETRY})
 
+    def make_goal(self, settings: UndockSettings, memory: DockMemory, started_at: float) -> Goal:
+        """An undocking goal that backs out as far as the last dock's staging pose is away."""
+        assume_docked = settings.assume_docked
+        objective = Undocking(settings.timeouts, memory, charging=settings.charging, assume_docked=assume_docked)
+        staging = memory.staging or settings.staging
+        plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
+        return Goal(plan, objective, started_at, watch_obstacles(settings))
 
-UNDOCK = ActionSpec(
-    node_name="disconnect_from_charging_dock_action_server",
-    action_name="disconnect_from_charging_dock",
-    action_type=DisconnectFromChargingDock,
-    purpose=UNDOCKING,
-    settings=UndockSettings,
-    needs=_needs,
-    control_period=lambda settings: settings.control_period,
-    make_goal=_make_goal,
-    progress={Stage.UNDOCKING: "BACKING OUT..."},
-    success=("NOT CHARGING...", "Successfully disconnected from the charging dock!"),
-)
+    def control_period(self, settings: UndockSettings) -> float:
+        """As the parameter says."""
+        return settings.control_period

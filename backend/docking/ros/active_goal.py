@@ -1,4 +1,4 @@
-"""Who drives the robot."""
+"""The goal that is running."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -34,7 +34,7 @@ class ActiveGoal:
     """One goal at a time, whichever of the process's servers it came to.
 
     Attributes:
-        running: None while nobody drives.
+        running: None while no goal runs.
         memory: What the goals so far tell of the dock.
     """
 

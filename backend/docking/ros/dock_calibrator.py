@@ -18,6 +18,7 @@ from docking.core.observation import Observation
 from docking.core.transform import Transform, tilt
 from docking.estimation.calibration import Calibration, CalibrationError, DockCalibration
 from docking.parameters import Dock, DockDirection
+from docking.ros.active_goal import ActiveGoal
 from docking.ros.clock import control_time
 from docking.ros.sensors import Sensor, Sensors
 from docking.ros.transforms import Transforms
@@ -47,8 +48,8 @@ class DockCalibrator:
         node: Node,
         battery: Battery,
         transforms: Transforms,
-        is_driven: Callable[[], bool],
-        find_type: Callable[[], str | None],
+        active_goal: ActiveGoal,
+        dock_types: Callable[[], Sequence[str]],
     ) -> None:
         """Start without the service.
 
@@ -56,13 +57,13 @@ class DockCalibrator:
             node: The node that has the parameters.
             battery: Where the battery subscriber puts its readings.
             transforms: How frames lie in each other.
-            is_driven: Whether a goal of any server drives the robot.
-            find_type: The type of the dock that the robot is on; empty where there are no types, None if unknown.
+            active_goal: Of all servers that drive this robot.
+            dock_types: The types of docks that have parameters of their own.
         """
         self._node = node
         self._battery = battery
-        self._is_driven = is_driven
-        self._find_type = find_type
+        self._active_goal = active_goal
+        self._dock_types = dock_types
         self._names: tuple[str, ...] = PARAMETERS
         self._offered = False
         self._unanswered = 0
@@ -94,11 +95,11 @@ class DockCalibrator:
         self._refuse("the server no longer calibrates")
 
     async def _calibrate(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        if self._is_driven():
+        if self._active_goal.running is not None:
             response.message = "a goal is running: calibrate while the robot stands on its dock"
         elif self._measurement is not None:
             response.message = "a calibration is running"
-        elif (dock_type := self._find_type()) is None:
+        elif (dock_type := self._active_goal.memory.type_among(self._dock_types())) is None:
             response.message = "there are several types of docks: let a goal dock the robot, to tell which one it is on"
         else:
             self._names = _of_type(dock_type, PARAMETERS)
@@ -127,7 +128,7 @@ class DockCalibrator:
     def _step(self) -> None:
         if self._measurement is None:
             return
-        if self._is_driven():
+        if self._active_goal.running is not None:
             self._refuse("a goal has arrived")
             return
         observation = self._sensors.observe(self._battery.latest)

@@ -1,11 +1,10 @@
-"""A node that serves an action which drives the robot: docking or undocking, as its `ActionSpec` says."""
+"""A node that serves an action which drives the robot: docking or undocking, as its `RobotAction` says."""
 
 import math
 import time
 import traceback
-from dataclasses import replace
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic
 
 from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -15,46 +14,33 @@ from rclpy.context import Context
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from docking.core.battery import Battery
-from docking.core.errors import DockNotInDb, ErrorCode, Stage
+from docking.core.errors import DockNotInDb, ErrorCode
 from docking.core.observation import STANDSTILL
 from docking.goal.admission import Rejection, admit
-from docking.goal.engine import Command, End, Goal, Outcome
-from docking.goal.report import Report, report_on
+from docking.goal.engine import End, Goal, Outcome
 from docking.parameters import read_topics
-from docking.ros.action_spec import ActionSpec, S
 from docking.ros.active_goal import ActiveGoal, Execution
-from docking.ros.battery_subscriber import BATTERY_TOPIC, BatterySearch, battery_message
+from docking.ros.battery_subscriber import battery_message
 from docking.ros.clock import ClockWatch, control_time
-from docking.ros.diagnostics import Diagnostics
 from docking.ros.dock_calibrator import DockCalibrator
 from docking.ros.footprint import FootprintPublisher
+from docking.ros.goal_reporter import GoalReporter
 from docking.ros.navigation import NavigationClient
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
-from docking.ros.rivals import DRIVEN, Rivals
-from docking.ros.sensors import MARKER_TOPIC, Sensor, Sensors
+from docking.ros.rivals import Rivals
+from docking.ros.robot_action import RobotAction, S
+from docking.ros.sensors import Sensors
 from docking.ros.stop_listener import StopListener
 from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
 from robot_io.rclpy_private import IdentifyingActionServer, goal_id_text
-
-Event = TypeVar("Event", Command, Outcome)
 
 FEEDBACK_PERIOD = 0.1
 BASE = "base_link"
 NAV2_NODE = "docking_server"
 """The name of nav2's node: parameters for it are for the nodes of both actions."""
 DIAGNOSTICS_PERIOD = 1.0
-SENSED = frozenset(
-    {
-        ErrorCode.FAILED_TO_DETECT_DOCK,
-        ErrorCode.LOST_MARKER,
-        ErrorCode.INFRARED_LOST,
-        ErrorCode.ODOMETRY_LOST,
-        ErrorCode.SCAN_LOST,
-    }
-)
-"""What a sensor's fault may be the cause of."""
 
 
 class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
@@ -66,7 +52,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
 
     def __init__(
         self,
-        spec: ActionSpec[S],
+        action: RobotAction[S],
         battery: Battery,
         *,
         active_goal: ActiveGoal | None = None,
@@ -76,7 +62,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         """Make the node.
 
         Args:
-            spec: The action.
+            action: The action.
             battery: Where the battery subscriber puts its readings.
             active_goal: Shared by all servers that drive this robot; None where there is no other.
             context: The ROS context; None is the default one.
@@ -86,16 +72,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             rclpy.exceptions.ParameterException: A parameter is wrong.
             ValueError: The parameters cannot work together.
         """
-        super().__init__(spec.node_name, context=context, **options)
-        self._spec = spec
+        super().__init__(action.node_name, context=context, **options)
+        self._action = action
         self._battery = battery
-        self._battery_search = BatterySearch(self)
         self._active_goal = active_goal or ActiveGoal()
         self._running: Execution | None = None  # None also while a goal of another server runs
         self._closing = self._active = False
-        self._report = Report()
-        self._stage = Stage.IDLE
-        self._note = ""  # what is odd about the detections
         self._fed_back_at = -math.inf
         self._clock_watch = ClockWatch(self)
         self._transforms = Transforms(self)
@@ -104,16 +86,23 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
         self._calibrator = DockCalibrator(
-            self, battery, self._transforms, lambda: self._active_goal.running is not None, self._find_dock_type
+            self, battery, self._transforms, self._active_goal, lambda: action.dock_types(self._settings)
         )
-        declare_parameters(self, spec.settings, self._take_over, alias=NAV2_NODE)
+        declare_parameters(self, action.settings_type, self._take_over, alias=NAV2_NODE)
         self._drive = Drive(self)
         self._rivals = Rivals(self)
-        self._diagnostics = Diagnostics(self, spec.action_name)
+        self._reporter = GoalReporter(
+            self,
+            action.action_name,
+            battery=battery,
+            sensors=self._sensors,
+            rivals=self._rivals,
+            velocity=self._drive.publisher,
+        )
         self._server = IdentifyingActionServer(
             self,
-            spec.action_type,
-            spec.action_name,
+            action.action_type,
+            action.action_name,
             execute_callback=self._execute,
             goal_callback=self._decide,
             handle_accepted_callback=self._accept,
@@ -126,7 +115,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._control_timer.cancel()
         self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._look_around, clock=steady)
         self._show()
-        if spec.ends_with_charge:
+        if action.ends_with_charge:
             battery.on_connected = self.control  # at once, not at the next turn of the timer
 
         if self._settings.autostart:
@@ -152,14 +141,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
 
     def _leave(self) -> None:
         self._active = False
-        running = self._running
-        if running is not None:
-            self._end(running.goal.abort(ErrorCode.NOT_ACTIVE, "the action server's node was deactivated"))
+        self._abort(ErrorCode.NOT_ACTIVE, "the action server's node was deactivated")
 
     @property
     def own_name(self) -> str:
         """The name of the node unless it is renamed."""
-        return self._spec.node_name
+        return self._action.node_name
 
     @property
     def settings(self) -> S:
@@ -178,26 +165,14 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._stops.listen_to(read_topics(self._settings.stop_topics))
         self._drive.publisher.mode = self._settings.enable_stamped_cmd_vel
         self._drive.publisher.frame = base = self._settings.frame_prefix + BASE
-        if self._spec.outline is not None:
-            self._footprint.publish(self._spec.outline(self._settings), base)
+        if (outline := self._action.outline(self._settings)) is not None:
+            self._footprint.publish(outline, base)
         if self._running is None:
-            by_marker = Sensor.MARKER in self._spec.needs(self._settings)
-            navigates = self._spec.navigates(self._settings)
-            by_frames = (
-                by_marker or navigates or self._settings.collision.needs_tf or self._spec.has_places(self._settings)
-            )
-            self._navigation.switch(on=navigates)
-            self._transforms.switch(on=by_frames, prefix=self._settings.frame_prefix)
+            by_marker = self._action.detects_marker(self._settings)
+            self._navigation.switch(on=self._action.navigates(self._settings))
+            self._transforms.switch(on=self._action.uses_frames(self._settings), prefix=self._settings.frame_prefix)
             self._poses.switch(on=by_marker)
             self._calibrator.switch(on=by_marker)
-
-    def _find_dock_type(self) -> str | None:
-        """The type of the dock that the robot is on; empty where there are no types, None if it is not known."""
-        types = self._spec.dock_types(self._settings)
-        last = self._active_goal.memory.dock_type
-        if last in types:
-            return last
-        return None if len(types) > 1 else "".join(types)
 
     # A goal comes: it is decided on, accepted, executed.
 
@@ -205,7 +180,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running = self._active_goal.running
         rejection = admit(
             request.desired_battery_state.power_supply_status,
-            self._spec.purpose,
+            self._action.purpose,
             active_goal_id=None if running is None else running.goal_id,
             policy=self._settings.goal_policy,
             stop_latched=self._stops.held,
@@ -214,17 +189,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         )
         if rejection is None:
             try:
-                self._spec.at_dock(self._settings, request.desired_battery_state.location)
+                self._action.at_dock(self._settings, request.desired_battery_state.location)
             except DockNotInDb as error:
                 rejection = Rejection(error.error_code, str(error))
             else:
                 return GoalResponse.ACCEPT
-        goal_id = self._server.deciding_on
-        self.get_logger().warning(f"Goal {goal_id} rejected: {rejection.error_msg} [{rejection.error_code.value}]")
-        report = report_on(rejection, goal_id)
-        if self._running is None:
-            self._report = report
-        self._publish_report(report)  # only once if a goal runs, which stays the subject
+        self._reporter.reject(rejection, self._server.deciding_on, running=self._running is not None)
         return GoalResponse.REJECT
 
     def _accept(self, handle: ServerGoalHandle) -> None:
@@ -232,12 +202,11 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running = self._active_goal.running
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
-        settings = self._spec.at_dock(self._settings, handle.request.desired_battery_state.location)
-        goal = self._spec.make_goal(settings, self._active_goal.memory, control_time(self))
+        settings = self._action.at_dock(self._settings, handle.request.desired_battery_state.location)
+        goal = self._action.make_goal(settings, self._active_goal.memory, control_time(self))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
-        self._stage = Stage.IDLE
-        self._note = ""
+        self._reporter.begin()
         self._fed_back_at = -math.inf
         self._drive.begin()
         self._rivals.look()
@@ -245,15 +214,15 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         try:
             self._prepare(goal, settings)
         except Exception as error:  # noqa: BLE001 - such as a `qos_overrides` parameter that is wrong
-            self._fail(execution, error)
+            self._fail(error)
 
     def _prepare(self, goal: Goal, settings: S) -> None:
         self._sensors.scanner = self._settings.collision.mount
-        self._sensors.marker_tilt = self._spec.marker_tilt(settings)
-        self._sensors.place = self._spec.place(settings)
-        self._sensors.listen_to(self._spec.needs(settings))
-        self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
-        if (staging := self._spec.staging(settings)) is not None:
+        self._sensors.marker_tilt = self._action.marker_tilt(settings)
+        self._sensors.place = self._action.place(settings)
+        self._sensors.listen_to(self._action.needs(settings))
+        self._control_timer.timer_period_ns = round(self._action.control_period(self._settings) * 1e9)
+        if (staging := self._action.staging(settings)) is not None:
             self._transforms.use(self._navigation, on=True)
             goal.navigate_first(self._navigation.navigation(staging, self._sensors))
 
@@ -263,7 +232,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._control_timer.reset()
             self.control()
         outcome: Outcome = await execution.ended
-        result = self._spec.action_type.Result(final_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
+        result = self._action.action_type.Result(final_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
         if outcome.end is End.CANCELED:  # rclpy notes the request after `_cancel`, so that `_end` was too early
             handle.canceled()
         return result
@@ -284,17 +253,22 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
 
     def control(self) -> None:
         """Do the next control step, if a goal of this server runs."""
-        running = self._running
-        if running is None:
+        if self._running is None:
             return
         try:
-            self._step(running)
+            self._step(self._running)
         except Exception as error:  # noqa: BLE001 - whatever it is, the robot must stop and the server go on
-            self._fail(running, error)
+            self._fail(error)
 
-    def _fail(self, running: Execution, error: Exception) -> None:
+    def _fail(self, error: Exception) -> None:
         self.get_logger().error("".join(traceback.format_exception(error)))
-        self._end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
+        self._abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}")
+
+    def _abort(self, error_code: ErrorCode, error_msg: str) -> None:
+        """Abort the goal of this server that runs, if there is one."""
+        running = self._running
+        if running is not None:
+            self._end(running.goal.abort(error_code, error_msg))
 
     def _step(self, running: Execution) -> None:
         decided_at = time.monotonic()
@@ -315,65 +289,35 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._fed_back_at = observation.now
             running.handle.publish_feedback(self._feedback())
         self._poses.publish(step, self._sensors.odometry_frame)
-        if step.stage in self._spec.progress and not step.error_msg:
-            self.get_logger().info(self._spec.progress[step.stage], throttle_duration_sec=1.0)
-        if step.note and not self._note:
-            self.get_logger().warning(f"Goal {running.goal_id}: {step.note}")
-        self._note = step.note
-        report = report_on(self._explained(step), running.goal_id)
-        if report != self._report:
-            self._report = report
-            self._tell_change(report)
-            self._publish_report(report)
-        self._stage = step.stage
-
-    def _tell_change(self, report: Report) -> None:
-        if report.error_msg:
-            verb = "tries again" if report.stage is Stage.RETRY else "waits"
-            self.get_logger().warning(f"Goal {report.goal_id} {verb}: {report.error_msg} [{report.error_code.value}]")
-        elif self._stage not in {report.stage, Stage.IDLE}:
-            self.get_logger().info(f"Goal {report.goal_id}: {report.message}")
+        stage, line = self._action.progress
+        if step.stage is stage and not step.error_msg:
+            self.get_logger().info(line, throttle_duration_sec=1.0)
+        self._reporter.go_on(step, running.goal_id)
 
     def _end(self, outcome: Outcome) -> None:
         """End the goal of this server that runs: the robot stops, whatever the outcome."""
         running, self._running = self._running, None
         if running is None:
             return
-        outcome = self._explained(outcome)
+        outcome = self._reporter.explained(outcome)
         self._active_goal.running = None
         self._control_timer.cancel()
         self._drive.stop()
-        self._report = report_on(outcome, running.goal_id)
-        logger = self.get_logger()
         if outcome.end is End.SUCCEEDED:
             running.handle.publish_feedback(self._feedback())
             running.handle.succeed()
-            for line in self._spec.success:
-                logger.info(line)
-        elif outcome.end is End.CANCELED:
-            logger.info(f"Goal {running.goal_id} canceled")
-        else:
+            for line in self._action.success:
+                self.get_logger().info(line)
+        elif outcome.end is End.ABORTED:
             running.handle.abort()  # at once: of all goals to cancel, rclpy skips the one after a goal that refuses
-            logger.error(f"Goal {running.goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
         running.ended.set_result(outcome)
-        self._publish_report(self._report)
+        self._reporter.end(outcome, running.goal_id)
         self._transforms.use(self._navigation, on=False)
         self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
         self._show()
 
-    # What is told.
-
-    def _explained(self, event: Event) -> Event:
-        """With what may be the cause: what is wrong with the sensors, who drives along, or why there is no battery."""
-        if event.error_code in (ErrorCode.BATTERY_STALE, ErrorCode.BATTERY_LOST) and self._battery.latest is None:
-            return replace(event, error_msg=f"{event.error_msg}; {self._battery_search.describe()}")
-        faults: list[str] = list(self._sensors.faults.values()) if event.error_code in SENSED else []
-        if event.error_code in SENSED | DRIVEN:
-            faults += self._rivals.faults.values()
-        return replace(event, error_msg="; ".join([event.error_msg, *faults])) if faults else event
-
     def _feedback(self) -> Any:
-        return self._spec.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
+        return self._action.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
     def _look_around(self) -> None:
         self._drive.look_again()
@@ -382,18 +326,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._repeat_report()
 
     def _repeat_report(self) -> None:
-        self._publish_report(self._report)
-
-    def _publish_report(self, report: Report) -> None:
-        battery, topic = self._battery.latest, self.resolve_topic_name(BATTERY_TOPIC)
-        warnings = {} if battery is None or battery.fault is None else {topic: f"{topic} {battery.fault}"}
-        if self._note:
-            topic = self.resolve_topic_name(MARKER_TOPIC)
-            warnings[topic] = f"{topic}: {self._note}"
-        warnings |= self._rivals.faults
-        if (deaf := self._drive.publisher.fault) is not None:
-            warnings[self.resolve_topic_name("cmd_vel")] = deaf
-        self._diagnostics.publish(report, self._sensors.faults, warnings)
+        self._reporter.repeat()
 
     # The server ends.
 
@@ -413,9 +346,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         """
         self._closing = True
         self._calibrator.close()
-        running = self._running
-        if running is not None:
-            self._end(running.goal.abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down"))
+        self._abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down")
 
     def hold_still(self) -> None:
         """Publish zero velocity if this server drives the robot or did a moment ago.

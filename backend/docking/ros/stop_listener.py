@@ -105,8 +105,8 @@ class StopListener:
         )
 
     def _update(self) -> None:
-        deaf = any(len(subscriptions) < len(QUALITIES) for subscriptions in self._subscriptions.values())
-        held = deaf or any(votes.held for votes in self._votes.values())
+        unheard = any(len(subscriptions) < len(QUALITIES) for subscriptions in self._subscriptions.values())
+        held = unheard or any(votes.held for votes in self._votes.values())
         if held != self.held:
             self.held = held
             self._on_change()

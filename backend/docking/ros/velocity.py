@@ -45,11 +45,11 @@ class Drive:
 
     def look_again(self) -> None:
         """Follow the subscribers of `cmd_vel`; call it once a second."""
-        before = self.publisher.fault
+        before = self.publisher.mismatch
         if self.recent or not self.publisher.drop_unwanted():
             self.publisher.add_wanted()
-        if (fault := self.publisher.fault) is not None and fault != before:
-            self._node.get_logger().warning(fault)
+        if (mismatch := self.publisher.mismatch) is not None and mismatch != before:
+            self._node.get_logger().warning(mismatch)
 
     def go(self, velocity: Velocity, decided_at: float) -> None:
         """Publish a velocity, but a standstill only once: while a goal waits, the wheels are left to others.

@@ -54,7 +54,7 @@ class VelocityPublisher:
         self._node = node
         self._topic = node.resolve_topic_name(TOPIC)
         self._second: SecondParticipant | None = None
-        self._deaf: dict[str, set[str]] = {}  # nodes that subscribe to what is not wanted, by type
+        self._unmatched: dict[str, set[str]] = {}  # nodes that subscribe to another type, by type
         # Replaced, never changed: other threads publish.
         self._publishers: dict[str, Publisher] = {}
         self.add_wanted()
@@ -81,15 +81,17 @@ class VelocityPublisher:
         for subscriber in self._node.get_subscriptions_info_by_topic(TOPIC):
             subscribed.setdefault(subscriber.topic_type, set()).add(node_name(subscriber) or "a node")
         wanted = choose_types(self.mode, subscribed.keys(), self._publishers.keys())
-        self._deaf = {name: nodes for name, nodes in subscribed.items() if name not in wanted}
+        self._unmatched = {name: nodes for name, nodes in subscribed.items() if name not in wanted}
         return wanted
 
     @property
-    def fault(self) -> str | None:
-        """Who subscribes to `cmd_vel` and hears nothing, as a sentence; None where there is nobody."""
-        if not self._deaf:
+    def mismatch(self) -> str | None:
+        """Which nodes subscribe to `cmd_vel` with a type that is not published, as a sentence; None without any."""
+        if not self._unmatched:
             return None
-        who = " and ".join(f"{' and '.join(sorted(nodes))} as {name}" for name, nodes in sorted(self._deaf.items()))
+        who = " and ".join(
+            f"{' and '.join(sorted(nodes))} as {name}" for name, nodes in sorted(self._unmatched.items())
+        )
         published = " and ".join(sorted(self._publishers))
         return (
             f"{self._topic} is subscribed to by {who}, but published as {published}, so nothing moves there:"

@@ -8,7 +8,7 @@ from docking.core.errors import ErrorCode
 from docking.core.geometry import Pose
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import End, Outcome
-from docking.nodes.dock_server import DOCK
+from docking.nodes.dock_server import DockAction
 from docking.parameters import ControllerName, DockSettings
 from docking.simulation.faults import Fault
 from docking.simulation.marker import MarkerSettings
@@ -22,7 +22,7 @@ def dock(turned: float, *, dead: bool = False, memory: DockMemory | None = None)
     simulation = Simulation(Settings(start=Pose(-1.3, 0.2, -0.1), marker=marker), 3)
     simulation.set_fault(Fault.DEAD_CHARGER, dead)
     docking = DockSettings(controller=ControllerName.DOCK_POSE)
-    goal = DOCK.make_goal(docking, memory or DockMemory(), 0.0)
+    goal = DockAction().make_goal(docking, memory or DockMemory(), 0.0)
     while not isinstance(step := goal.step(simulation.observe()), Outcome):
         simulation.run(docking.control_period, step.velocity)
     return step, simulation

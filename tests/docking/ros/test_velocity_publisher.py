@@ -85,19 +85,19 @@ def test_it_follows_its_subscribers(nodes: tuple[Node, Node], domain: int, obser
 @pytest.mark.ros
 def test_whoever_hears_nothing_is_named(nodes: tuple[Node, Node], observer: Observer) -> None:
     publisher = VelocityPublisher(nodes[0], FALSE)
-    assert publisher.fault is None
+    assert publisher.mismatch is None
     observer.record(TwistStamped, "cmd_vel")
 
     def named() -> bool:
         look(publisher)
-        return "/observer" in (publisher.fault or "")
+        return "/observer" in (publisher.mismatch or "")
 
     wait_until(named, "the subscriber of the other type")
-    assert publisher.fault == (
+    assert publisher.mismatch == (
         f"/cmd_vel is subscribed to by /observer as {STAMPED}, but published as {PLAIN}, so nothing moves there:"
         " enable_stamped_cmd_vel is false"
     )
     publisher.mode = TRUE
     look(publisher)
     look(publisher)
-    assert publisher.fault is None
+    assert publisher.mismatch is None

@@ -1,0 +1,131 @@
+"""Reports what becomes of goals: in the log, and on `/diagnostics`."""
+
+from dataclasses import replace
+from typing import TypeVar
+
+from rclpy.node import Node
+
+from docking.core.battery import Battery
+from docking.core.errors import ErrorCode, Stage
+from docking.goal.admission import Rejection
+from docking.goal.engine import Command, End, Outcome
+from docking.goal.report import Report, report_on
+from docking.ros.battery_subscriber import BATTERY_TOPIC, BatterySearch
+from docking.ros.diagnostics import Diagnostics
+from docking.ros.rivals import DRIVEN, Rivals
+from docking.ros.sensors import MARKER_TOPIC, Sensors
+from docking.ros.velocity_publisher import VelocityPublisher
+
+Event = TypeVar("Event", Command, Outcome)
+
+SENSED = frozenset(
+    {
+        ErrorCode.FAILED_TO_DETECT_DOCK,
+        ErrorCode.LOST_MARKER,
+        ErrorCode.INFRARED_LOST,
+        ErrorCode.ODOMETRY_LOST,
+        ErrorCode.SCAN_LOST,
+    }
+)
+"""What a sensor's fault may be the cause of."""
+
+
+class GoalReporter:
+    """Reports on the goals of one action server. All calls must come from the thread that spins the node."""
+
+    def __init__(
+        self,
+        node: Node,
+        action_name: str,
+        *,
+        battery: Battery,
+        sensors: Sensors,
+        rivals: Rivals,
+        velocity: VelocityPublisher,
+    ) -> None:
+        """Report that no goal has come yet.
+
+        Args:
+            node: The node that publishes.
+            action_name: What the reports are about.
+            battery: Whose faults are reported, as are those of the next three.
+            sensors: What a goal knows.
+            rivals: Who drives along.
+            velocity: Publishes `cmd_vel`.
+        """
+        self._node = node
+        self._battery = battery
+        self._battery_search = BatterySearch(node)
+        self._sensors = sensors
+        self._rivals = rivals
+        self._velocity = velocity
+        self._diagnostics = Diagnostics(node, action_name)
+        self._report = Report()
+        self._stage = Stage.IDLE
+        self._note = ""  # what is odd about the detections
+
+    def reject(self, rejection: Rejection, goal_id: str, *, running: bool) -> None:
+        """Report a rejection, but only once if a goal runs, which stays the subject."""
+        self._node.get_logger().warning(
+            f"Goal {goal_id} rejected: {rejection.error_msg} [{rejection.error_code.value}]"
+        )
+        report = report_on(rejection, goal_id)
+        if not running:
+            self._report = report
+        self._publish(report)
+
+    def begin(self) -> None:
+        """A goal was accepted."""
+        self._stage = Stage.IDLE
+        self._note = ""
+
+    def go_on(self, step: Command, goal_id: str) -> None:
+        """Report what a goal does, where that has changed."""
+        logger = self._node.get_logger()
+        if step.note and not self._note:
+            logger.warning(f"Goal {goal_id}: {step.note}")
+        self._note = step.note
+        report = report_on(self.explained(step), goal_id)
+        if report != self._report:
+            self._report = report
+            if report.error_msg:
+                verb = "tries again" if report.stage is Stage.RETRY else "waits"
+                logger.warning(f"Goal {goal_id} {verb}: {report.error_msg} [{report.error_code.value}]")
+            elif self._stage not in {report.stage, Stage.IDLE}:
+                logger.info(f"Goal {goal_id}: {report.message}")
+            self._publish(report)
+        self._stage = step.stage
+
+    def end(self, outcome: Outcome, goal_id: str) -> None:
+        """Report how a goal ended, from now on."""
+        logger = self._node.get_logger()
+        if outcome.end is End.CANCELED:
+            logger.info(f"Goal {goal_id} canceled")
+        elif outcome.end is End.ABORTED:
+            logger.error(f"Goal {goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
+        self._report = report_on(outcome, goal_id)
+        self._publish(self._report)
+
+    def repeat(self) -> None:
+        """Publish the last report again, with what is wrong now."""
+        self._publish(self._report)
+
+    def explained(self, event: Event) -> Event:
+        """With what may be the cause: what is wrong with the sensors, who drives along, or why there is no battery."""
+        if event.error_code in (ErrorCode.BATTERY_STALE, ErrorCode.BATTERY_LOST) and self._battery.latest is None:
+            return replace(event, error_msg=f"{event.error_msg}; {self._battery_search.describe()}")
+        faults: list[str] = list(self._sensors.faults.values()) if event.error_code in SENSED else []
+        if event.error_code in SENSED | DRIVEN:
+            faults += self._rivals.faults.values()
+        return replace(event, error_msg="; ".join([event.error_msg, *faults])) if faults else event
+
+    def _publish(self, report: Report) -> None:
+        battery, topic = self._battery.latest, self._node.resolve_topic_name(BATTERY_TOPIC)
+        warnings = {} if battery is None or battery.fault is None else {topic: f"{topic} {battery.fault}"}
+        if self._note:
+            topic = self._node.resolve_topic_name(MARKER_TOPIC)
+            warnings[topic] = f"{topic}: {self._note}"
+        warnings |= self._rivals.faults
+        if (mismatch := self._velocity.mismatch) is not None:
+            warnings[self._node.resolve_topic_name("cmd_vel")] = mismatch
+        self._diagnostics.publish(report, self._sensors.faults, warnings)
