@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.storage import Beside, EntryT
-from dock_gateway.storage.memory import MemoryEntries
+from dock_gateway.storage.entries import MemoryEntries
 
 
 class SharedStore(MemoryEntries[EntryT]):

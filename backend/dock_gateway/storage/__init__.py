@@ -7,6 +7,7 @@ from pathlib import Path
 
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.settings import Settings, data_file
+from dock_gateway.storage.database import Incident
 from dock_gateway.storage.handover import take_over_database, take_over_spool
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.protocol import (
@@ -18,7 +19,6 @@ from dock_gateway.storage.protocol import (
     GoalNotes,
     History,
     HistoryStats,
-    Incident,
     LaterEvents,
     Note,
     RobotLabel,

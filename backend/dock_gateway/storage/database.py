@@ -2,13 +2,14 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
 from typing import TypeVar, TypeVarTuple
 
 import sqlalchemy as sa
 import sqlalchemy.exc as sa_errors
 
 from dock_gateway.storage.migrate import migrate
-from dock_gateway.storage.protocol import Incident
 
 CONNECT_TIMEOUT = 2.0  # seconds
 WRITE_TIMEOUT = 10.0  # seconds per transaction of goals and events
@@ -20,6 +21,14 @@ DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeErro
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
+
+
+@dataclass(frozen=True)
+class Incident:
+    """A loss of stored data: when it was noticed, what happened and what to do about it."""
+
+    since: datetime
+    detail: str
 
 
 class Database(ABC):

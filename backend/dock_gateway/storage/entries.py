@@ -1,4 +1,4 @@
-"""Small tables of keyed entries, in a database that several gateways may share."""
+"""Small tables of keyed entries, in a database that several gateways may share, or in memory."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Generic
@@ -18,7 +18,7 @@ class SqlEntries(Generic[EntryT]):
         reader: Reads from the database.
         writer: Writes to it.
         table: The key, then the fields of an entry in their order.
-        make: Makes an entry from its fields.
+        make: The dataclass of an entry.
     """
 
     def __init__(self, reader: Reader, writer: ImmediateWriter, table: sa.Table, make: Callable[..., EntryT]) -> None:
@@ -85,3 +85,31 @@ class SqlEntries(Generic[EntryT]):
         row: dict[str, Any] = dict(zip(self._table.columns.keys(), (key, *vars(entry).values()), strict=True))
         insert = insert_into(connection, self._table)
         connection.execute(insert.on_conflict_do_update(index_elements=[name], set_=row), row)
+
+
+class MemoryEntries(Generic[EntryT]):
+    """Keyed entries in memory."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, EntryT] = {}
+
+    async def read(self) -> dict[str, EntryT]:
+        """Return all entries by their keys."""
+        return dict(self._known)
+
+    async def write(
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None = None,
+        beside: Beside | None = None,
+    ) -> None:
+        """Store an entry, replacing the earlier one; None deletes it."""
+        if beside is not None:
+            beside.check(await beside.entries.read())
+        if check is not None:
+            check(self._known)
+        if entry is None:
+            self._known.pop(key, None)
+        else:
+            self._known[key] = entry

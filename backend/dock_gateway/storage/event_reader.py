@@ -7,11 +7,11 @@ from functools import partial
 
 import sqlalchemy as sa
 
-from dock_gateway.core.event import FEEDBACK, Event, kind_of
+from dock_gateway.core.event import FEEDBACK, Event, kind_of, nanoseconds, time_id
 from dock_gateway.core.goal import Goal
 from dock_gateway.storage import battery, queries
 from dock_gateway.storage.battery import BatterySpan, Bucket, add_events
-from dock_gateway.storage.protocol import NEVER, LaterEvents, is_complete, selects
+from dock_gateway.storage.protocol import NEVER, LaterEvents
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.waiting import Waiting
 
@@ -124,3 +124,32 @@ def _knows_all_of(connection: sa.Connection, goal: Goal, waiting: frozenset[str]
         missing=max(queries.horizon(connection, "goals"), gap),
         feedback=count + len(feedback | later),
     )
+
+
+def selects(event: Event, goal_id: str | None, action_name: str | None, topics: frozenset[str]) -> bool:
+    """Return whether an event matches the arguments of `events_after`."""
+    if event.topic != "goals" or event.topic not in topics:
+        return event.topic in topics
+    return goal_id in (None, event.goal_id) and action_name in (None, event.action_name)
+
+
+def _begin(goal: Goal, first: str) -> str:
+    """Return an id before which the goal has no events; `first` is the id of its first existing event.
+
+    Events carry the robot's clock, which may differ from the gateway's.
+    """
+    return min(first, time_id(nanoseconds(goal.created_at)))
+
+
+def is_complete(goal: Goal, *, first: str | None, missing: str, feedback: int) -> bool:
+    """Return whether no event of a goal has been dropped.
+
+    Args:
+        goal: The goal.
+        first: Id of its first existing event.
+        missing: Id of the newest dropped event of any goal.
+        feedback: The number of its existing feedback events.
+    """
+    if first is None:
+        return goal.last_event_id is None
+    return missing < _begin(goal, first) or feedback >= goal.feedback_count

@@ -3,9 +3,8 @@
 import asyncio
 import bisect
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from copy import copy
-from typing import Generic
 
 from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.automation import Decision, Rule
@@ -15,51 +14,21 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.webhook import Delivery, Webhook
 from dock_gateway.storage.audit import MemoryAudit
 from dock_gateway.storage.battery import BatterySpan, Bucket, add_events
+from dock_gateway.storage.database import Incident
+from dock_gateway.storage.entries import MemoryEntries
+from dock_gateway.storage.event_reader import is_complete, selects
 from dock_gateway.storage.merge import merge
 from dock_gateway.storage.notes import MemoryNotes
 from dock_gateway.storage.protocol import (
     KEY_LIFETIME,
     NEVER,
     Acknowledgement,
-    Beside,
-    EntryT,
     HistoryStats,
-    Incident,
     LaterEvents,
     RobotLabel,
     fingerprint_of,
-    is_complete,
-    selects,
 )
 from dock_gateway.storage.statistics import Span, Tallies, tally_goals
-
-
-class MemoryEntries(Generic[EntryT]):
-    """Keyed entries in memory."""
-
-    def __init__(self) -> None:
-        self._known: dict[str, EntryT] = {}
-
-    async def read(self) -> dict[str, EntryT]:
-        """Return all entries by their keys."""
-        return dict(self._known)
-
-    async def write(
-        self,
-        key: str,
-        entry: EntryT | None,
-        check: Callable[[Mapping[str, EntryT]], None] | None = None,
-        beside: Beside | None = None,
-    ) -> None:
-        """Store an entry, replacing the earlier one; None deletes it."""
-        if beside is not None:
-            beside.check(await beside.entries.read())
-        if check is not None:
-            check(self._known)
-        if entry is None:
-            self._known.pop(key, None)
-        else:
-            self._known[key] = entry
 
 
 class MemoryHistory:

@@ -53,3 +53,8 @@ def _supersedes(news: Goal, stored: Goal) -> bool:
     if GoalStatus.LOST in (stored.status, news.status):
         return news.updated_at >= stored.updated_at
     return RANK[news.status] >= RANK[stored.status]
+
+
+def merge_all(stored: dict[str, Goal], waiting: dict[str, Goal]) -> dict[str, Goal]:
+    """Merge the pending goals with their stored versions; always returns copies."""
+    return {goal_id: merge(stored.get(goal_id, goal), goal) for goal_id, goal in waiting.items()}

@@ -9,11 +9,12 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.automation import Decision, Rule
-from dock_gateway.core.event import Event, nanoseconds, time_id
+from dock_gateway.core.event import Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
 from dock_gateway.core.webhook import Delivery, Webhook
 from dock_gateway.storage.battery import BatterySpan, Bucket
+from dock_gateway.storage.database import Incident
 from dock_gateway.storage.statistics import Span, Tallies
 
 EntryT = TypeVar("EntryT")
@@ -41,14 +42,6 @@ class HistoryStats:
     dropped: int = 0
     database_reachable: bool = True
     last_error: str | None = None
-
-
-@dataclass(frozen=True)
-class Incident:
-    """A loss of stored data: when it was noticed, what happened and what to do about it."""
-
-    since: datetime
-    detail: str
 
 
 @dataclass(frozen=True)
@@ -355,32 +348,3 @@ class History(Protocol):
 def fingerprint_of(action_name: str, goal: Json | None) -> str:
     """Return a hash that tells whether two goals sent with the same key are the same goal."""
     return hashlib.sha256(action_name.encode() + b"\0" + (goal or b"")).hexdigest()
-
-
-def selects(event: Event, goal_id: str | None, action_name: str | None, topics: frozenset[str]) -> bool:
-    """Return whether an event matches the arguments of `events_after`."""
-    if event.topic != "goals" or event.topic not in topics:
-        return event.topic in topics
-    return goal_id in (None, event.goal_id) and action_name in (None, event.action_name)
-
-
-def _begin(goal: Goal, first: str) -> str:
-    """Return an id before which the goal has no events; `first` is the id of its first existing event.
-
-    Events carry the robot's clock, which may differ from the gateway's.
-    """
-    return min(first, time_id(nanoseconds(goal.created_at)))
-
-
-def is_complete(goal: Goal, *, first: str | None, missing: str, feedback: int) -> bool:
-    """Return whether no event of a goal has been dropped.
-
-    Args:
-        goal: The goal.
-        first: Id of its first existing event.
-        missing: Id of the newest dropped event of any goal.
-        feedback: The number of its existing feedback events.
-    """
-    if first is None:
-        return goal.last_event_id is None
-    return missing < _begin(goal, first) or feedback >= goal.feedback_count

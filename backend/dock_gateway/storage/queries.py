@@ -13,7 +13,7 @@ import sqlalchemy as sa
 from dock_gateway.core.event import FEEDBACK, KIND_AT, Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.storage.merge import merge
+from dock_gateway.storage.merge import merge, merge_all
 from dock_gateway.storage.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
 from dock_gateway.storage.tables import events, goal_tags, goals, horizons, idempotency_keys
 
@@ -168,6 +168,40 @@ def _on_actions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
 def tagged(tags: Collection[str]) -> "sa.Select[tuple[str]]":
     """Return a query for the ids of the goals that have one of these tags."""
     return sa.select(goal_tags.c.goal_id).where(goal_tags.c.tag.in_(sorted(tags)))
+
+
+def page_with_waiting(
+    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: str | None
+) -> list[Goal]:
+    """Return a page of stored and pending goals, newest first."""
+    stored = goals_by_id(connection, [*waiting, *([] if before is None else [before])])
+    known = {**stored, **merge_all(stored, waiting)}
+    limits = None
+    if before is not None:
+        if before not in known:
+            return []
+        limits = position(known[before])
+    found = page(connection, wanted, limit=limit, before=limits, without=list(waiting))
+    candidates = list(waiting)
+    if wanted.tags and waiting:
+        query = tagged(wanted.tags).where(goal_tags.c.goal_id.in_(candidates))
+        candidates = list(connection.scalars(query.distinct()))
+    found += [
+        known[goal_id]
+        for goal_id in candidates
+        if wanted.matches(known[goal_id]) and (limits is None or position(known[goal_id]) < limits)
+    ]
+    return sorted(found, key=position, reverse=True)[:limit]
+
+
+def unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
+    """Return the unfinished goals and the goals with these ids."""
+    return {goal.goal_id: goal for goal in unfinished(connection)} | goals_by_id(connection, goal_ids)
+
+
+def position(goal: Goal) -> tuple[datetime, str]:
+    """Return the place of a goal in lists."""
+    return goal.created_at, goal.goal_id
 
 
 # Reads an index once for each name: DISTINCT would read it all.

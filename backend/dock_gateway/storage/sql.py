@@ -9,34 +9,29 @@ from copy import copy
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Any
-
-import sqlalchemy as sa
 
 from dock_gateway.core.access import PersonSession, Session, Token, User
-from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
+from dock_gateway.core.webhook import Delivery, Webhook
 from dock_gateway.storage import queries, statistics
 from dock_gateway.storage.audit import SqlAudit
 from dock_gateway.storage.battery import BatterySpan, Bucket
-from dock_gateway.storage.database import DATABASE_ERRORS, Database
+from dock_gateway.storage.database import DATABASE_ERRORS, Database, Incident
 from dock_gateway.storage.entries import SqlEntries
 from dock_gateway.storage.event_reader import EventReader
 from dock_gateway.storage.immediate import ImmediateWriter
-from dock_gateway.storage.merge import merge
+from dock_gateway.storage.merge import merge_all
 from dock_gateway.storage.notes import SqlNotes
 from dock_gateway.storage.protocol import (
     KEY_LIFETIME,
     NEVER,
     Acknowledgement,
     HistoryStats,
-    Incident,
     LaterEvents,
     RobotLabel,
     fingerprint_of,
@@ -51,7 +46,6 @@ from dock_gateway.storage.tables import (
     acknowledgements,
     automation_decisions,
     automation_rules,
-    goal_tags,
     person_sessions,
     robot_labels,
     sessions,
@@ -97,14 +91,14 @@ class SqlHistory:
         self.acknowledgements = SqlEntries(self._reader, writer, acknowledgements, Acknowledgement)
         self.labels = SqlEntries(self._reader, writer, robot_labels, RobotLabel)
         self.notes = SqlNotes(self._reader, writer)
-        self.automation_rules = SqlEntries(self._reader, writer, automation_rules, _rule)
-        self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, _decision)
+        self.automation_rules = SqlEntries(self._reader, writer, automation_rules, Rule)
+        self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, Decision)
         self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
-        self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, _delivery)
-        self.tokens = SqlEntries(self._reader, writer, tokens, _token)
-        self.users = SqlEntries(self._reader, writer, users, _user)
+        self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, Delivery)
+        self.tokens = SqlEntries(self._reader, writer, tokens, Token)
+        self.users = SqlEntries(self._reader, writer, users, User)
         self.sessions = SqlEntries(self._reader, writer, sessions, Session)
-        self.person_sessions = SqlEntries(self._reader, writer, person_sessions, _person_session)
+        self.person_sessions = SqlEntries(self._reader, writer, person_sessions, PersonSession)
         self.audit = SqlAudit(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
@@ -227,7 +221,7 @@ class SqlHistory:
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Return goals, newest first."""
         self._reader.require_everything()
-        read = partial(_page, limit=limit, before=before)
+        read = partial(queries.page_with_waiting, limit=limit, before=before)
         return await self._reader.read(read, wanted, dict(self._waiting.goals))
 
     async def action_names(self) -> set[str]:
@@ -245,8 +239,8 @@ class SqlHistory:
         except Unavailable:
             if waiting is None:
                 raise
-            return _merged({}, waiting_now)[goal_id]
-        goal = {**stored, **_merged(stored, waiting_now)}.get(goal_id)
+            return merge_all({}, waiting_now)[goal_id]
+        goal = {**stored, **merge_all(stored, waiting_now)}.get(goal_id)
         if goal is None:
             self._reader.require_everything()
         return goal
@@ -255,7 +249,7 @@ class SqlHistory:
         """Return the stored goals among these ids, by id."""
         waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
         stored = await self._reader.read(queries.goals_by_id, list(goal_ids))
-        found = {**stored, **_merged(stored, waiting)}
+        found = {**stored, **merge_all(stored, waiting)}
         if len(found) < len(goal_ids):
             self._reader.require_everything()
         return found
@@ -274,12 +268,12 @@ class SqlHistory:
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
         try:
-            stored = await self._reader.read(_unfinished_or, list(waiting))
+            stored = await self._reader.read(queries.unfinished_or, list(waiting))
         except Unavailable:
             if complete:
                 raise
-        goals = {**stored, **_merged(stored, waiting)}.values()
-        return sorted((goal for goal in goals if not goal.status.final), key=_position)
+        goals = {**stored, **merge_all(stored, waiting)}.values()
+        return sorted((goal for goal in goals if not goal.status.final), key=queries.position)
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
@@ -330,30 +324,6 @@ class SqlHistory:
                 await self._database.close()
 
 
-def _rule(name: str, mode: str, *fields: Any) -> Rule:
-    return Rule(name, Mode(mode), *fields)
-
-
-def _decision(rule_id: str, rule_name: str, robot: str, at: datetime, outcome: str, *fields: Any) -> Decision:
-    return Decision(rule_id, rule_name, robot, at, Outcome(outcome), *fields)
-
-
-def _token(name: str, role: str, *fields: Any) -> Token:
-    return Token(name, Role(role), *fields)
-
-
-def _user(role: str, *fields: Any) -> User:
-    return User(Role(role), *fields)
-
-
-def _person_session(name: str, issuer: str, subject: str, role: str, *fields: Any) -> PersonSession:
-    return PersonSession(name, issuer, subject, Role(role), *fields)
-
-
-def _delivery(webhook_id: str, event_type: str, state: str, *fields: Any) -> Delivery:
-    return Delivery(webhook_id, EventType(event_type), DeliveryState(state), *fields)
-
-
 def open_database(url: str) -> Database:
     """Return the database at `sqlite:///path` or `postgresql://…`, not connected yet."""
     if url.startswith("sqlite:///"):
@@ -365,43 +335,5 @@ def open_database(url: str) -> Database:
     return PostgresqlDatabase(url)
 
 
-def _page(
-    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: str | None
-) -> list[Goal]:
-    """Return a page of stored and pending goals, newest first."""
-    stored = queries.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
-    known = {**stored, **_merged(stored, waiting)}
-    limits = None
-    if before is not None:
-        if before not in known:
-            return []
-        limits = _position(known[before])
-    found = queries.page(connection, wanted, limit=limit, before=limits, without=list(waiting))
-    candidates = list(waiting)
-    if wanted.tags and waiting:
-        tagged = queries.tagged(wanted.tags).where(goal_tags.c.goal_id.in_(candidates))
-        candidates = list(connection.scalars(tagged.distinct()))
-    found += [
-        known[goal_id]
-        for goal_id in candidates
-        if wanted.matches(known[goal_id]) and (limits is None or _position(known[goal_id]) < limits)
-    ]
-    return sorted(found, key=_position, reverse=True)[:limit]
-
-
-def _unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
-    """Return the unfinished goals and the goals with these ids."""
-    return {goal.goal_id: goal for goal in queries.unfinished(connection)} | queries.goals_by_id(connection, goal_ids)
-
-
 def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:
     return Key(key, goal_id, fingerprint, datetime.now(UTC) + KEY_LIFETIME)
-
-
-def _position(goal: Goal) -> tuple[datetime, str]:
-    return goal.created_at, goal.goal_id
-
-
-def _merged(stored: dict[str, Goal], waiting: dict[str, Goal]) -> dict[str, Goal]:
-    """Merge the pending goals with their stored versions; always returns copies."""
-    return {goal_id: merge(stored.get(goal_id, goal), goal) for goal_id, goal in waiting.items()}

@@ -22,10 +22,9 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from dock_gateway.storage.database import CONNECT_TIMEOUT, READERS, Database, T, Ts
+from dock_gateway.storage.database import CONNECT_TIMEOUT, READERS, Database, Incident, T, Ts
 from dock_gateway.storage.files import LOG_FILES, aside, beside, identity, is_damage, locked, rename, set_aside
 from dock_gateway.storage.migrate import EarlyTablesError, migrate
-from dock_gateway.storage.protocol import Incident
 from dock_gateway.storage.tables import prepare_for
 
 log = logging.getLogger(__name__)

@@ -1,69 +1,11 @@
-"""The tables. Encoded JSON is stored unchanged as text, times are UTC, and ids compare byte by byte as in Python."""
+"""The tables."""
 
-from datetime import UTC, datetime
-from typing import Any
-
-import orjson
 import sqlalchemy as sa
-from sqlalchemy.engine import Dialect
 
-from dock_gateway.core.goal import Json
-
-
-class UtcTime(sa.types.TypeDecorator[datetime]):
-    """A time in UTC, also in a database without time zones."""
-
-    impl = sa.DateTime(timezone=True)
-    cache_ok = True
-
-    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Convert to UTC; drop the zone for SQLite."""
-        if value is None:
-            return None
-        value = value.astimezone(UTC)
-        return value.replace(tzinfo=None) if dialect.name == "sqlite" else value
-
-    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """Add the zone that SQLite does not store."""
-        if value is None:
-            return None
-        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
-
-
-class JsonText(sa.types.TypeDecorator[Json]):
-    """Encoded JSON."""
-
-    impl = sa.Text
-    cache_ok = True
-
-    def process_bind_param(self, value: Json | None, dialect: Dialect) -> str | None:
-        """Decode UTF-8 bytes to text."""
-        return None if value is None else value.decode()
-
-    def process_result_value(self, value: str | None, dialect: Dialect) -> Json | None:
-        """Encode the text to the same bytes."""
-        return None if value is None else value.encode()
-
-
-class Names(sa.types.TypeDecorator[tuple[str, ...]]):
-    """Names, as a JSON array."""
-
-    impl = sa.Text
-    cache_ok = True
-
-    def process_bind_param(self, value: tuple[str, ...] | None, dialect: Dialect) -> str | None:
-        """Encode the names."""
-        return None if value is None else orjson.dumps(value).decode()
-
-    def process_result_value(self, value: str | None, dialect: Dialect) -> tuple[str, ...] | None:
-        """Decode the names."""
-        return None if value is None else tuple(orjson.loads(value))
-
-
-def identity() -> Any:
-    """Return the column type of an id."""
-    return sa.Text().with_variant(sa.Text(collation="C"), "postgresql")
-
+from dock_gateway.core.automation import Mode, Outcome
+from dock_gateway.core.grant import Role
+from dock_gateway.core.webhook import DeliveryState, EventType
+from dock_gateway.storage.column_types import JsonText, Names, OneOf, UtcTime, identity
 
 metadata = sa.MetaData()
 
@@ -173,7 +115,7 @@ automation_rules = sa.Table(
     metadata,
     sa.Column("rule_id", sa.Text, primary_key=True),
     sa.Column("name", sa.Text, nullable=False),
-    sa.Column("mode", sa.Text, nullable=False),
+    sa.Column("mode", OneOf(Mode), nullable=False),
     sa.Column("every_robot", sa.Boolean, nullable=False),
     sa.Column("robots", Names, nullable=False),
     sa.Column("groups", Names, nullable=False),
@@ -194,7 +136,7 @@ automation_decisions = sa.Table(
     sa.Column("rule_name", sa.Text, nullable=False),
     sa.Column("robot", sa.Text, nullable=False),
     sa.Column("decided_at", UtcTime, nullable=False),
-    sa.Column("outcome", sa.Text, nullable=False),
+    sa.Column("outcome", OneOf(Outcome), nullable=False),
     sa.Column("battery", sa.Float),
     sa.Column("idle_since", UtcTime),
     sa.Column("scheduled_for", UtcTime),
@@ -225,8 +167,8 @@ webhook_deliveries = sa.Table(
     metadata,
     sa.Column("delivery_id", sa.Text, primary_key=True),
     sa.Column("webhook_id", sa.Text, nullable=False),
-    sa.Column("event_type", sa.Text, nullable=False),
-    sa.Column("state", sa.Text, nullable=False),
+    sa.Column("event_type", OneOf(EventType), nullable=False),
+    sa.Column("state", OneOf(DeliveryState), nullable=False),
     sa.Column("alert_id", sa.Text),
     sa.Column("happened_at", UtcTime, nullable=False),
     sa.Column("body", JsonText, nullable=False),
@@ -242,7 +184,7 @@ tokens = sa.Table(
     metadata,
     sa.Column("token_id", sa.Text, primary_key=True),
     sa.Column("name", sa.Text, nullable=False),
-    sa.Column("role", sa.Text, nullable=False),
+    sa.Column("role", OneOf(Role), nullable=False),
     sa.Column("robots", Names, nullable=False),
     sa.Column("actions", Names, nullable=False),
     sa.Column("topics", Names, nullable=False),
@@ -293,7 +235,7 @@ users = sa.Table(
     "users",
     metadata,
     sa.Column("name", sa.Text, primary_key=True),
-    sa.Column("role", sa.Text, nullable=False),
+    sa.Column("role", OneOf(Role), nullable=False),
     sa.Column("robots", Names, nullable=False),
     sa.Column("actions", Names, nullable=False),
     sa.Column("topics", Names, nullable=False),
@@ -324,7 +266,7 @@ person_sessions = sa.Table(
     sa.Column("person", sa.Text, nullable=False),
     sa.Column("issuer", sa.Text, nullable=False),
     sa.Column("subject", sa.Text, nullable=False),
-    sa.Column("role", sa.Text, nullable=False),
+    sa.Column("role", OneOf(Role), nullable=False),
     sa.Column("robots", Names, nullable=False),
     sa.Column("actions", Names, nullable=False),
     sa.Column("topics", Names, nullable=False),

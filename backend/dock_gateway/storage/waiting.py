@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from copy import copy
+from datetime import UTC, datetime
 from itertools import islice
 from typing import TypeVar
 
@@ -45,6 +46,15 @@ class Waiting:
     def must_keep(self) -> bool:
         """Whether any entry must not be lost."""
         return bool(self.goals or self.keys or self.events)
+
+    def put(self, entry: Goal | Event | Key, *, safe: bool = False) -> None:
+        """Add an entry; `safe` if it is in the spool."""
+        if isinstance(entry, Goal):
+            self.put_goal(entry, safe=safe)
+        elif isinstance(entry, Key):
+            self.put_key(entry, safe=safe)
+        else:
+            self.put_event(entry, safe=safe)
 
     def put_goal(self, goal: Goal, *, safe: bool = False) -> Goal:
         """Add the current state of a goal; return the pending version."""
@@ -160,6 +170,17 @@ class Waiting:
                 del held[identity]
                 evicted += 1
         return evicted
+
+
+def batch_of(entries: list[Goal | Event | Key]) -> Batch:
+    """Return spool entries as one batch; versions of the same goal are merged."""
+    waiting = Waiting(len(entries))
+    for entry in entries:
+        if isinstance(entry, Goal):
+            waiting.put_goal(entry)
+    keys = [entry for entry in entries if isinstance(entry, Key) and entry.expires_at > datetime.now(UTC)]
+    events = [entry for entry in entries if not isinstance(entry, Goal | Key)]
+    return Batch(goals=list(waiting.goals.values()), events=events, keys=keys)
 
 
 def _first(held: dict[str, Kept], limit: int) -> list[Kept]:

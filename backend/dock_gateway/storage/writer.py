@@ -5,7 +5,6 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from datetime import UTC, datetime
 
 import sqlalchemy.exc as sa_errors
 
@@ -15,7 +14,7 @@ from dock_gateway.storage import queries
 from dock_gateway.storage.database import DATABASE_ERRORS, WRITE_TIMEOUT, Database, brief, is_about_data
 from dock_gateway.storage.rows import Batch, Key
 from dock_gateway.storage.spool import Entry, Spool
-from dock_gateway.storage.waiting import Waiting
+from dock_gateway.storage.waiting import Waiting, batch_of
 
 log = logging.getLogger(__name__)
 
@@ -322,7 +321,7 @@ class Writer:
             paths = await self._spool.take_over()
             async for entries in self._spool.read(paths):
                 for entry in entries:
-                    self._put(entry)
+                    self._waiting.put(entry, safe=True)
                 self.evicted += self._waiting.evict()
         except OSError as error:
             log.error("the spool cannot be read: %s", error)
@@ -330,14 +329,6 @@ class Writer:
             log.info("%d spooled entries wait for the database", self._spool.count)
         self._wake.set()
         self._urgent.set()
-
-    def _put(self, entry: Entry) -> None:
-        if isinstance(entry, Goal):
-            self._waiting.put_goal(entry, safe=True)
-        elif isinstance(entry, Key):
-            self._waiting.put_key(entry, safe=True)
-        else:
-            self._waiting.put_event(entry, safe=True)
 
     async def close(self, timeout: float) -> None:
         """Write the pending entries for `timeout` seconds, and spool the rest."""
@@ -357,14 +348,3 @@ class Writer:
         await asyncio.gather(*self._tasks, return_exceptions=True)
         if self._waiting.anything or self._spool.count:
             await self.flush()
-
-
-def batch_of(entries: list[Entry]) -> Batch:
-    """Return spool entries as one batch; versions of the same goal are merged."""
-    waiting = Waiting(len(entries))
-    for entry in entries:
-        if isinstance(entry, Goal):
-            waiting.put_goal(entry)
-    keys = [entry for entry in entries if isinstance(entry, Key) and entry.expires_at > datetime.now(UTC)]
-    events = [entry for entry in entries if not isinstance(entry, Goal | Key)]
-    return Batch(goals=list(waiting.goals.values()), events=events, keys=keys)

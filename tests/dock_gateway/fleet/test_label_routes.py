@@ -13,7 +13,7 @@ from dock_gateway.fleet.labels import Labels
 from dock_gateway.gateway import Gateway
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
-from dock_gateway.storage.memory import MemoryEntries
+from dock_gateway.storage.entries import MemoryEntries
 from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 

@@ -7,7 +7,7 @@ import pytest
 from dock_gateway.core.event import KINDS, Event, event_id, moment
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.storage import History, MemoryHistory
-from dock_gateway.storage.protocol import is_complete
+from dock_gateway.storage.event_reader import is_complete
 from tests.support.history import START_NS, make_event, make_goal, open_at, open_place, settled, written
 
 FEEDBACK = "f"
