@@ -90,7 +90,7 @@ def test_an_exception_that_ends_the_process_stops_the_robot(domain: int, observe
 DRIVES_AND_HANGS = """
 import sys, time
 from docking.nodes import dock_server
-from docking.behaviors.rotate import Rotate
+from docking.behaviors.turns import Rotate
 steps = iter(range(5))
 step = Rotate.step
 Rotate.step = lambda *args: step(*args) if next(steps, None) is not None else time.sleep(600)
@@ -113,7 +113,7 @@ def test_the_watchdog_stops_the_robot_of_a_process_that_hangs(domain: int, obser
 HANGING_CONTROLLER = """
 import sys, time
 from docking.nodes import dock_server
-from docking.behaviors.rotate import Rotate
+from docking.behaviors.turns import Rotate
 Rotate.step = lambda self, observation, dt: time.sleep(600)
 sys.exit(dock_server.main())
 """

@@ -36,3 +36,14 @@ class Behavior(Protocol):
             observation: What is known now.
             dt: Seconds since the last step; 0 at the first one.
         """
+
+
+class Fail:
+    """The behavior for a robot that cannot go on: fails at once."""
+
+    def __init__(self, error: DockingError) -> None:
+        self._failed = Failed(error)
+
+    def step(self, observation: Observation, dt: float) -> Failed:
+        """Say why."""
+        return self._failed

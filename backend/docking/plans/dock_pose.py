@@ -4,20 +4,17 @@ import math
 from dataclasses import replace
 
 from docking.behaviors.approach import Approach, sure_enough
-from docking.behaviors.fail import Fail
-from docking.behaviors.full_turn import FullTurn
-from docking.behaviors.reversed import Reversed
+from docking.behaviors.combined import Reversed, Sequence
 from docking.behaviors.search import Search
-from docking.behaviors.sequence import Sequence
 from docking.behaviors.staging import ToStaging
-from docking.behaviors.turn_to_dock import TurnToDock
+from docking.behaviors.turns import FullTurn, TurnToDock
 from docking.behaviors.wait_for_charge import WaitForCharge
 from docking.core.errors import FailedToControl, FailedToDetectDock, LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
 from docking.estimation.marker_selection import NEAR
-from docking.goal.behavior import Behavior
+from docking.goal.behavior import Behavior, Fail
 from docking.goal.plan import KnownPoses
 from docking.parameters import DockSettings
 from docking.plans.sighted import SightedPlan

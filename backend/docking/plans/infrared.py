@@ -4,13 +4,12 @@ import math
 
 from docking.behaviors.approach import Approach
 from docking.behaviors.back_out import BackOut
+from docking.behaviors.combined import Sequence
 from docking.behaviors.explore import Explore
-from docking.behaviors.fail import Fail
 from docking.behaviors.go_to import GoTo
 from docking.behaviors.moves import bounded
 from docking.behaviors.scan import Scan
 from docking.behaviors.search import Search
-from docking.behaviors.sequence import Sequence
 from docking.behaviors.sidestep import Sidestep
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.wait_for_charge import WaitForCharge
@@ -18,7 +17,7 @@ from docking.core.errors import FailedToControl, InfraredLost, PushedOff, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
-from docking.goal.behavior import Behavior
+from docking.goal.behavior import Behavior, Fail
 from docking.goal.plan import KnownPoses
 from docking.parameters import DockSettings
 from docking.plans.sighted import SightedPlan

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from docking.behaviors.rotate import Rotate
+from docking.behaviors.turns import Rotate
 from docking.goal.plan import Plan, SingleStage
 from docking.parameters import ControllerName, DockSettings
 from docking.parameters.controller import load_controller

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from docking.behaviors.back_out import BackOut
+from docking.behaviors.combined import Reversed
 from docking.behaviors.explore import Explore
 from docking.behaviors.moves import bounded
-from docking.behaviors.reversed import Reversed
 from docking.behaviors.search import Search
 from docking.core.errors import Stage
 from docking.core.geometry import Pose

@@ -37,10 +37,8 @@ class GoalReporter:
         self,
         node: Node,
         action_name: str,
-        *,
         battery: Battery,
         sensors: Sensors,
-        rivals: Rivals,
         velocity: VelocityPublisher,
     ) -> None:
         """Report that no goal has come yet.
@@ -48,16 +46,15 @@ class GoalReporter:
         Args:
             node: The node that publishes.
             action_name: What the reports are about.
-            battery: Whose faults are reported, as are those of the next three.
-            sensors: What a goal knows.
-            rivals: Who drives along.
+            battery: Whose faults are reported, as are those of the next two.
+            sensors: Those of the goals.
             velocity: Publishes `cmd_vel`.
         """
         self._node = node
         self._battery = battery
         self._battery_search = BatterySearch(node)
         self._sensors = sensors
-        self._rivals = rivals
+        self._rivals = Rivals(node)
         self._velocity = velocity
         self._diagnostics = Diagnostics(node, action_name)
         self._report = Report()
@@ -75,9 +72,10 @@ class GoalReporter:
         self._publish(report)
 
     def begin(self) -> None:
-        """A goal was accepted."""
+        """A goal was accepted: see who drives along."""
         self._stage = Stage.IDLE
         self._note = ""
+        self._rivals.look()
 
     def go_on(self, step: Command, goal_id: str) -> None:
         """Report what a goal does, where that has changed."""
@@ -85,7 +83,7 @@ class GoalReporter:
         if step.note and not self._note:
             logger.warning(f"Goal {goal_id}: {step.note}")
         self._note = step.note
-        report = report_on(self.explained(step), goal_id)
+        report = report_on(self._explained(step), goal_id)
         if report != self._report:
             self._report = report
             if report.error_msg:
@@ -98,6 +96,7 @@ class GoalReporter:
 
     def end(self, outcome: Outcome, goal_id: str) -> None:
         """Report how a goal ended, from now on."""
+        outcome = self._explained(outcome)
         logger = self._node.get_logger()
         if outcome.end is End.CANCELED:
             logger.info(f"Goal {goal_id} canceled")
@@ -106,11 +105,16 @@ class GoalReporter:
         self._report = report_on(outcome, goal_id)
         self._publish(self._report)
 
+    def look_around(self) -> None:
+        """See who drives along, and publish the last report again; call it once a second."""
+        self._rivals.look()
+        self.repeat()
+
     def repeat(self) -> None:
         """Publish the last report again, with what is wrong now."""
         self._publish(self._report)
 
-    def explained(self, event: Event) -> Event:
+    def _explained(self, event: Event) -> Event:
         """With what may be the cause: what is wrong with the sensors, who drives along, or why there is no battery."""
         if event.error_code in (ErrorCode.BATTERY_STALE, ErrorCode.BATTERY_LOST) and self._battery.latest is None:
             return replace(event, error_msg=f"{event.error_msg}; {self._battery_search.describe()}")

@@ -28,7 +28,6 @@ from docking.ros.goal_reporter import GoalReporter
 from docking.ros.navigation import NavigationClient
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
-from docking.ros.rivals import Rivals
 from docking.ros.robot_action import RobotAction, S
 from docking.ros.sensors import Sensors
 from docking.ros.stop_listener import StopListener
@@ -90,15 +89,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         )
         declare_parameters(self, action.settings_type, self._take_over, alias=NAV2_NODE)
         self._drive = Drive(self)
-        self._rivals = Rivals(self)
-        self._reporter = GoalReporter(
-            self,
-            action.action_name,
-            battery=battery,
-            sensors=self._sensors,
-            rivals=self._rivals,
-            velocity=self._drive.publisher,
-        )
+        self._reporter = GoalReporter(self, action.action_name, battery, self._sensors, self._drive.publisher)
         self._server = IdentifyingActionServer(
             self,
             action.action_type,
@@ -209,7 +200,6 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._reporter.begin()
         self._fed_back_at = -math.inf
         self._drive.begin()
-        self._rivals.look()
         handle.execute(partial(self._execute, execution))
         try:
             self._prepare(goal, settings)
@@ -299,7 +289,6 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running, self._running = self._running, None
         if running is None:
             return
-        outcome = self._reporter.explained(outcome)
         self._active_goal.running = None
         self._control_timer.cancel()
         self._drive.stop()
@@ -321,9 +310,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
 
     def _look_around(self) -> None:
         self._drive.look_again()
-        self._rivals.look()
         self._stops.look()
-        self._repeat_report()
+        self._reporter.look_around()
 
     def _repeat_report(self) -> None:
         self._reporter.repeat()

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.behaviors.rotate import Rotate
+from docking.behaviors.turns import Rotate
 from docking.core.battery import BatteryReading
 from docking.core.errors import (
     ErrorCode,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
-from docking.behaviors.rotate import Rotate
+from docking.behaviors.turns import Rotate
 from docking.core.battery import BatteryReading
 from docking.core.errors import ErrorCode, FailedToDetectDock, FailedToStage, Stage
 from docking.core.geometry import Pose

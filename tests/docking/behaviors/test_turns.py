@@ -2,11 +2,20 @@ import math
 
 import pytest
 
-from docking.behaviors.full_turn import FullTurn
+from docking.behaviors.turns import FullTurn, Rotate
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.observation import STANDSTILL, Observation, Odometry
+from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
+
+
+def test_rotate_turns_on_the_spot_as_in_the_tutorial() -> None:
+    rotate = Rotate()
+    assert rotate.step(Observation(0.0), 0.0) == rotate.step(Observation(1e6), 0.1) == Velocity(0.0, 0.15)
+
+
+def test_rotate_turns_as_fast_as_told() -> None:
+    assert Rotate(-0.5).step(Observation(0.0), 0.0) == Velocity(0.0, -0.5)
 
 
 @pytest.mark.parametrize("start", [0.0, 3.1, -1.0])

@@ -4,7 +4,7 @@ from dataclasses import replace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.behaviors.reversed import Reversed
+from docking.behaviors.combined import Reversed
 from docking.core.errors import FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity

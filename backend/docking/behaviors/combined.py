@@ -1,0 +1,48 @@
+"""Behaviors made of others."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.goal.behavior import Behavior, Done, Step
+
+TURNED = Pose(theta=math.pi)
+
+
+class Sequence:
+    """Several behaviors one after another: done when the last one is. Each is made when its turn comes."""
+
+    def __init__(self, *makers: Callable[[], Behavior]) -> None:
+        self._makers = list(makers)
+        self._current: Behavior | None = None
+
+    def step(self, observation: Observation, dt: float) -> Step:
+        """What the one whose turn it is says; a standstill between two."""
+        if self._current is None:
+            if not self._makers:
+                return Done()
+            self._current = self._makers.pop(0)()
+        step = self._current.step(observation, dt)
+        if isinstance(step, Done) and self._makers:
+            self._current = None
+            return STANDSTILL
+        return step
+
+
+class Reversed:
+    """Lets a behavior drive the robot as if its back were its front."""
+
+    def __init__(self, behavior: Behavior) -> None:
+        self._behavior = behavior
+
+    def step(self, observation: Observation, dt: float) -> Step:
+        """What the behavior would do with a robot that is turned round, the other way."""
+        odometry = observation.odometry
+        if odometry is not None:
+            velocity = Velocity(-odometry.velocity.linear_x, odometry.velocity.angular_z)
+            turned = replace(odometry, pose=odometry.pose.compose(TURNED), velocity=velocity)
+            observation = replace(observation, odometry=turned)
+        step = self._behavior.step(observation, dt)
+        return Velocity(-step.linear_x, step.angular_z) if isinstance(step, Velocity) else step
