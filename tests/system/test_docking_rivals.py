@@ -5,6 +5,7 @@ import re
 import pytest
 from geometry_msgs.msg import Twist
 
+from docking.ros.rivals import Rivals
 from tests.support.docking import ABORTED, Reports, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
@@ -34,11 +35,13 @@ def test_two_bases_are_named_before_the_robot_drives_and_in_the_goals_error(doma
 
 
 def test_one_base_and_others_that_listen_to_its_velocity_are_no_rivals(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain), docking_servers(domain, "controller:=dock_pose") as (dock, _):
-        reports = Reports(observer)
+    with dock_simulator(domain), docking_servers(domain, "controller:=dock_pose"):
+        reports, rivals = Reports(observer), Rivals(observer.node)
         observer.record(Twist, "cmd_vel")
+        wait_until(lambda: observer.node.count_subscribers("cmd_vel") >= 2, "both subscribers of cmd_vel")
         reports.wait_for(name=SENSORS, message="ok")
-        assert dock._rivals.faults == {}
+        observer.call(rivals.look)
+        assert rivals.faults == {}
 
 
 @pytest.mark.parametrize(
