@@ -1,14 +1,12 @@
 """Storage of goals, their events and idempotency keys: SQLite by default, PostgreSQL by URL, or memory."""
 
-import asyncio
+import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from pathlib import Path
 
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.settings import Settings, data_file
 from dock_gateway.storage.database import Incident
-from dock_gateway.storage.handover import take_over_database, take_over_spool
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.protocol import (
     Acknowledgement,
@@ -48,6 +46,8 @@ __all__ = [
     "open_history",
 ]
 
+log = logging.getLogger(__name__)
+
 
 @asynccontextmanager
 async def open_history(settings: Settings) -> AsyncIterator[History]:
@@ -55,7 +55,7 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
     if settings.database_url == "memory:":
         yield MemoryHistory(settings.max_goals)
         return
-    await asyncio.to_thread(_take_over, settings)
+    _tell_of_early_files(settings)
     history = SqlHistory(
         settings.database,
         Spool(settings.spool_folder),
@@ -76,9 +76,10 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
         await history.close()
 
 
-def _take_over(settings: Settings) -> None:
-    """Take over the files that all gateways of a user once shared, where this gateway uses the same folder."""
-    if not settings.database_url:
-        take_over_database(data_file("history.db"), Path(settings.database.removeprefix("sqlite:///")))
-    if settings.spool_path is None:
-        take_over_spool(data_file("spool"), settings.spool_folder)
+def _tell_of_early_files(settings: Settings) -> None:
+    """Log which files of versions before the first release, shared by all gateways of a user, are not used."""
+    database = None if settings.database_url else data_file("history.db")
+    spool = data_file("spool") if settings.spool_path is None else None
+    for path in (database, spool):
+        if path is not None and path.exists():
+            log.warning("%s is from a version before the first release and is not used; move it away", path)
