@@ -1,5 +1,6 @@
 """What is wrong in a body is said by field, in our words."""
 
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -54,10 +55,8 @@ def test_every_wrong_field_is_named_but_not_without_end() -> None:
 @given(JSON)
 def test_whatever_is_sent_is_read_or_refused(value: object) -> None:
     for model in (RuleBody, WebhookBody):
-        try:
+        with suppress(InvalidField):
             read_model(model, value)
-        except InvalidField:
-            pass
 
 
 @given(st.fixed_dictionaries({}, optional=dict.fromkeys(RULE, JSON)).map(lambda fields: RULE | fields))
