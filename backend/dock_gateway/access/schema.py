@@ -1,10 +1,17 @@
 """The JSON shapes of users, tokens and of the login."""
 
 from datetime import datetime
-from typing import Literal
+from functools import partial
+from typing import Annotated, Literal, Self
 
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
+
+from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD
+from dock_gateway.core import grant as stored
 from dock_gateway.core.access import Kind
-from dock_gateway.core.grant import Role
+from dock_gateway.core.errors import got
+from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, PATTERN, Role
+from dock_gateway.http.bodies import Name60, Unique, expected
 from dock_gateway.http.schema import Schema
 
 
@@ -15,6 +22,97 @@ class Grant(Schema):
     robots: list[str]
     actions: list[str]
     topics: list[str]
+
+
+def _check_pattern(value: str) -> str:
+    if len(value) > MAX_PATTERN or not PATTERN.fullmatch(value):
+        raise expected("a name such as /robot1 or /hall_a/*")
+    return value
+
+
+def _check_password(value: object, shortest: int = MIN_PASSWORD) -> str:
+    """Return a password. An error does not repeat it."""
+    if not isinstance(value, str) or not shortest <= len(value) <= MAX_PASSWORD:
+        detail = f"got {len(value)} characters" if isinstance(value, str) else "got something else"
+        raise expected(f"{shortest} to {MAX_PASSWORD} characters", detail)
+    return value
+
+
+Pattern = Annotated[
+    str,
+    AfterValidator(_check_pattern),
+    Field(json_schema_extra={"maxLength": MAX_PATTERN, "pattern": f"^(?:{PATTERN.pattern})$"}),
+]
+Patterns = Annotated[tuple[Pattern, ...], Field(max_length=MAX_PATTERNS), Unique]
+Password = Annotated[
+    str,
+    BeforeValidator(_check_password),
+    Field(
+        description="At least 12 characters, whatever they are",
+        json_schema_extra={"minLength": MIN_PASSWORD, "maxLength": MAX_PASSWORD},
+    ),
+]
+OldPassword = Annotated[
+    str,
+    BeforeValidator(partial(_check_password, shortest=1)),
+    Field(json_schema_extra={"minLength": 1, "maxLength": MAX_PASSWORD}),
+]
+
+
+class GrantBody(Schema):
+    """A role, and its limits: in a name, `*` stands for any text."""
+
+    role: Role
+    robots: Annotated[Patterns, Field(description="Namespaces of robots; none means every robot")] = ()
+    actions: Annotated[Patterns, Field(description="Names of actions; none means every action of the robots")] = ()
+    topics: Annotated[Patterns, Field(description="Names of topics; none means every topic of the robots")] = ()
+
+    @model_validator(mode="after")
+    def _do_not_limit_an_admin(self) -> Self:
+        limited = next((name for name in LIMITS if getattr(self, name)), None)
+        if self.role is Role.ADMIN and limited is not None:
+            detail = got(getattr(self, limited))
+            raise expected("none, as an admin can change any limit", detail, path=limited)
+        return self
+
+    def grant(self) -> stored.Grant:
+        """Return the grant."""
+        return stored.Grant(self.role, self.robots, self.actions, self.topics)
+
+
+class TokenBody(GrantBody):
+    """A token to be made. `name` is who uses it: a person or a script."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"name": "night shift script", "role": "operator", "robots": ["/hall_a/*"], "days": 90}]
+        }
+    )
+
+    name: Name60
+    days: Annotated[
+        int | None, Field(ge=1, le=3650, description="For how long it is valid; null: until it is revoked")
+    ] = None
+
+
+class UserBody(GrantBody):
+    """A user to be added or changed. A new one needs a password; a changed password ends the user's sessions."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [{"role": "operator", "robots": ["/hall_a/*"], "password": "correct horse battery staple"}]
+        }
+    )
+
+    disabled: Annotated[bool, Field(description="Whether the user cannot log in")] = False
+    password: Password | None = None
+
+
+class PasswordBody(Schema):
+    """A change of the own password."""
+
+    old: OldPassword
+    new: Password
 
 
 class Requester(Grant):

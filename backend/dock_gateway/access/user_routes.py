@@ -1,47 +1,22 @@
 """`/users`: those who log in with a name and a password. `/sessions`: their logins."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD
-from dock_gateway.access.schema import User, UserList
+from dock_gateway.access.schema import PasswordBody, User, UserBody, UserList
 from dock_gateway.access.users import NAME
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
-from dock_gateway.core.grant import LIMITS, Grant
-from dock_gateway.http.fields import GRANT_REQUEST, read_flag, read_grant
+from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
 from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import TheGateway, json_response, known_query, read_json, read_object
+from dock_gateway.http.requests import TheGateway, json_response, known_query
 
 router = APIRouter(tags=["Access"], dependencies=[Depends(known_query())])
-
-PASSWORD = {
-    "type": "string",
-    "minLength": MIN_PASSWORD,
-    "maxLength": MAX_PASSWORD,
-    "description": "At least 12 characters, whatever they are",
-}
-USER_REQUEST = {
-    "type": "object",
-    "required": ["role"],
-    "additionalProperties": False,
-    "properties": {
-        **GRANT_REQUEST,
-        "disabled": {"type": "boolean", "description": "Whether the user cannot log in; false by default"},
-        "password": PASSWORD | {"description": "Needed for a new user. A changed one ends the user's sessions"},
-    },
-    "examples": [{"role": "operator", "robots": ["/hall_a/*"], "password": "correct horse battery staple"}],
-}
-PASSWORD_REQUEST = {
-    "type": "object",
-    "required": ["old", "new"],
-    "additionalProperties": False,
-    "properties": {"old": {"type": "string", "minLength": 1, "maxLength": MAX_PASSWORD}, "new": PASSWORD},
-}
 
 
 async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": f"^{NAME.pattern}$"})]) -> str:
@@ -62,11 +37,12 @@ async def list_users(gateway: TheGateway) -> Response:
     name="put_user",
     response_model=User,
     responses={201: {"description": "The new user", "model": User}, **problems(400, 408, 409, 413, 415, 422, 429, 503)},
-    openapi_extra=body(USER_REQUEST, required=True),
+    openapi_extra=body(body_schema(UserBody), required=True),
 )
 async def put_user(name: UserName, request: Request, gateway: TheGateway) -> Response:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
-    grant, disabled, password = read_user(await read_json(request))
+    body = await read(UserBody, request)
+    grant, password, disabled = body.grant(), body.password, body.disabled
     try:
         return json_response(await gateway.logins.edit_user(name, grant, password, disabled=disabled))
     except NotFound:
@@ -109,14 +85,13 @@ async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
     name="change_password",
     status_code=204,
     responses=problems(400, 408, 409, 413, 415, 422, 429, 503),
-    openapi_extra=body(PASSWORD_REQUEST, required=True),
+    openapi_extra=body(body_schema(PasswordBody), required=True),
 )
 async def change_password(request: Request, gateway: TheGateway) -> Response:
     """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
-    fields = read_object(await read_json(request), "old", "new")
-    old, new = read_password(fields.get("old"), "old", 1), read_password(fields.get("new"), "new")
+    body = await read(PasswordBody, request)
     name = require_user(principal_of(request))
-    secret = await gateway.logins.change_password(name, old, new, address_of(request))
+    secret = await gateway.logins.change_password(name, body.old, body.new, address_of(request))
     response = Response(status_code=204)
     keep_login(response, request, secret)
     keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser_of(request)))
@@ -144,18 +119,6 @@ def read_user_name(value: str) -> str:
         expected = "up to 60 lower-case letters and digits, with . _ - @ + between them"
         raise InvalidField([FieldError("user", expected, f"got {value[:60]!r}")])
     return value
-
-
-def read_user(value: Any) -> tuple[Grant, bool, str | None]:
-    """Return the grant of a user, whether they are disabled, and their password, from a decoded body.
-
-    Raises:
-        InvalidField: It is not a user.
-    """
-    fields = read_object(value, "role", *LIMITS, "disabled", "password")
-    disabled = read_flag(fields.get("disabled", False), "disabled")
-    password = None if "password" not in fields else read_password(fields["password"], "password")
-    return read_grant(fields), disabled, password
 
 
 def read_password(value: object, path: str, shortest: int = MIN_PASSWORD) -> str:

@@ -8,18 +8,19 @@ from starlette.responses import Response
 from dock_gateway.automation.schema import DecisionList, Rule, RuleBody, RuleList
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.bodies import body_schema, read_signed
-from dock_gateway.http.fields import SLUG_IN_PATH, read_slug
 from dock_gateway.http.openapi import body
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     GOAL_ID,
+    SLUG_IN_PATH,
     LimitQuery,
     RobotQuery,
     TheGateway,
     json_response,
     known_query,
     read_goal_id,
+    read_slug,
 )
 
 router = APIRouter(tags=["Automatic docking"], prefix="/automation")

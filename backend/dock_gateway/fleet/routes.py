@@ -6,18 +6,16 @@ from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.fleet.schema import Alert, AlertList, RobotList
+from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, RobotList
+from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
-from dock_gateway.http.principal import TheGrant, read_signed_json
+from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     RobotQuery,
     TheGateway,
     json_response,
     known_query,
-    name_schema,
-    read_name,
-    read_object,
 )
 from dock_gateway.http.scopes import not_covered
 
@@ -39,13 +37,6 @@ async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = 
     return json_response({"robots": gateway.fleet.documents(robot, grant)})
 
 
-MAX_NAME = 60
-ACKNOWLEDGEMENT_REQUEST = {
-    "type": "object",
-    "required": ["by"],
-    "additionalProperties": False,
-    "properties": {"by": name_schema(MAX_NAME) | {"description": "Who has seen the alert"}},
-}
 AlertId = Annotated[str, Path(description="`id` of the alert")]
 
 
@@ -61,12 +52,12 @@ async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
     response_model=Alert,
     responses=problems(400, 404, 408, 413, 415, 422),
     dependencies=[NO_QUERY],
-    openapi_extra=body(ACKNOWLEDGEMENT_REQUEST, required=True),
+    openapi_extra=body(body_schema(AcknowledgementBody), required=True),
 )
 async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
     """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
-    by = read_name(read_object(await read_signed_json(request), "by").get("by"), MAX_NAME)
-    return json_response(await gateway.alerts.acknowledge(alert_id, by))
+    body = await read_signed(AcknowledgementBody, request)
+    return json_response(await gateway.alerts.acknowledge(alert_id, body.by))
 
 
 @router.delete(

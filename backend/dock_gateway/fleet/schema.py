@@ -1,14 +1,15 @@
 """The JSON shapes of the overview of robots, their labels and alerts."""
 
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import ConfigDict, JsonValue
+from pydantic import ConfigDict, Field, JsonValue
 
 from dock_gateway.fleet.alert_rules import AlertKind
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
-from dock_gateway.http.schema import Schema
+from dock_gateway.http.bodies import Name40, Name60, RobotName, Unique
+from dock_gateway.http.schema import MAX_GROUPS, Schema
 from dock_gateway.robots.schema import BatteryState, Implausible
 from dock_gateway.stop.schema import StopState
 
@@ -81,9 +82,15 @@ class Label(Schema):
 
     model_config = ConfigDict(json_schema_extra={"examples": [LABEL_EXAMPLE]})
 
-    robot: str
-    display_name: str | None
-    groups: list[str]
+    robot: Annotated[RobotName, Field(description="Namespace of the robot, which need not be on the ROS graph")]
+    display_name: Annotated[Name60 | None, Field(description="Belongs to one robot, whatever its case")]
+    groups: Annotated[tuple[Name40, ...], Field(max_length=MAX_GROUPS), Unique]
+
+
+class AcknowledgementBody(Schema):
+    """An acknowledgement of an alert. `by` is who has seen it."""
+
+    by: Name60
 
 
 class Acknowledgement(Schema):

@@ -3,12 +3,14 @@
 Nothing is validated or encoded with them at run time: the ROS definitions decide what messages contain.
 """
 
+import re
 from datetime import datetime
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import JsonValue
+from pydantic import AfterValidator, ConfigDict, Field, JsonValue
 
 from dock_gateway.core.goal import GoalStatus, Origin, Verb
+from dock_gateway.http.bodies import Name30, Name60, Unique, expected
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.schema import BatteryState, Scene
 
@@ -173,7 +175,41 @@ class GoalHistory(Schema):
     complete: bool
 
 
+# Lines of text: no control characters but line feeds and tabs; not blank.
+_CONTROL = r"\x00-\x08\x0b-\x1f\x7f-\x9f"
+TEXT = re.compile(rf"[^{_CONTROL}]*[^\s{_CONTROL}][^{_CONTROL}]*")
+MAX_TEXT = 2000
 NOTE_EXAMPLE: JsonValue = {"by": "Ada", "text": "A box stood in front of the left wheel."}
+
+
+def _check_text(value: str) -> str:
+    """Return the text of a note with lines that end in a line feed, without surrounding space."""
+    text = value.replace("\r\n", "\n")
+    if len(text) > MAX_TEXT or not TEXT.fullmatch(text):
+        detail = f"got {len(text)} characters" if len(text) > MAX_TEXT else None
+        raise expected(f"1 to {MAX_TEXT} characters, without control characters", detail)
+    return text.strip()
+
+
+class NoteBody(Schema):
+    """A note to be added to a goal. `by` is who writes it."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [NOTE_EXAMPLE]})
+
+    by: Name60
+    text: Annotated[
+        str,
+        AfterValidator(_check_text),
+        Field(json_schema_extra={"maxLength": MAX_TEXT, "pattern": f"^{TEXT.pattern}$"}),
+    ]
+
+
+class TagsBody(Schema):
+    """The tags of a goal."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"tags": ["blocked", "maintenance"]}]})
+
+    tags: Annotated[tuple[Name30, ...], Field(max_length=10), Unique]
 
 
 class Note(Schema):

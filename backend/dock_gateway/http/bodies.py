@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.namespace import NAMESPACE, normalize_namespace
 from dock_gateway.http.principal import read_signed_json
-from dock_gateway.http.requests import NAME, name_schema
+from dock_gateway.http.requests import NAME, name_schema, read_json
 from dock_gateway.settings import LONGEST_NAME
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -25,6 +25,15 @@ async def read_signed(model: type[ModelT], request: Request) -> ModelT:
         MalformedRequest: It is not JSON, too large, too slow or cut off, or has another content type.
     """
     return read_model(model, await read_signed_json(request))
+
+
+async def read(model: type[ModelT], request: Request) -> ModelT:
+    """Return the body of a request.
+
+    Raises:
+        InvalidField, MalformedRequest: As `read_signed`.
+    """
+    return read_model(model, await read_json(request))
 
 
 def read_model(model: type[ModelT], value: object) -> ModelT:
@@ -50,8 +59,12 @@ def body_schema(model: type[BaseModel]) -> dict[str, Any]:
             return [inline(item) for item in value]
         if not isinstance(value, dict):
             return value
-        part = parts[value["$ref"].rpartition("/")[2]] if "$ref" in value else {}
-        return {key: inline(item) for key, item in {**part, **value}.items() if key not in ("$ref", "title")}
+        part = inline(parts[value["$ref"].rpartition("/")[2]]) if value.get("$ref", "").startswith("#/$defs/") else {}
+        return {
+            key: inline(item)
+            for key, item in {**part, **value}.items()
+            if key != "title" and not (part and key == "$ref")
+        }
 
     inlined: dict[str, Any] = inline(schema)
     return inlined
@@ -67,7 +80,7 @@ def _field_error(item: Any, schema: dict[str, Any]) -> FieldError:
     path = ".".join(str(part)[:200] for part in (*item["loc"], *filter(None, [context.get("path")])))
     match item["type"]:
         case "missing":
-            return FieldError(path, "a value", "got none")
+            return FieldError(path, "a value", "it is missing")
         case "extra_forbidden":
             known = ", ".join(_fields(schema, item["loc"][:-1]))
             return FieldError(path, f"one of {known}", "got an unknown field")
@@ -104,11 +117,12 @@ def _robot(value: str) -> str:
     return normalize_namespace(value)
 
 
-def _unique(values: list[str]) -> list[str]:
-    return list(dict.fromkeys(values))
+def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(values))
 
 
-# A line of text without surrounding spaces, of up to 40 or 60 characters.
+# A line of text without surrounding spaces, of up to 30, 40 or 60 characters.
+Name30 = Annotated[str, _name(30), WithJsonSchema(name_schema(30))]
 Name40 = Annotated[str, _name(40), WithJsonSchema(name_schema(40))]
 Name60 = Annotated[str, _name(60), WithJsonSchema(name_schema(60))]
 # The namespace of a robot, which need not be on the ROS graph.

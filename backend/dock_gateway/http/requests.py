@@ -172,19 +172,6 @@ def name_schema(longest: int) -> dict[str, Any]:
     return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
 
 
-def read_names(value: object, most: int, longest: int, path: str) -> tuple[str, ...]:
-    """Return names without surrounding spaces, and each of them once.
-
-    Raises:
-        InvalidField: It is not an array of at most `most` names.
-    """
-    if not isinstance(value, list) or len(value) > most:
-        detail = f"got {len(value)}" if isinstance(value, list) else got(value)
-        raise InvalidField([FieldError(path, f"an array of up to {most} names", detail)])
-    names = (read_name(name, longest, f"{path}.{index}") for index, name in enumerate(value))
-    return tuple(dict.fromkeys(names))
-
-
 def read_wait(request: Request) -> float:
     """Return the seconds to wait for the end of a goal, from `Prefer: wait=30`; 0 by default.
 
@@ -279,3 +266,23 @@ async def _goal_id_in_path(goal_id: Annotated[str, Path(json_schema_extra={"patt
 
 
 GoalId = Annotated[str, Depends(_goal_id_in_path)]
+
+
+# An id that people choose.
+SLUG = re.compile(r"[a-z0-9](?:[a-z0-9-]{0,38}[a-z0-9])?")
+SLUG_IN_PATH = Path(
+    description="Lower-case letters, digits and hyphens, up to 40", json_schema_extra={"pattern": f"^{SLUG.pattern}$"}
+)
+
+
+def read_slug(value: str, path: str) -> str:
+    """Return an id that people choose.
+
+    Raises:
+        InvalidField: It is not one.
+    """
+    if not SLUG.fullmatch(value):
+        raise InvalidField(
+            [FieldError(path, "up to 40 lower-case letters, digits and hyphens between them", got(value))]
+        )
+    return value

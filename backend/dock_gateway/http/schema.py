@@ -52,8 +52,8 @@ class RobotSelection(Schema):
     """The robots that something applies to: all, or those named and those in the groups."""
 
     all: bool = False
-    names: Annotated[list[RobotName], Field(max_length=MAX_ROBOTS), Unique] = []
-    groups: Annotated[list[Name40], Field(max_length=MAX_GROUPS), Unique] = []
+    names: Annotated[tuple[RobotName, ...], Field(max_length=MAX_ROBOTS), Unique] = ()
+    groups: Annotated[tuple[Name40, ...], Field(max_length=MAX_GROUPS), Unique] = ()
 
     @model_validator(mode="after")
     def _are_chosen(self) -> Self:

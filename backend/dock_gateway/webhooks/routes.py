@@ -6,14 +6,15 @@ from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
 from dock_gateway.http.bodies import body_schema, read_signed
-from dock_gateway.http.fields import SLUG_IN_PATH, read_slug
 from dock_gateway.http.openapi import body
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    SLUG_IN_PATH,
     LimitQuery,
     TheGateway,
     json_response,
     known_query,
+    read_slug,
 )
 from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookBody, WebhookList
 

@@ -137,8 +137,8 @@ class WebhookBody(WebhookFields):
             enabled=self.enabled,
             severities=tuple(severity for severity in SEVERITIES if severity in self.severities),
             every_robot=self.robots.all,
-            robots=tuple(self.robots.names),
-            groups=tuple(self.robots.groups),
+            robots=self.robots.names,
+            groups=self.robots.groups,
             changed_by=self.by,
             changed_at=utc_now(),
         )

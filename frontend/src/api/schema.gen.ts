@@ -3164,9 +3164,15 @@ export interface components {
          *     }
          */
         Label: {
-            /** Robot */
+            /**
+             * Robot
+             * @description Namespace of the robot, which need not be on the ROS graph
+             */
             robot: string;
-            /** Display Name */
+            /**
+             * Display Name
+             * @description Belongs to one robot, whatever its case
+             */
             display_name: string | null;
             /** Groups */
             groups: string[];
@@ -6250,7 +6256,6 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": {
-                    /** @description Who writes it */
                     by: string;
                     text: string;
                 };
@@ -8218,7 +8223,6 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": {
-                    /** @description Who has seen the alert */
                     by: string;
                 };
             };
@@ -10401,18 +10405,32 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": {
-                    /** @enum {unknown} */
+                    /**
+                     * @description A role, which says what a user may do. Each includes the ones before it.
+                     * @enum {string}
+                     */
                     role: "viewer" | "operator" | "supervisor" | "admin";
-                    /** @description Namespaces of robots, in which `*` stands for any text; none means every robot */
+                    /**
+                     * @description Namespaces of robots; none means every robot
+                     * @default []
+                     */
                     robots?: string[];
-                    /** @description Names of actions, likewise; none means every action of the robots */
+                    /**
+                     * @description Names of actions; none means every action of the robots
+                     * @default []
+                     */
                     actions?: string[];
-                    /** @description Names of topics, likewise; none means every topic of the robots */
+                    /**
+                     * @description Names of topics; none means every topic of the robots
+                     * @default []
+                     */
                     topics?: string[];
-                    /** @description Whether the user cannot log in; false by default */
+                    /**
+                     * @description Whether the user cannot log in
+                     * @default false
+                     */
                     disabled?: boolean;
-                    /** @description Needed for a new user. A changed one ends the user's sessions */
-                    password?: string;
+                    password?: string | null;
                 };
             };
         };
@@ -10929,16 +10947,27 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": {
-                    /** @description Who uses it: a person or a script */
-                    name: string;
-                    /** @enum {unknown} */
+                    /**
+                     * @description A role, which says what a user may do. Each includes the ones before it.
+                     * @enum {string}
+                     */
                     role: "viewer" | "operator" | "supervisor" | "admin";
-                    /** @description Namespaces of robots, in which `*` stands for any text; none means every robot */
+                    /**
+                     * @description Namespaces of robots; none means every robot
+                     * @default []
+                     */
                     robots?: string[];
-                    /** @description Names of actions, likewise; none means every action of the robots */
+                    /**
+                     * @description Names of actions; none means every action of the robots
+                     * @default []
+                     */
                     actions?: string[];
-                    /** @description Names of topics, likewise; none means every topic of the robots */
+                    /**
+                     * @description Names of topics; none means every topic of the robots
+                     * @default []
+                     */
                     topics?: string[];
+                    name: string;
                     /** @description For how long it is valid; null: until it is revoked */
                     days?: number | null;
                 };

@@ -36,7 +36,7 @@ def errors(value: object) -> list[tuple[str, str, str]]:
             ("battery.idle", "one of below, idle_s", "got an unknown field"),
         ),
         ({**RULE, "robots": {"al": True}}, ("robots.al", "one of all, names, groups", "got an unknown field")),
-        ({**RULE, "battery": {"below": 0.2}}, ("battery.idle_s", "a value", "got none")),
+        ({**RULE, "battery": {"below": 0.2}}, ("battery.idle_s", "a value", "it is missing")),
         ({**RULE, "battery": {"below": 2, "idle_s": 60}}, ("battery.below", "less than or equal to 1", "got 2")),
         ({**RULE, "name": "a" * 61}, ("name", "1 to 60 characters, in one line", f"got '{'a' * 39}")),
         ({**RULE, "robots": {"names": ["/a", "b c"]}}, ("robots.names.1", NAMESPACE, "got 'b c'")),
