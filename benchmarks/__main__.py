@@ -15,13 +15,14 @@ from benchmarks.figures import Results
 from benchmarks.machine import describe, wait_until_quiet
 from benchmarks.options import Options, read_options
 from benchmarks.plot import plot
+from benchmarks.requests import requests
 from benchmarks.robots import robots
 from benchmarks.site import Site, site
 from benchmarks.startup import startup
 from benchmarks.systems import LEFT_OUT
 from benchmarks.systems.bare import Bare
 from benchmarks.systems.base import System
-from benchmarks.systems.gateway import Gateway, GatewayWithTokens
+from benchmarks.systems.gateway import Gateway, GatewayInMemory, GatewayWithTokens
 from benchmarks.systems.http_gateway import HttpGateway
 from benchmarks.systems.rosbridge import Rosbridge
 from benchmarks.table import table
@@ -31,12 +32,16 @@ RUNNING = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate}
 
 def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gateway]:
     """The bare client and the versions of the gateway, each at a site of its own."""
+    return [Bare(_site(stack, options, robots)), *_gateways(stack, options, robots)]
 
-    def where() -> Site:
-        return stack.enter_context(site(options.payload, robots))
 
-    gateways = [Gateway(where(), variant) for variant in (*options.variants, None)]
-    return [Bare(where()), *gateways, *([GatewayWithTokens(where())] if options.tokens else [])]
+def _gateways(stack: ExitStack, options: Options, robots: int = 0) -> list[Gateway]:
+    gateways = [Gateway(_site(stack, options, robots), variant) for variant in (*options.variants, None)]
+    return [*gateways, *([GatewayWithTokens(_site(stack, options, robots))] if options.tokens else [])]
+
+
+def _site(stack: ExitStack, options: Options, robots: int = 0) -> Site:
+    return stack.enter_context(site(options.payload, robots))
 
 
 def _peers(stack: ExitStack, options: Options, results: Results) -> list[System]:
@@ -67,6 +72,10 @@ async def _run(options: Options, results: Results) -> None:
         _say("f")
         with ExitStack() as stack:
             await robots(results, _own(stack, options, options.robots), options)
+    if "g" in options.cases:
+        _say("g")
+        with ExitStack() as stack:
+            await requests(results, _gateways(stack, options), GatewayInMemory(_site(stack, options)), options)
 
 
 async def _run_together(options: Options, results: Results, systems: Sequence[System]) -> None:

@@ -32,9 +32,9 @@ async def take_turns(
                 results.leave_out(system.name, case, str(error)[:300] or type(error).__name__)
 
 
-async def acceptance(results: Results, systems: Sequence[System], options: Options) -> None:
+async def acceptance(results: Results, systems: Sequence[System], options: Options, case: str = "(a) goal") -> None:
     """(a) Submit → accepted, and goal → result."""
-    case, goals = "(a) goal", max(10, options.goals // options.rounds)
+    goals = max(10, options.goals // options.rounds)
 
     async def measure(system: System) -> None:
         for _ in range(5):

@@ -3,6 +3,7 @@
 import socket
 import time
 from collections.abc import Callable
+from http import HTTPStatus
 from typing import Any, Self
 
 import orjson
@@ -51,6 +52,13 @@ class Connection:
         while len(answer) < length:
             answer += self._read()
         return int(lines[0].split()[1]), orjson.loads(answer) if answer else None
+
+    def time(self, method: str, path: str) -> float:
+        """Send a request, and return the milliseconds to its answer, which must be a good one."""
+        start = time.perf_counter()
+        status, answer = self.request(method, path)
+        assert status == HTTPStatus.OK, answer
+        return (time.perf_counter() - start) * 1e3
 
     def _read(self) -> bytes:
         data = self._socket.recv(65536)

@@ -47,12 +47,12 @@ class Gateway(System):
         self._data = tempfile.TemporaryDirectory()
         variables = {"XDG_DATA_HOME": self._data.name, "DOCK_GATEWAY_PORT": str(self.port)}
         variables |= {"DOCK_GATEWAY_MAX_SUBSCRIBERS": "2000", "DOCK_GATEWAY_LOG_LEVEL": "warning"}
-        environment = self.site.environment(self._prefix, **variables, **await asyncio.to_thread(self._protect))
+        environment = self.site.environment(self._prefix, **variables, **await asyncio.to_thread(self._more_settings))
         self.process = Process(str(self._prefix / "bin/dock-gateway"), "serve", env=environment).__enter__()
         await asyncio.to_thread(self._until_listening)
 
-    def _protect(self) -> dict[str, str]:
-        """Prepare what the gateway asks its users for, and return the settings for it."""
+    def _more_settings(self) -> dict[str, str]:
+        """Return further settings; prepare what the gateway asks its users for."""
         return {}
 
     def _connection(self) -> Connection:
@@ -81,6 +81,10 @@ class Gateway(System):
                 pass
             time.sleep(0.02)
         raise Impossible(f"no goal was accepted within {START_TIMEOUT:g} s: {self.process.output[-600:]}")
+
+    def healthz(self) -> float:
+        """One request that does next to nothing, in ms."""
+        return self._kept.get().time("GET", "/healthz")
 
     async def submit(self) -> Timing:
         """One goal to its acceptance, another one to its result."""
@@ -163,10 +167,21 @@ class GatewayWithTokens(Gateway):
         super().__init__(where)
         self.name = f"{OURS} with tokens"
 
-    def _protect(self) -> dict[str, str]:
+    def _more_settings(self) -> dict[str, str]:
         environment = self.site.environment(self._prefix, XDG_DATA_HOME=self._data.name)
         create = (str(self._prefix / "bin/dock-gateway"), "token", "create", "benchmark", "--role", "admin")
         secret = subprocess.run(create, env=environment, check=True, capture_output=True, text=True).stdout.strip()
         self._headers = {"Authorization": f"Bearer {secret}"}
         limits = {"DOCK_GATEWAY_MAX_STREAMS_PER_USER": "2000", "DOCK_GATEWAY_MAX_GOALS_PER_MINUTE": "10000"}
         return {"DOCK_GATEWAY_AUTHENTICATION": "true", **limits}
+
+
+class GatewayInMemory(Gateway):
+    """The gateway without a database."""
+
+    def __init__(self, where: Site) -> None:
+        super().__init__(where)
+        self.name = f"{OURS} with memory:"
+
+    def _more_settings(self) -> dict[str, str]:
+        return {"DOCK_GATEWAY_DATABASE_URL": "memory:"}
