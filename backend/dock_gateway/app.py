@@ -25,6 +25,7 @@ from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import allowed_methods
 from dock_gateway.http.openapi import Union, install_openapi
+from dock_gateway.http.operation import require_declared
 from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.principal import authorize
 from dock_gateway.http.problems import install_problems, problems
@@ -121,6 +122,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
     )
     routers = api_routers()
     for router in routers:
+        require_declared(router.routes)
         app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
     install_openapi(app, authentication=settings.authentication, unions=UNIONS, models=(Problem, StopProblem))
     install_docs(app)

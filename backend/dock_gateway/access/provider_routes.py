@@ -11,7 +11,9 @@ from starlette.responses import RedirectResponse, Response
 from dock_gateway.access.login_attempt import LIFETIME, MAX_PAGE, PAGE, LoginAttempt, is_page
 from dock_gateway.access.schema import PersonList
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
+from dock_gateway.core.grant import Role
 from dock_gateway.http.audit_trail import audited
+from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.principal import address_of, cookie_name, keep_login
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import TheGateway, json_response, known_query
@@ -33,6 +35,7 @@ REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the bro
     responses={**REDIRECT, **problems(404, 422, 503)},
     dependencies=[Depends(known_query("page"))],
 )
+@public_operation()
 async def begin_login(
     request: Request,
     gateway: TheGateway,
@@ -64,6 +67,7 @@ async def begin_login(
     response_class=RedirectResponse,
     responses={**REDIRECT, **problems(401, 403, 404, 409, 429, 503)},
 )
+@public_operation(Audit.STORED_FIRST)
 async def finish_login(request: Request, gateway: TheGateway) -> Response:
     """Log in the browser that the identity provider sends back, with `code` and `state`. Only for providers."""
     audited(request, subject=None)  # not the query, which has the code
@@ -98,6 +102,7 @@ async def finish_login(request: Request, gateway: TheGateway) -> Response:
     responses=problems(422, 503),
     dependencies=[Depends(known_query())],
 )
+@operation(Role.ADMIN, Scope.EVERY)
 async def list_people(gateway: TheGateway) -> Response:
     """List the people who are logged in with the identity provider, by name, with what they may do."""
     return json_response({"people": await gateway.logins.people.documents()})
@@ -110,6 +115,7 @@ async def list_people(gateway: TheGateway) -> Response:
     responses=problems(404, 422, 503),
     dependencies=[Depends(known_query())],
 )
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def end_person_sessions(
     person: Annotated[str, Path(description="As in `/people`, such as `oidc:ada`")], gateway: TheGateway
 ) -> Response:

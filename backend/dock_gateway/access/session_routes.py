@@ -13,9 +13,11 @@ from dock_gateway.access.tickets import LIFETIME
 from dock_gateway.access.user_routes import read_password
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
+from dock_gateway.core.grant import Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.principal import (
     address_of,
     browser_of,
@@ -69,6 +71,7 @@ def _session(gateway: Gateway, principal: Principal | None) -> Response:
 
 
 @router.get("", name="get_session", response_model=Session, responses=problems(422))
+@public_operation()
 async def get_session(request: Request, gateway: TheGateway) -> Response:
     """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
     try:
@@ -84,6 +87,7 @@ async def get_session(request: Request, gateway: TheGateway) -> Response:
     responses=problems(400, 401, 408, 413, 415, 422, 429, 503),
     openapi_extra=body(LOGIN_REQUEST, required=True),
 )
+@public_operation(Audit.STORED_FIRST)
 async def log_in(request: Request, gateway: TheGateway) -> Response:
     """Log a browser in with a name and a password, or with a token.
 
@@ -119,6 +123,7 @@ def _log_in_with_token(request: Request, gateway: Gateway, fields: dict[str, Any
 
 
 @router.delete("", name="log_out", response_model=Session, responses=problems(422, 503))
+@public_operation(Audit.STORED_FIRST)
 async def log_out(request: Request, gateway: TheGateway) -> Response:
     """End the session of the browser. A token is only forgotten: it stays valid."""
     with suppress(GatewayError):
@@ -130,6 +135,7 @@ async def log_out(request: Request, gateway: TheGateway) -> Response:
 
 
 @router.post("/ticket", name="issue_ticket", status_code=201, response_model=Ticket, responses=problems(401, 403, 422))
+@operation(Role.VIEWER, Scope.ANY)
 async def issue_ticket(request: Request, gateway: TheGateway) -> Response:
     """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.
 

@@ -9,9 +9,11 @@ from starlette.responses import Response
 from dock_gateway.access.credentials import ID_DIGITS
 from dock_gateway.access.schema import CreatedToken, TokenBody, TokenList
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Role
 from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -26,6 +28,7 @@ TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIG
 
 
 @router.get("", name="list_tokens", response_model=TokenList, responses=problems(401, 403, 422, 503))
+@operation(Role.ADMIN, Scope.EVERY)
 async def list_tokens(gateway: TheGateway) -> Response:
     """List all tokens by name, without their secrets."""
     return json_response({"tokens": await gateway.logins.tokens.documents()})
@@ -39,6 +42,7 @@ async def list_tokens(gateway: TheGateway) -> Response:
     responses=problems(400, 401, 403, 408, 409, 413, 415, 422, 503),
     openapi_extra=body(body_schema(TokenBody), required=True),
 )
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def create_token(request: Request, gateway: TheGateway) -> Response:
     """Create a token. Only this answer has its secret."""
     body = await read(TokenBody, request)
@@ -50,6 +54,7 @@ async def create_token(request: Request, gateway: TheGateway) -> Response:
 
 
 @router.delete("/{token_id}", name="revoke_token", status_code=204, responses=problems(401, 403, 404, 422, 503))
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def revoke_token(token_id: TokenId, request: Request, gateway: TheGateway) -> Response:
     """Revoke a token: requests with it are refused, and its streams end, at other gateways within 2 s."""
     audited(request, subject=gateway.logins.tokens.name_of(token_id) or token_id)

@@ -10,8 +10,10 @@ from dock_gateway.access.schema import PasswordBody, User, UserBody, UserList
 from dock_gateway.access.users import NAME
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
+from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import TheGateway, json_response, known_query
@@ -27,6 +29,7 @@ UserName = Annotated[str, Depends(_name_in_path)]
 
 
 @router.get("/users", name="list_users", response_model=UserList, responses=problems(422, 503))
+@operation(Role.ADMIN, Scope.EVERY)
 async def list_users(gateway: TheGateway) -> Response:
     """List all users by name, without their passwords."""
     return json_response({"users": await gateway.logins.documents()})
@@ -39,6 +42,7 @@ async def list_users(gateway: TheGateway) -> Response:
     responses={201: {"description": "The new user", "model": User}, **problems(400, 408, 409, 413, 415, 422, 429, 503)},
     openapi_extra=body(body_schema(UserBody), required=True),
 )
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def put_user(name: UserName, request: Request, gateway: TheGateway) -> Response:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
     body = await read(UserBody, request)
@@ -54,6 +58,7 @@ async def put_user(name: UserName, request: Request, gateway: TheGateway) -> Res
 
 
 @router.delete("/users/{user}", name="remove_user", status_code=204, responses=problems(404, 409, 422, 503))
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def remove_user(name: UserName, gateway: TheGateway) -> Response:
     """Remove a user, and end their sessions. Their goals go on, and records keep their name."""
     await gateway.logins.remove_user(name)
@@ -61,6 +66,7 @@ async def remove_user(name: UserName, gateway: TheGateway) -> Response:
 
 
 @router.delete("/users/{user}/sessions", name="end_sessions", status_code=204, responses=problems(404, 409, 422, 503))
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def end_sessions(name: UserName, gateway: TheGateway) -> Response:
     """Log a user out everywhere."""
     await gateway.logins.end_sessions(name)
@@ -68,6 +74,7 @@ async def end_sessions(name: UserName, gateway: TheGateway) -> Response:
 
 
 @router.delete("/sessions", name="log_out_everywhere", status_code=204, responses=problems(404, 409, 422, 503))
+@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST)
 async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
     """Log the user who asks out in every browser."""
     principal = principal_of(request)
@@ -87,6 +94,7 @@ async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
     responses=problems(400, 408, 409, 413, 415, 422, 429, 503),
     openapi_extra=body(body_schema(PasswordBody), required=True),
 )
+@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST)
 async def change_password(request: Request, gateway: TheGateway) -> Response:
     """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
     body = await read(PasswordBody, request)

@@ -12,9 +12,11 @@ from dock_gateway.audit.schema import AuditPage, AuditRecord
 from dock_gateway.core.audit import AuditFilter, AuditRow, Outcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.gateway import Gateway
 from dock_gateway.http.downloads import CSV, FormatQuery, download
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import (
@@ -75,6 +77,7 @@ AuditFilterQuery = Annotated[AuditFilter, Depends(read_audit_filter)]
     responses=problems(422, 503),
     dependencies=[Depends(known_query(*FILTERS, "limit", "cursor"))],
 )
+@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
 async def list_audit(
     gateway: TheGateway,
     wanted: AuditFilterQuery,
@@ -95,6 +98,7 @@ async def list_audit(
     responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
     dependencies=[Depends(known_query(*FILTERS, "format"))],
 )
+@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
 async def export_audit(
     request: Request,
     gateway: TheGateway,

@@ -6,9 +6,11 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.automation.schema import DecisionList, Rule, RuleBody, RuleList
+from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -40,6 +42,7 @@ GoalIdQuery = Annotated[
 
 
 @router.get("/rules", response_model=RuleList, responses=problems(422, 503), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.LISTED)
 async def list_rules(gateway: TheGateway, grant: TheGrant) -> Response:
     """List the rules by name, each with the robots that it applies to and what it waits for."""
     return json_response({"rules": await gateway.automation.documents(grant)})
@@ -52,6 +55,7 @@ async def list_rules(gateway: TheGateway, grant: TheGrant) -> Response:
     dependencies=[NO_QUERY],
     openapi_extra=body(body_schema(RuleBody), required=True),
 )
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def replace_rule(rule_id: RuleId, request: Request, gateway: TheGateway) -> Response:
     """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
 
@@ -62,6 +66,7 @@ async def replace_rule(rule_id: RuleId, request: Request, gateway: TheGateway) -
 
 
 @router.delete("/rules/{rule_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def remove_rule(rule_id: RuleId, gateway: TheGateway) -> Response:
     """Remove a rule. Goals that it sent go on."""
     await gateway.automation.remove(rule_id)
@@ -74,6 +79,7 @@ async def remove_rule(rule_id: RuleId, gateway: TheGateway) -> Response:
     responses=problems(422, 503),
     dependencies=[Depends(known_query("robot", "rule", "goal_id", "limit"))],
 )
+@operation(Role.VIEWER, Scope.LISTED)
 async def list_decisions(
     gateway: TheGateway,
     grant: TheGrant,

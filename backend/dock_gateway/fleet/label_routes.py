@@ -3,10 +3,12 @@
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
 from dock_gateway.fleet.schema import Label
 from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     TheGateway,
@@ -26,6 +28,7 @@ router = APIRouter()
     dependencies=[Depends(known_query())],
     openapi_extra=body(body_schema(Label), required=True),
 )
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def label_robot(request: Request, gateway: TheGateway) -> Response:
     """Replace the display name and the groups of a robot, at every gateway that shares the history.
 

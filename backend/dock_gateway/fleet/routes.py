@@ -5,10 +5,12 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, RobotList
 from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -30,6 +32,7 @@ NO_QUERY = Depends(known_query())
     responses=problems(404, 422),
     dependencies=[Depends(known_query("robot"))],
 )
+@operation(Role.VIEWER, Scope.LISTED)
 async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List every robot that was found, or only the one given by `robot`."""
     if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
@@ -41,6 +44,7 @@ AlertId = Annotated[str, Path(description="`id` of the alert")]
 
 
 @router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.LISTED)
 async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
     """List the active alerts: critical ones first, then oldest first."""
     return json_response({"alerts": gateway.alerts.documents(grant)})
@@ -54,6 +58,7 @@ async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
     dependencies=[NO_QUERY],
     openapi_extra=body(body_schema(AcknowledgementBody), required=True),
 )
+@operation(Role.OPERATOR, Scope.ALERT)
 async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
     """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
     body = await read_signed(AcknowledgementBody, request)
@@ -67,6 +72,7 @@ async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) 
     responses=problems(404, 422),
     dependencies=[NO_QUERY],
 )
+@operation(Role.OPERATOR, Scope.ALERT)
 async def withdraw_acknowledgement(alert_id: AlertId, gateway: TheGateway) -> Response:
     """Withdraw an acknowledgement. Succeeds even if there is none."""
     return json_response(await gateway.alerts.withdraw(alert_id))

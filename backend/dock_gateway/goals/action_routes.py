@@ -7,11 +7,13 @@ from starlette.responses import Response
 
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.goal import Verb
+from dock_gateway.core.grant import Role
 from dock_gateway.goals import routes as goals
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.action_schema import ActionInfo, ActionList
 from dock_gateway.goals.schema import ActionGoal, ActionGoalPage
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -54,6 +56,7 @@ HiddenQuery = Annotated[bool, Query(description="Whether to list hidden actions,
 
 
 @router.get("", response_model=ActionList, responses=problems(422), dependencies=[Depends(known_query("hidden"))])
+@operation(Role.VIEWER, Scope.LISTED)
 async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQuery = False) -> Response:
     """List every action on the graph. If an action's interface package is missing, `hint` says what to install.
 
@@ -95,6 +98,7 @@ async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQu
     openapi_extra={**GOAL_BODY, "parameters": goals.HEADERS},
     dependencies=[NO_QUERY],
 )
+@operation(Role.OPERATOR, Scope.ACTION, sends_goal=True)
 async def send_action_goal(name: GraphName, request: Request, gateway: TheGateway) -> Response:
     """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
     action = await gateway.actions.find(f"/{name}")
@@ -107,6 +111,7 @@ async def send_action_goal(name: GraphName, request: Request, gateway: TheGatewa
     responses=problems(404, 422, 503),
     dependencies=[Depends(known_query("status", "limit", "cursor"))],
 )
+@operation(Role.VIEWER, Scope.ACTION)
 async def list_action_goals(
     name: GraphName,
     gateway: TheGateway,
@@ -120,6 +125,7 @@ async def list_action_goals(
 
 
 @router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.GOAL)
 async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
     """Return one goal of an action."""
     action = await gateway.actions.find(f"/{name}")
@@ -133,6 +139,7 @@ async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway)
     response_model=ActionGoal,
     responses=problems(404, 409, 422, 503, 504),
 )
+@operation(Role.OPERATOR, Scope.GOAL)
 async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
     """Ask the action server to cancel a goal, whoever sent it."""
     action = await gateway.actions.find(f"/{name}")
@@ -142,6 +149,7 @@ async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGatew
 
 
 @router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.ACTION)
 async def get_action(name: GraphName, gateway: TheGateway) -> Response:
     """Return one action."""
     return json_response(describe(await gateway.actions.find(f"/{name}")))

@@ -9,11 +9,13 @@ from starlette.responses import Response
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import Verb
+from dock_gateway.core.grant import Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import routes as goals
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.schema import Goal, GoalPage
 from dock_gateway.http.openapi import docking_body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -38,12 +40,14 @@ class Operations:
         verb: `dock` or `undock`. Also the path.
         description: What sending a goal does.
         body: Schema of the simple request.
+        scope: The action of the robot that they are about.
         prefix: Prefix of the names of the other operations.
     """
 
     verb: Verb
     description: str
     body: dict[str, Any]
+    scope: Scope
     prefix: str = ""
 
     @property
@@ -59,6 +63,7 @@ DOCK = Operations(
     "Send the robot to its charging dock.\n\nAn empty body asks for CHARGING, at the default dock. `dock_id` names the "
     f"dock, where the docking server knows docks by name. {TYPES} {WAITING}",
     docking_body("dock_id"),
+    Scope.DOCK,
 )
 UNDOCK = Operations(
     "undock",
@@ -66,6 +71,7 @@ UNDOCK = Operations(
     "docked, and is aborted (`DOCKED_UNKNOWN`) if nothing tells.\n\n"
     f"An empty body asks for a battery that is not charging, 2 or 3. {TYPES} {WAITING}",
     docking_body(),
+    Scope.UNDOCK,
     "undock_",
 )
 
@@ -88,6 +94,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         openapi_extra={**operations.body, "parameters": goals.HEADERS},
         dependencies=[Depends(known_query("robot"))],
     )
+    @operation(Role.OPERATOR, operations.scope, sends_goal=True)
     async def send_goal(request: Request, gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
         async def pick() -> Action:
             action = await gateway.docking_action(verb, robot)
@@ -104,6 +111,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         responses=problems(404, 422),
         dependencies=[Depends(known_query("robot", "status", "limit", "cursor"))],
     )
+    @operation(Role.VIEWER, operations.scope)
     async def list_goals(
         gateway: TheGateway,
         grant: TheGrant,
@@ -127,6 +135,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         return goal
 
     @router.get("/{goal_id}", name=f"get_{operations.prefix}goal", response_model=Goal, responses=problems(404, 422))
+    @operation(Role.VIEWER, Scope.GOAL)
     async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Return one goal, of any robot."""
         return goal_response(await find_goal(gateway, goal_id), f"{path}/{goal_id}")
@@ -138,6 +147,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         response_model=Goal,
         responses=problems(404, 409, 422, 503, 504),
     )
+    @operation(Role.OPERATOR, Scope.GOAL)
     async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
         await find_goal(gateway, goal_id)

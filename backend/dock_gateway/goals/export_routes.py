@@ -8,10 +8,12 @@ from starlette.responses import Response
 
 from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
 from dock_gateway.core.goal import Goal, encode
+from dock_gateway.core.grant import Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals.routes import with_tags
 from dock_gateway.goals.schema import ExportedGoal, TaggedGoal
 from dock_gateway.http.downloads import CSV, FormatQuery, download
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import QUERY, GoalFilterQuery
 from dock_gateway.http.requests import GoalId, TheGateway, known_query
@@ -31,6 +33,7 @@ GOALS, EVENTS = 200, 500
     responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
     dependencies=[Depends(known_query(*QUERY, "format"))],
 )
+@operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS)
 async def export_goals(
     request: Request,
     gateway: TheGateway,
@@ -51,6 +54,7 @@ async def export_goals(
     responses={200: {"description": "A file", "content": CSV}, **problems(404, 422, 429, 503)},
     dependencies=[Depends(known_query("format"))],
 )
+@operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS)
 async def export_goal(
     request: Request,
     goal_id: GoalId,

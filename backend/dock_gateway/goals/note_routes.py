@@ -7,9 +7,11 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
 from dock_gateway.goals.schema import GoalNotes, NoteBody, Tags, TagsBody
 from dock_gateway.http.bodies import body_schema, read, read_signed
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     GoalId,
@@ -25,12 +27,14 @@ NoteId = Annotated[str, Path(description="`note_id` of the note", pattern="^[0-9
 
 
 @router.get("/tags", response_model=Tags, responses=problems(422, 503))
+@operation(Role.VIEWER, Scope.ANY)
 async def list_tags(gateway: TheGateway) -> Response:
     """List the tags of all goals, the first 1000."""
     return json_response({"tags": await gateway.history.notes.all_tags()})
 
 
 @router.get("/{goal_id}/notes", response_model=GoalNotes, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.GOAL)
 async def list_notes(goal_id: GoalId, gateway: TheGateway) -> Response:
     """Return the tags and notes of a goal."""
     await gateway.goal(goal_id)
@@ -44,6 +48,7 @@ async def list_notes(goal_id: GoalId, gateway: TheGateway) -> Response:
     responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
     openapi_extra=body(body_schema(NoteBody), required=True),
 )
+@operation(Role.OPERATOR, Scope.GOAL)
 async def add_note(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
     """Add a note to a goal, which may have 100."""
     body = await read_signed(NoteBody, request)
@@ -53,6 +58,7 @@ async def add_note(goal_id: GoalId, request: Request, gateway: TheGateway) -> Re
 
 
 @router.delete("/{goal_id}/notes/{note_id}", response_model=GoalNotes, responses=problems(404, 422, 503))
+@operation(Role.OPERATOR, Scope.GOAL)
 async def delete_note(goal_id: GoalId, note_id: NoteId, gateway: TheGateway) -> Response:
     """Delete a note of a goal."""
     await gateway.goal(goal_id)
@@ -65,6 +71,7 @@ async def delete_note(goal_id: GoalId, note_id: NoteId, gateway: TheGateway) -> 
     responses=problems(400, 404, 408, 413, 415, 422, 503),
     openapi_extra=body(body_schema(TagsBody), required=True),
 )
+@operation(Role.OPERATOR, Scope.GOAL)
 async def replace_tags(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
     """Replace the tags of a goal."""
     body = await read(TagsBody, request)

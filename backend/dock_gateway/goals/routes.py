@@ -13,11 +13,13 @@ from dock_gateway.core.errors import NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.grant import Role
 from dock_gateway.core.request import wait_while_permitted
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.schema import ActionGoal, GoalHistory, TaggedGoalPage
 from dock_gateway.http.audit_trail import audited
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import read_own_key
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import EVENT_ID, QUERY, GoalFilterQuery
@@ -125,6 +127,7 @@ NO_QUERY = Depends(known_query())
     responses=problems(422, 503),
     dependencies=[Depends(known_query(*QUERY, "limit", "cursor"))],
 )
+@operation(Role.VIEWER, Scope.LISTED)
 async def list_all_goals(
     gateway: TheGateway, wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Response:
@@ -140,6 +143,7 @@ async def with_tags(gateway: Gateway, goals: list[Goal]) -> list[dict[str, Any]]
 
 
 @router.get("/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.GOAL)
 async def get_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
     """Return one goal, on any action."""
     return goal_response(await gateway.goal(goal_id), f"/goals/{goal_id}")
@@ -152,6 +156,7 @@ async def get_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
     responses=problems(404, 409, 422, 503, 504),
     dependencies=[NO_QUERY],
 )
+@operation(Role.OPERATOR, Scope.GOAL)
 async def cancel_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
     """Ask the action server to cancel a goal, on any action, whoever sent it."""
     return goal_response(await gateway.cancel(goal_id), f"/goals/{goal_id}", 202)
@@ -172,6 +177,7 @@ AfterQuery = Annotated[
     responses=problems(404, 422, 503),
     dependencies=[Depends(known_query("type", "after", "limit"))],
 )
+@operation(Role.VIEWER, Scope.GOAL)
 async def goal_history(
     goal_id: GoalId,
     gateway: TheGateway,

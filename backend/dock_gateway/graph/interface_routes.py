@@ -8,6 +8,8 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Role
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import json_response, known_query
 from dock_gateway.http.schema import Schema
@@ -57,12 +59,14 @@ class ActionInterface(Schema):
 
 # Plain functions, which FastAPI runs in threads: they read files and import packages.
 @router.get("", response_model=InterfaceList)
+@operation(Role.VIEWER, Scope.ANY)
 def list_interfaces() -> Response:
     """List the action types in the ament index. If Python cannot import one, `hint` says what to install."""
     return json_response({"interfaces": [_describe(type_name) for type_name in known_actions()]})
 
 
 @router.get("/{package}/action/{name}", response_model=ActionInterface, responses=problems(404, 422))
+@operation(Role.VIEWER, Scope.ANY)
 def get_interface(package: Package, name: TypeName) -> Response:
     """Return the JSON Schema of goal, result and feedback.
 

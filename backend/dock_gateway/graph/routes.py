@@ -3,7 +3,9 @@
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
 from dock_gateway.graph.schema import Graph, GraphTopic
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import GraphName, TheGateway, json_response, known_query
@@ -12,6 +14,7 @@ router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_
 
 
 @router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
+@operation(Role.VIEWER, Scope.LISTED)
 async def get_graph(request: Request, gateway: TheGateway, grant: TheGrant) -> Response:
     """Return the graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
     view = await gateway.graph.graph(grant)
@@ -22,6 +25,7 @@ async def get_graph(request: Request, gateway: TheGateway, grant: TheGrant) -> R
 
 
 @router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.TOPIC)
 async def get_topic(name: GraphName, gateway: TheGateway) -> Response:
     """Return the current state of one topic, with its publishers and subscribers."""
     return json_response((await gateway.graph.topic(f"/{name}")).document())

@@ -18,13 +18,12 @@ from dock_gateway.core.filters import parent_of
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.request import PERMIT
 from dock_gateway.gateway import Gateway
-from dock_gateway.http.permissions import AUDITED_READS, COMMANDS, STORED_FIRST, UNAUDITED_COMMANDS
+from dock_gateway.http.operation import READS, Audit, Operation, find_operation
 from dock_gateway.http.principal import address_of
 from dock_gateway.http.requests import GOAL_ID, get_gateway, read_goal_id
 
 log = logging.getLogger(__name__)
 
-READS = frozenset({"GET", "HEAD"})
 # Parameters of paths that have a column of their own: `name` is that of an action.
 COLUMNS = frozenset({"goal_id", "name"})
 # What only the request says.
@@ -38,15 +37,23 @@ class Trail:
         scope: The scope of the request, or of the WebSocket.
         what: The command; None for a request.
         command: Its fields.
+        operation: What it needs.
 
     Attributes:
         at: When the request had arrived. The entry has that, or when the request acted, if it was authorized.
         fields: Of the entry: `robot`, `action_name`, `goal_id`, `subject`.
     """
 
-    def __init__(self, scope: Scope, what: str | None = None, command: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self,
+        scope: Scope,
+        what: str | None = None,
+        command: Mapping[str, Any] | None = None,
+        operation: Operation | None = None,
+    ) -> None:
         self.fields: dict[str, str | None] = {}
         self._command = command
+        self._operation = operation
         self._scope: Final = scope
         self._what = what
         self.at = utc_now()
@@ -67,7 +74,8 @@ class Trail:
         gateway = get_gateway(HTTPConnection(self._scope))
         said = _parameters(self._scope, gateway) if self._command is None else _fields_of(self._command, gateway)
         entry = self._entry(what, status, code, _completed({**said, **self.fields}, gateway))
-        if status < 400 and what in STORED_FIRST:
+        operation = self._operation or find_operation(self._scope["route"])
+        if status < 400 and operation is not None and operation.audit is Audit.STORED_FIRST:
             await gateway.audit.store(entry)
         else:
             gateway.audit.record(entry)
@@ -91,7 +99,7 @@ class Trail:
 
 
 class AuditTrail:
-    """ASGI middleware that records each request that changes something, and those of `AUDITED_READS`."""
+    """ASGI middleware that records each request that changes something, and what is `Audit.ALWAYS`."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -129,12 +137,16 @@ def audited(connection: HTTPConnection, **fields: str | None) -> Trail:
 
 
 async def audited_command(
-    scope: Scope, op: str, fields: Mapping[str, Any], carry_out: Callable[[], Awaitable[dict[str, Any]]]
+    scope: Scope,
+    op: str,
+    operation: Operation | None,
+    fields: Mapping[str, Any],
+    carry_out: Callable[[], Awaitable[dict[str, Any]]],
 ) -> dict[str, Any]:
-    """Carry out a command of `/ws`, and record it. Return its answer, or raise its error."""
-    if op not in COMMANDS or op in UNAUDITED_COMMANDS:
+    """Carry out a command of `/ws`, and record it if there is such a command. Return its answer, or raise its error."""
+    if operation is None or operation.audit is Audit.NEVER:
         return await carry_out()
-    trail = Trail(scope, op, dict(fields))
+    trail = Trail(scope, op, dict(fields), operation)
     try:
         answer = await carry_out()
     except GatewayError as error:
@@ -164,14 +176,12 @@ def _failure(error: BaseException) -> tuple[HTTPStatus, str]:
 
 def _name(scope: Scope, status: int) -> str | None:
     """Return the name of the route, if the request is to be recorded."""
-    name: str | None = getattr(scope.get("route"), "name", None)
-    method = scope["method"]
-    if (
-        method == "OPTIONS"
-        or status == HTTPStatus.METHOD_NOT_ALLOWED
-        or (method in READS and name not in AUDITED_READS)
-    ):
+    route, method = scope.get("route"), scope["method"]
+    operation = find_operation(route)
+    recorded = method not in READS if operation is None else operation.audits(method)
+    if method == "OPTIONS" or status == HTTPStatus.METHOD_NOT_ALLOWED or not recorded:
         return None
+    name: str | None = getattr(route, "name", None)
     return name
 
 

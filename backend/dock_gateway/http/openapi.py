@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.http.permissions import PUBLIC, role_for
+from dock_gateway.http.operation import find_operation
 from dock_gateway.ros.messages.codec import codec
 
 SECURITY_SCHEMES = {
@@ -105,8 +105,9 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
         for operation in (operations.get(method.lower()) for method in route.methods or ()):
             if operation is None:
                 continue
-            if route.name not in PUBLIC:
-                operation["x-role"] = role_for(str(route.name), route.methods or ())
+            needed = find_operation(route)
+            if needed is not None and needed.role is not None:
+                operation["x-role"] = needed.role
             elif "security" in document:
                 operation["security"] = []
 

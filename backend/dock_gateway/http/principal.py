@@ -17,13 +17,11 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.gateway import Gateway
-from dock_gateway.http.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPES, SENDING, Scope, role_for
+from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.requests import get_gateway, read_body, read_json, read_key
 from dock_gateway.http.scopes import require_covered
 
 SCHEME = "bearer"
-# The route that reads its body itself.
-STOP = "stop"
 # The query parameter of a WebSocket that says who opens it.
 TICKET = "ticket"
 # Browsers accept a cookie of the first name only over TLS, from this very host.
@@ -50,31 +48,29 @@ async def authorize(connection: HTTPConnection) -> None:
         MalformedRequest: The body is too large, too slow or cut off.
     """
     PERMIT.set(None)  # the connection's earlier request may have left its own
-    name = connection.scope["route"].name
-    if name in PUBLIC:
+    operation = operation_of(connection.scope["route"].endpoint)
+    if operation.role is None:
         return
     gateway = get_gateway(connection)
-    principal = await _admit(connection, name)
-    if name == STOP or not isinstance(connection, Request):
+    principal = await _admit(connection, operation)
+    if operation.reads_body or not isinstance(connection, Request):
         return
     await read_body(connection)
     if principal.credential is not None:
         if not gateway.logins.is_valid(principal):  # it has ended, or there is another role or limit
-            principal = await _admit(connection, name)
+            principal = await _admit(connection, operation)
         _permit(gateway, principal)
-    if name in SENDING:
+    if operation.sends_goal:
         gateway.quotas.spend_goal(principal)
 
 
-async def _admit(connection: HTTPConnection, name: str) -> Principal:
+async def _admit(connection: HTTPConnection, operation: Operation) -> Principal:
     """Return who makes a request, if they may make it now."""
     connection.scope["principal"] = principal = await identify(connection)
-    role = role_for(name, [connection.scope.get("method", "")])
-    if role is None:
-        raise NotAllowed(f"no role may use {name}", code="role_required")
-    require(principal, role, name)
+    name = connection.scope["route"].name
+    require(principal, operation.role, name)
     names = {**connection.query_params, **connection.path_params}
-    await require_covered(get_gateway(connection), principal.grant, SCOPES.get(name, Scope.EVERY), names, name)
+    await require_covered(get_gateway(connection), principal.grant, operation.scope, names, name)
     return principal
 
 
@@ -99,7 +95,9 @@ async def identify(connection: HTTPConnection) -> Principal:
     return principal
 
 
-async def authorize_command(gateway: Gateway, principal: Principal, op: str, fields: Mapping[str, Any]) -> None:
+async def authorize_command(
+    gateway: Gateway, principal: Principal, op: str, operation: Operation, fields: Mapping[str, Any]
+) -> None:
     """Refuse a command that is not allowed. The user was identified when the connection was opened.
 
     Raises:
@@ -107,10 +105,10 @@ async def authorize_command(gateway: Gateway, principal: Principal, op: str, fie
         NotAllowed, TooManyRequests: As for `authorize`.
     """
     gateway.logins.require_valid(principal)
-    require(principal, COMMANDS[op], op)
-    await require_covered(gateway, principal.grant, COMMAND_SCOPES[op], fields, op)
+    require(principal, operation.role, op)
+    await require_covered(gateway, principal.grant, operation.scope, fields, op)
     _permit(gateway, principal)
-    if op in SENDING:
+    if operation.sends_goal:
         gateway.quotas.spend_goal(principal)
 
 
@@ -124,14 +122,14 @@ def _permit(gateway: Gateway, principal: Principal) -> None:
     PERMIT.set(Permit(partial(gateway.logins.require_valid, principal), partial(gateway.logins.watch, principal)))
 
 
-def require(principal: Principal, role: Role, what: str) -> None:
+def require(principal: Principal, role: Role | None, what: str) -> None:
     """Refuse a request or a command that the user's role does not allow.
 
     Raises:
         NotAllowed: The role does not suffice (`role_required`).
     """
     own = principal.grant.role
-    if not own.includes(role):
+    if role is not None and not own.includes(role):
         raise NotAllowed(f"{what} needs the role {role}; {principal.name} is {own}", code="role_required")
 
 

@@ -7,7 +7,7 @@ from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.gateway import Gateway
-from dock_gateway.http.permissions import Scope
+from dock_gateway.http.operation import Scope
 from dock_gateway.http.requests import read_goal_id
 
 # The query and path parameters of a request, or the fields of a command.

@@ -4,12 +4,15 @@ from fastapi import APIRouter, Request
 from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from starlette.responses import PlainTextResponse, Response
 
+from dock_gateway.core.grant import Role
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.requests import TheGateway
 
 router = APIRouter(tags=["Health"])
 
 
 @router.get("/metrics", response_class=PlainTextResponse)
+@operation(Role.VIEWER, Scope.EVERY)
 async def metrics(request: Request, gateway: TheGateway) -> Response:
     """Return the gateway's metrics in Prometheus' text format."""
     return Response(await gateway.metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)

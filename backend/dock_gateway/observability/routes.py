@@ -8,6 +8,7 @@ from starlette.responses import Response
 from dock_gateway import __version__
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.http.operation import public_operation
 from dock_gateway.http.principal import identify
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
@@ -19,6 +20,7 @@ router = APIRouter(tags=["Health"])
 
 
 @router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
+@public_operation()
 async def healthz(gateway: TheGateway) -> Response:
     """Report whether the ROS thread is alive and responsive."""
     try:
@@ -42,6 +44,7 @@ async def healthz(gateway: TheGateway) -> Response:
     responses={503: {"model": Readiness}, **problems(403, 404, 422)},
     dependencies=[Depends(known_query("robot"))],
 )
+@public_operation()
 async def readyz(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Report whether the docking server of a robot is available and answers, and the state of the history.
 

@@ -8,7 +8,9 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import moment, nanoseconds, utc_now
+from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
@@ -27,6 +29,7 @@ MIN_STEP = 1_000  # nanoseconds; the API gives times in microseconds
     responses=problems(422, 503),
     dependencies=[Depends(known_query("robot", "since", "until", "points"))],
 )
+@operation(Role.VIEWER, Scope.ROBOT)
 async def battery_history(
     gateway: TheGateway,
     *,

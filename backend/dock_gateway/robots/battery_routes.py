@@ -5,7 +5,9 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.goal import fragment
+from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import battery_body, body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query, read_json, read_object
@@ -45,6 +47,7 @@ def read_rate(value: object) -> float:
 
 
 @router.get("/battery", response_model=BatteryAnswer, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.ROBOT)
 async def get_battery(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
     """Return the latest battery state, its age, whether it is stale, and without one which batteries there are."""
     known = gateway.robots.get(robot)
@@ -58,6 +61,7 @@ async def get_battery(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = 
     responses=problems(400, 404, 409, 413, 415, 422, 503),
     openapi_extra=battery_body(required=True),
 )
+@operation(Role.SUPERVISOR, Scope.ROBOT)
 async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish one battery state. Omitted float fields are NaN."""
     state = await gateway.robots.get(robot).publisher.publish(await read_json(request))
@@ -65,6 +69,7 @@ async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQue
 
 
 @router.get("/battery/publisher", response_model=Publisher, responses=problems(404, 422))
+@operation(Role.VIEWER, Scope.ROBOT)
 async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Return what the gateway publishes repeatedly."""
     return json_response(gateway.robots.get(robot).publisher.document())
@@ -76,6 +81,7 @@ async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Respon
     responses=problems(400, 404, 409, 413, 415, 422, 503),
     openapi_extra=body(PUBLISHER_REQUEST, required=True),
 )
+@operation(Role.SUPERVISOR, Scope.ROBOT)
 async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Start publishing a battery state repeatedly. Replaces what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
@@ -87,6 +93,7 @@ async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQue
 
 
 @router.delete("/battery/publisher", status_code=204, responses=problems(404, 422))
+@operation(Role.SUPERVISOR, Scope.ROBOT)
 async def stop_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Stop publishing."""
     await gateway.robots.get(robot).publisher.stop()

@@ -3,6 +3,8 @@
 from fastapi import APIRouter, Depends
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
 from dock_gateway.robots.schema import Calibration, CalibrationService
@@ -11,12 +13,14 @@ router = APIRouter(tags=["Robots"], prefix="/calibration", dependencies=[Depends
 
 
 @router.get("", response_model=CalibrationService, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.ROBOT)
 async def get_calibration(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Return whether the robot's docking server can calibrate its dock."""
     return json_response(await gateway.calibrations.document(gateway.robots.get(robot).namespace))
 
 
 @router.post("", response_model=Calibration, responses=problems(404, 409, 422, 503, 504))
+@operation(Role.SUPERVISOR, Scope.ROBOT)
 async def calibrate_dock(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Measure where the docked robot stands, as seen from the marker, and use that from now on. Nothing moves.
 

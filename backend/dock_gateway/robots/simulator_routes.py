@@ -6,10 +6,12 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
 from dock_gateway.core.scene import Pose
 from dock_gateway.gateway import Gateway
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
 from dock_gateway.robots.schema import FaultBody, PlaceBody, Simulator
@@ -40,12 +42,14 @@ def _robot(gateway: Gateway, robot: str | None) -> str:
 
 
 @router.get("", response_model=Simulator, responses=problems(404, 422))
+@operation(Role.VIEWER, Scope.ROBOT)
 async def get_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Return the active faults, and whether the robot touches its dock and is charged there."""
     return json_response(gateway.simulators.get(_robot(gateway, robot)).document())
 
 
 @router.post("/reset", response_model=Simulator, responses=problems(404, 422, 503, 504))
+@operation(Role.OPERATOR, Scope.ROBOT)
 async def reset_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Move the robot to its start pose, restore its battery, and clear every fault."""
     return json_response(await gateway.simulators.reset(_robot(gateway, robot)))
@@ -57,6 +61,7 @@ async def reset_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Resp
     responses=problems(400, 404, 408, 413, 415, 422, 503, 504),
     openapi_extra=body(body_schema(PlaceBody), required=True),
 )
+@operation(Role.OPERATOR, Scope.ROBOT)
 async def place_robot(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Move the robot to a pose through RViz's `initialpose` topic."""
     body = await read(PlaceBody, request)
@@ -70,6 +75,7 @@ async def place_robot(request: Request, gateway: TheGateway, robot: RobotQuery =
     responses=problems(400, 404, 408, 413, 415, 422, 503, 504),
     openapi_extra=body(body_schema(FaultBody), required=True),
 )
+@operation(Role.OPERATOR, Scope.ROBOT)
 async def switch_fault(fault: FaultPath, request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Switch a fault on or off."""
     body = await read(FaultBody, request)

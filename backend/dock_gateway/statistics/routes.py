@@ -15,6 +15,8 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.grant import Role
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.owners import owners
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
@@ -96,6 +98,7 @@ WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
     responses=problems(422, 503),
     dependencies=[Depends(known_query("robot", "action", "origin", "since", "until", "tag", "group", "by", "tz"))],
 )
+@operation(Role.VIEWER, Scope.LISTED)
 async def statistics(
     gateway: TheGateway, wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
 ) -> Response:

@@ -17,9 +17,11 @@ from starlette.responses import Response
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
+from dock_gateway.core.grant import Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.http.audit_trail import Trail, audited, robots_text
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.principal import principal_of, signed
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -160,6 +162,7 @@ def _read_robots(query: QueryParams, value: object, wrong: list[GatewayError]) -
     responses=problems(404, 422) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
+@operation(Role.VIEWER, Scope.ANY, reads_body=True)
 async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None) -> Response:
     """Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
 
@@ -204,12 +207,14 @@ async def _read_body(request: Request, gateway: Gateway) -> Any:
 
 
 @router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
+@operation(Role.VIEWER, Scope.ROBOT)
 async def get_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Return whether a stop is latched for a robot."""
     return json_response(gateway.stopper.state(robot))
 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
+@operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
 async def release_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move."""
     return json_response(await gateway.stopper.release(robot))

@@ -7,7 +7,9 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
+from dock_gateway.core.grant import Role
 from dock_gateway.gateway import Gateway
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.requests import check_key, read_goal_id
 from dock_gateway.http.scopes import require_action
 from dock_gateway.robots.battery_routes import read_rate
@@ -57,7 +59,9 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
         raise InvalidField(errors[:20])
 
 
-async def _send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+@operation(Role.OPERATOR, Scope.NEW_GOAL, sends_goal=True)
+async def send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+    """Send a goal to `action`, or a robot to its charging dock. The ack has the goal."""
     if fields.get("action") is not None:
         return await _submit_goal(gateway, principal, fields)
     with gateway.hinting(fields.get("robot"), principal.grant):
@@ -80,12 +84,16 @@ async def _submit_goal(gateway: Gateway, principal: Principal, fields: Fields) -
     return {"goal": (await action.submitter.submit(message, own)).document()}
 
 
-async def _cancel_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+@operation(Role.OPERATOR, Scope.GOAL)
+async def cancel_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    """Ask the action server to cancel a goal, whoever sent it."""
     check_fields(fields, ("goal_id",))
     return {"goal": (await gateway.cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
 
 
-async def _publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+@operation(Role.SUPERVISOR, Scope.ROBOT)
+async def publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    """Publish a battery state once, or with `rate_hz` until it is stopped."""
     check_fields(fields, ("robot",), ("state", "rate_hz"))
     publisher = gateway.robots.get(fields.get("robot")).publisher
     if "rate_hz" in fields:
@@ -94,14 +102,18 @@ async def _publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fi
     return {"state": fragment(await publisher.publish(fields.get("state", {}), "state"))}
 
 
-async def _stop_publishing(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+@operation(Role.SUPERVISOR, Scope.ROBOT)
+async def stop_publishing(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    """Stop publishing battery states."""
     check_fields(fields, ("robot",))
     publisher = gateway.robots.get(fields.get("robot")).publisher
     await publisher.stop()
     return {"battery_publisher": publisher.document()}
 
 
-async def _stop(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+@operation(Role.VIEWER, Scope.ANY)
+async def stop(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+    """Stop a robot, or every robot, and cancel its goals."""
     robot = fields.pop("robot", None)
     check_fields({"robot": robot}, ("robot",))
     if robot is None:  # an unknown field may be a misspelt `robot`
@@ -109,22 +121,22 @@ async def _stop(gateway: Gateway, principal: Principal, fields: Fields) -> Field
     return await stop_robots(gateway, principal, [] if robot is None else [robot], fields)
 
 
-async def _release_stop(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+@operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
+async def release_stop(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+    """Let a robot that was stopped move again."""
     check_fields(fields, ("robot",))
     return {"stop": await gateway.stopper.release(fields.get("robot"))}
 
 
-async def _ping(_: Gateway, __: Principal, fields: Fields) -> Fields:
+@operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
+async def ping(_: Gateway, __: Principal, fields: Fields) -> Fields:
+    """Answer with the time."""
     check_fields(fields)
     return {"time": utc_now()}
 
 
+# By their names, which are those of the functions.
 COMMANDS: dict[str, Command] = {
-    "send_goal": _send_goal,
-    "cancel_goal": _cancel_goal,
-    "publish_battery": _publish_battery,
-    "stop_publishing": _stop_publishing,
-    STOP: _stop,
-    "release_stop": _release_stop,
-    "ping": _ping,
+    command.__name__: command
+    for command in (send_goal, cancel_goal, publish_battery, stop_publishing, stop, release_stop, ping)
 }

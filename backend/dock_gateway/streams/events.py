@@ -11,9 +11,11 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.event import Event
+from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TICKET, principal_of, subscribed
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
@@ -34,6 +36,7 @@ SSE_RESPONSES = {
 
 
 @router.websocket("/ws/feedback", dependencies=[Depends(known_query(*STREAM_QUERY, "after", "max_rate", TICKET))])
+@operation(Role.VIEWER, Scope.LISTED)
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """Send a snapshot, then every event as it happens.
 
@@ -99,12 +102,14 @@ class EventStream(PacedResponse):
 @router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+@operation(Role.VIEWER, Scope.GOAL)
 async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
     return await _sse(request, gateway, goal_id)
 
 
 @router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+@operation(Role.VIEWER, Scope.GOAL)
 async def action_events(name: GraphName, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
     return await _sse(request, gateway, goal_id)

@@ -27,11 +27,12 @@ from dock_gateway.core.errors import (
 )
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
 from dock_gateway.http.audit_trail import audited_command
-from dock_gateway.http.permissions import COMMANDS as PERMISSIONS
+from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
 from dock_gateway.http.principal import TICKET, authorize_command, principal_of, subscribed
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.queries import read_after, read_event_filter, read_max_rate
@@ -52,6 +53,7 @@ SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
 @router.websocket("/ws", dependencies=[Depends(known_query(TICKET))])
+@operation(Role.VIEWER, Scope.LISTED)
 async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
     """Receive commands, send acks and events."""
     principal = principal_of(websocket)
@@ -124,10 +126,10 @@ class Session:
             op, identity, fields = read_command(_decode(received))
             if op == "subscribe":
                 await self._authorize(op, fields)
-                self._subscribe(identity, fields)  # it sends its own answer
+                self.subscribe(identity, fields)  # it sends its own answer
             else:
                 carry_out = partial(self._do, op, fields)
-                answer = await audited_command(self._websocket.scope, op, fields, carry_out)
+                answer = await audited_command(self._websocket.scope, op, OPERATIONS.get(op), fields, carry_out)
                 await self._answer("ack", identity, answer)
         except GatewayError as error:
             await self._answer_error(identity, error)
@@ -138,20 +140,21 @@ class Session:
             await self._answer_error(identity, INTERNAL)
 
     async def _authorize(self, op: str, fields: Fields) -> None:
-        if op in PERMISSIONS:
-            await authorize_command(self._gateway, self._principal, op, fields)
+        if (needed := OPERATIONS.get(op)) is not None:
+            await authorize_command(self._gateway, self._principal, op, needed, fields)
 
     async def _do(self, op: str, fields: Fields) -> Fields:
         await self._authorize(op, fields)
         if op == "unsubscribe":
-            return await self._unsubscribe(fields)
+            return await self.unsubscribe(fields)
         command = COMMANDS.get(op)
         if command is None:
             expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
             raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
         return await command(self._gateway, self._principal, fields)
 
-    def _subscribe(self, identity: str | None, fields: Fields) -> None:
+    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+    def subscribe(self, identity: str | None, fields: Fields) -> None:
         """Start a subscription. Nothing is awaited here, so the checks still hold when its id is registered."""
         check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
         if not identity:
@@ -188,7 +191,9 @@ class Session:
             log.exception("a subscription failed")
             await self._answer_error(identity, INTERNAL)
 
-    async def _unsubscribe(self, fields: Fields) -> Fields:
+    @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
+    async def unsubscribe(self, fields: Fields) -> Fields:
+        """End a subscription."""
         check_fields(fields, ("subscription",))
         identity = fields.get("subscription") or ""
         subscription = self._subscriptions.get(identity)
@@ -213,6 +218,12 @@ class Session:
     async def _send(self, text: str) -> None:
         async with self._sending:
             await send_text(self._websocket, self._gateway, text)
+
+
+# What each command needs, by its name.
+OPERATIONS: dict[str, Operation] = {
+    command.__name__: operation_of(command) for command in (Session.subscribe, Session.unsubscribe, *COMMANDS.values())
+}
 
 
 def _is_stop(received: Message) -> bool:

@@ -4,6 +4,8 @@ from fastapi import APIRouter, Depends, WebSocket
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Role
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TICKET, principal_of, subscribed
 from dock_gateway.http.queries import read_max_rate
 from dock_gateway.http.requests import TheGateway, known_query
@@ -16,6 +18,7 @@ MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 20.0, 5.0
 
 
 @router.websocket("/ws/topics", dependencies=[Depends(known_query("topic", "max_rate", TICKET))])
+@operation(Role.VIEWER, Scope.TOPIC)
 async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
     """Send a topic's endpoints, its newest messages, and once a second the rate of all its messages.
 

@@ -5,8 +5,10 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     SLUG_IN_PATH,
@@ -31,6 +33,7 @@ WebhookId = Annotated[str, Depends(_webhook_id_in_path)]
 
 
 @router.get("", response_model=WebhookList, responses=problems(422, 503), dependencies=[NO_QUERY])
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def list_webhooks(gateway: TheGateway) -> Response:
     """List the webhooks by name, each with its last delivery. Secrets are not shown."""
     return json_response({"webhooks": await gateway.notifier.documents()})
@@ -43,6 +46,7 @@ async def list_webhooks(gateway: TheGateway) -> Response:
     dependencies=[NO_QUERY],
     openapi_extra=body(body_schema(WebhookBody), required=True),
 )
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def replace_webhook(webhook_id: WebhookId, request: Request, gateway: TheGateway) -> Response:
     """Store a webhook, new or changed, at every gateway that shares the history.
 
@@ -53,6 +57,7 @@ async def replace_webhook(webhook_id: WebhookId, request: Request, gateway: TheG
 
 
 @router.delete("/{webhook_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def remove_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response:
     """Remove a webhook with its deliveries. What has not been sent yet is not sent."""
     await gateway.notifier.remove(webhook_id)
@@ -62,6 +67,7 @@ async def remove_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response
 @router.post(
     "/{webhook_id}/test", response_model=Delivery, responses=problems(404, 409, 422, 503), dependencies=[NO_QUERY]
 )
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def test_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response:
     """Send a test now, once, also to a webhook that is off. The answer says what came of it, after 10 s at most."""
     return json_response(await gateway.notifier.test(webhook_id))
@@ -73,6 +79,7 @@ async def test_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response:
     responses=problems(404, 422, 503),
     dependencies=[Depends(known_query("limit"))],
 )
+@operation(Role.SUPERVISOR, Scope.EVERY)
 async def list_deliveries(webhook_id: WebhookId, gateway: TheGateway, limit: LimitQuery = 50) -> Response:
     """List what was and is to be sent to a webhook, newest first. The last 500 of all webhooks are kept."""
     return json_response({"deliveries": await gateway.notifier.deliveries(webhook_id, limit)})

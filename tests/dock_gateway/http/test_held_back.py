@@ -23,7 +23,7 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.gateway import Gateway
-from dock_gateway.http.permissions import PUBLIC
+from dock_gateway.http.operation import operation_of
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import AuditList, audit_parts, make_entry
@@ -39,7 +39,7 @@ CHANGES = [
     for route in router.routes
     if isinstance(route, APIRoute)
     for method in route.methods
-    if route.name not in PUBLIC
+    if operation_of(route.endpoint).role is not None
 ]
 Change = Callable[["Site"], Awaitable[Any]]
 

@@ -14,10 +14,12 @@ from dock_gateway.core.errors import NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals.docking_actions import DockingActions
-from dock_gateway.http.permissions import COMMAND_SCOPES, PUBLIC, ROUTES, SCOPES, Scope
+from dock_gateway.http.operation import Scope, operation_of
 from dock_gateway.http.scopes import require_covered
 from dock_gateway.settings import Settings
+from dock_gateway.stop import routes as stop_routes
 from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.streams.socket import OPERATIONS
 from tests.dock_gateway.http.test_principal import REQUESTS, path_of
 from tests.support.audit import audit_parts
 
@@ -76,21 +78,21 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
     app = create_app(SETTINGS, gateway)
     with TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False) as client:
         client.headers["Authorization"] = f"Bearer {secret}"
-        for method, template, name in REQUESTS:
-            scope = SCOPES.get(name)
-            if name in PUBLIC or scope in (Scope.ANY, Scope.LISTED) or ROUTES.get(name) is Role.ADMIN:
+        for method, template, operation in REQUESTS:
+            scope, what = operation.scope, (method, template)
+            if operation.role in (None, Role.ADMIN) or scope in (Scope.ANY, Scope.LISTED):
                 continue
             if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
                 continue  # they are about a robot, not about one of its actions
             answer = client.request(method, path_of(template))
             if scope is Scope.GOAL and "{name" not in template:
                 unknown = client.request(method, path_of(template).replace(GOAL, UNKNOWN))
-                assert (answer.status_code, answer.json()["code"]) == (404, "goal_not_found"), name
-                assert answer.text.replace(GOAL, UNKNOWN) == unknown.text, name
+                assert (answer.status_code, answer.json()["code"]) == (404, "goal_not_found"), what
+                assert answer.text.replace(GOAL, UNKNOWN) == unknown.text, what
             elif scope is Scope.ALERT:
-                assert (answer.status_code, answer.json()["code"]) == (404, "alert_not_found"), name
+                assert (answer.status_code, answer.json()["code"]) == (404, "alert_not_found"), what
             else:
-                assert answer.json()["code"] == "not_covered", name
+                assert answer.json()["code"] == "not_covered", what
 
 
 ROBOT1 = Grant(Role.SUPERVISOR, robots=("/robot1",))
@@ -157,7 +159,7 @@ def test_without_limits_everything_is_allowed(gateway: Gateway, scope: Scope) ->
 async def test_who_is_limited_to_some_robots_cannot_release_the_stop_of_all(robots: tuple[str, ...]) -> None:
     gateway: Any = Other()
     gateway.robots.default_namespace = "/"
-    for scope in (SCOPES["release_stop"], COMMAND_SCOPES["release_stop"]):
+    for scope in (operation_of(stop_routes.release_stop).scope, OPERATIONS["release_stop"].scope):
         for names in ({}, {"robot": "/"}):
             with pytest.raises(NotAllowed, match="every robot"):
                 await require_covered(gateway, Grant(Role.SUPERVISOR, robots), scope, names, "release_stop")
@@ -173,6 +175,6 @@ def test_a_list_of_topics_alone_limits_nothing_else(gateway: Gateway) -> None:
 
 
 def test_every_scope_is_used_and_known() -> None:
-    used = {*SCOPES.values(), *COMMAND_SCOPES.values()}
+    used = {operation.scope for operation in (*(each for *_, each in REQUESTS), *OPERATIONS.values())}
     assert used == set(Scope)
     assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED, Scope.ALERT}

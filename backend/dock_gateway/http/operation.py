@@ -1,0 +1,126 @@
+"""What a request or a command of `/ws` needs, declared where it is written: role, scope, audit and quota."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import Enum, auto
+from typing import TypeVar
+
+from starlette.routing import BaseRoute
+
+from dock_gateway.core.grant import Role
+
+READS = frozenset({"GET", "HEAD"})
+F = TypeVar("F", bound=Callable[..., object])
+
+
+class Scope(Enum):
+    """What a request or a command is about, which the user's grant has to include."""
+
+    ANY = auto()  # nothing that a grant is limited to
+    LISTED = auto()  # what the grant includes: the route leaves out the rest
+    ROBOT = auto()  # the robot in `robot`; the configured one if none is named
+    ROBOTS = auto()  # that robot and those below it: of `/`, every robot
+    DOCK = auto()  # its docking action
+    UNDOCK = auto()  # its undocking action
+    ACTION = auto()  # the action in `name`
+    GOAL = auto()  # the action of the goal in `goal_id`
+    NEW_GOAL = auto()  # the action in `action`, or the docking action of `robot`
+    ALERT = auto()  # the robot of the alert in `alert_id`
+    TOPIC = auto()  # the topic in `name` or `topic`
+    EVERY = auto()  # every robot
+
+
+class Audit(Enum):
+    """Whether the audit log has a request or a command."""
+
+    NEVER = auto()  # it changes nothing
+    CHANGES = auto()  # unless it is a GET
+    ALWAYS = auto()  # also a GET: it hands out much at once, or says who did what
+    STORED_FIRST = auto()  # always, and its entry is stored before it is answered, if it succeeds
+
+
+@dataclass(frozen=True)
+class Operation:
+    """What a request or a command needs.
+
+    Attributes:
+        role: The role; None if it needs no login.
+        scope: What it is about.
+        audit: Whether the audit log has it.
+        sends_goal: Whether it sends a goal, of which each user may send so many a minute.
+        reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
+    """
+
+    role: Role | None
+    scope: Scope
+    audit: Audit = Audit.CHANGES
+    sends_goal: bool = False
+    reads_body: bool = False
+
+    def audits(self, method: str) -> bool:
+        """Whether the audit log has a request with this method."""
+        return self.audit in (Audit.ALWAYS, Audit.STORED_FIRST) or (self.audit is Audit.CHANGES and method not in READS)
+
+
+def operation(
+    role: Role,
+    scope: Scope,
+    audit: Audit = Audit.CHANGES,
+    *,
+    sends_goal: bool = False,
+    reads_body: bool = False,
+) -> Callable[[F], F]:
+    """Declare what an endpoint or a command needs. It stands under the decorator of the route.
+
+    Args:
+        role: The role that it needs.
+        scope: What it is about.
+        audit: Whether the audit log has it.
+        sends_goal: Whether it sends a goal.
+        reads_body: Whether the endpoint reads the body itself.
+    """
+    return _declare(Operation(role, scope, audit, sends_goal, reads_body))
+
+
+def public_operation(audit: Audit = Audit.CHANGES) -> Callable[[F], F]:
+    """Declare that an endpoint needs no login: a health check, or the login itself."""
+    return _declare(Operation(None, Scope.ANY, audit))
+
+
+def _declare(declared: Operation) -> Callable[[F], F]:
+    def declare(function: F) -> F:
+        function.operation = declared  # type: ignore[attr-defined]
+        return function
+
+    return declare
+
+
+def find_operation(route: object) -> Operation | None:
+    """Return what a route needs; None if it is not of the API, such as a file of the dashboard."""
+    declared = getattr(getattr(route, "endpoint", None), "operation", None)
+    return declared if isinstance(declared, Operation) else None
+
+
+def operation_of(function: object) -> Operation:
+    """Return what an endpoint or a command needs.
+
+    Raises:
+        TypeError: It does not say so.
+    """
+    declared = getattr(function, "operation", None)
+    if not isinstance(declared, Operation):
+        name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
+        raise TypeError(f"{name} does not say which role it needs: put @operation(role, scope) above it")
+    return declared
+
+
+def require_declared(routes: Iterable[BaseRoute]) -> None:
+    """Refuse routes that do not say what they need, and changes that the audit log would not have.
+
+    Raises:
+        TypeError: There is such a route.
+    """
+    for route in routes:
+        declared = operation_of(getattr(route, "endpoint", route))
+        if declared.audit is Audit.NEVER and (getattr(route, "methods", None) or set()) - READS:
+            raise TypeError(f"{getattr(route, 'path', route)} may change something: the audit log must have it")
