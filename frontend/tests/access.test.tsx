@@ -173,6 +173,25 @@ describe("the session", () => {
     expect(own.loggedOut).toBe(true);
   });
 
+  it("takes no answer about a login that has changed since", async () => {
+    const own = new Session();
+    const answers: ((answer: Response) => void)[] = [];
+    const slow = () => new Promise<Response>((resolve) => answers.push(resolve));
+    vi.stubGlobal("fetch", slow);
+    const asked = own.ask(); // the stream ended: the gateway has changed the login, but its answer is on the way
+    vi.stubGlobal("fetch", async () => Response.json(as("operator")));
+    await own.askAgain();
+    answers.pop()?.(Response.json(OUT));
+    await asked;
+    expect(own.loggedOut).toBe(false);
+    vi.stubGlobal("fetch", slow);
+    const before = own.ask();
+    own.set(as("viewer"));
+    answers.pop()?.(Response.json(OUT));
+    await before;
+    expect(own.state).toEqual(as("viewer"));
+  });
+
   it("ends what is asked for again and again, until somebody logs in", async () => {
     vi.useFakeTimers();
     pauseWhileUnseen();

@@ -2,6 +2,7 @@ import { PasswordInput, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { type FormEvent, useState } from "react";
 import { changePassword } from "../api/access";
+import { session } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { Dialog, SaveBar } from "../ui/Dialog";
 import { useCommand } from "../ui/requests";
@@ -31,6 +32,8 @@ function PasswordForm({ onDone }: { onDone: () => void }) {
       { old, new: password },
       {
         onSuccess: () => {
+          // The stream may have ended, and the page been told so, before its new login was there.
+          void session.askAgain();
           notifications.show({ message: "Your password is changed. Other browsers are logged out." });
           onDone();
         },

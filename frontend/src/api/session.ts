@@ -32,7 +32,13 @@ export class Session {
     return this.#state.principal === null;
   }
 
+  /** Takes what a login or a logout was answered. What was asked before it no longer counts. */
   set(state: SessionState): void {
+    this.#asking = null;
+    this.#take(state);
+  }
+
+  #take(state: SessionState): void {
     if (JSON.stringify(state) === JSON.stringify(this.#state)) return;
     this.#state = state;
     for (const listener of this.#listeners) listener();
@@ -40,15 +46,24 @@ export class Session {
 
   /** Asks the gateway; without an answer it stays as it was. */
   readonly ask = (): Promise<void> => {
-    this.#asking ??= fetch("/session", { signal: AbortSignal.timeout(ANSWER_MS) })
+    if (this.#asking !== null) return this.#asking;
+    const asking: Promise<void> = fetch("/session", { signal: AbortSignal.timeout(ANSWER_MS) })
       .then(async (answer) => {
-        if (answer.ok) this.set((await answer.json()) as SessionState);
+        const state = answer.ok ? ((await answer.json()) as SessionState) : this.#state;
+        if (this.#asking === asking) this.#take(state);
       })
       .catch(() => {})
       .finally(() => {
-        this.#asking = null;
+        if (this.#asking === asking) this.#asking = null;
       });
-    return this.#asking;
+    this.#asking = asking;
+    return asking;
+  };
+
+  /** Asks the gateway after the login has changed: an answer that is still on its way is about the login before. */
+  readonly askAgain = (): Promise<void> => {
+    this.#asking = null;
+    return this.ask();
   };
 
   /** Settles as soon as no login is needed any more. */
