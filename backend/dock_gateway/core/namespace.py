@@ -8,6 +8,11 @@ from dock_gateway.settings import LONGEST_NAME, NAME
 NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
 
 
+def is_namespace(text: str) -> bool:
+    """Return whether a text is a ROS namespace, not longer than one can be."""
+    return len(text) <= LONGEST_NAME and NAMESPACE.fullmatch(text) is not None
+
+
 def normalize_namespace(namespace: str) -> str:
     """Normalize a namespace: `robot1`, `/robot1` and `/robot1/` become `/robot1`; an empty one becomes `/`."""
     return f"/{namespace.strip('/')}"
@@ -19,7 +24,7 @@ def read_namespace(namespace: str, path: str = "query.robot") -> str:
     Raises:
         InvalidField: It is not a ROS namespace, or longer than one can be.
     """
-    if len(namespace) > LONGEST_NAME or not NAMESPACE.fullmatch(namespace):
+    if not is_namespace(namespace):
         detail = f"got {len(namespace)} characters" if len(namespace) > LONGEST_NAME else f"got {namespace!r:.60}"
         raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", detail)])
     return normalize_namespace(namespace)

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field, JsonValue
 from dock_gateway.fleet.alert_rules import AlertKind
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
-from dock_gateway.http.bodies import Name40, Name60, RobotName, Unique
+from dock_gateway.http.bodies import GroupName, Name60, RobotName, Unique
 from dock_gateway.http.schema import MAX_GROUPS, Schema
 from dock_gateway.robots.schema import BatteryState, Implausible
 from dock_gateway.stop.schema import StopState
@@ -84,7 +84,7 @@ class Label(Schema):
 
     robot: Annotated[RobotName, Field(description="Namespace of the robot, which need not be on the ROS graph")]
     display_name: Annotated[Name60 | None, Field(description="Belongs to one robot, whatever its case")]
-    groups: Annotated[tuple[Name40, ...], Field(max_length=MAX_GROUPS), Unique]
+    groups: Annotated[tuple[GroupName, ...], Field(max_length=MAX_GROUPS), Unique]
 
 
 class AcknowledgementBody(Schema):

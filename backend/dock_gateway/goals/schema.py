@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Field, JsonValue
 
 from dock_gateway.core.goal import GoalStatus, Origin, Verb
-from dock_gateway.http.bodies import Name30, Name60, Unique, expected
+from dock_gateway.http.bodies import Name60, TagName, Unique, expected
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.schema import BatteryState, Scene
 
@@ -209,7 +209,7 @@ class TagsBody(Schema):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"tags": ["blocked", "maintenance"]}]})
 
-    tags: Annotated[tuple[Name30, ...], Field(max_length=10), Unique]
+    tags: Annotated[tuple[TagName, ...], Field(max_length=10), Unique]
 
 
 class Note(Schema):

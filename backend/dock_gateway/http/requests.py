@@ -156,13 +156,18 @@ def read_object(value: object, *fields: str) -> dict[str, Any]:
     return value
 
 
+def is_name(text: str, longest: int) -> bool:
+    """Return whether a text is a line of at most `longest` characters that can be seen."""
+    return len(text) <= longest and NAME.fullmatch(text) is not None
+
+
 def read_name(value: object, longest: int, path: str = "by") -> str:
     """Return a name, by default that of the requester in the field `by`, without surrounding spaces.
 
     Raises:
         InvalidField: It is not a name of at most `longest` characters.
     """
-    if not isinstance(value, str) or len(value) > longest or not NAME.fullmatch(value):
+    if not isinstance(value, str) or not is_name(value, longest):
         raise InvalidField([FieldError(path, f"1 to {longest} characters, in one line", got(value))])
     return value.strip()
 

@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from dock_gateway.http.bodies import Name40, RobotName, Unique, expected
+from dock_gateway.http.bodies import GroupName, RobotName, Unique, expected
 
 MAX_ROBOTS, MAX_GROUPS = 500, 20
 
@@ -53,7 +53,7 @@ class RobotSelection(Schema):
 
     all: bool = False
     names: Annotated[tuple[RobotName, ...], Field(max_length=MAX_ROBOTS), Unique] = ()
-    groups: Annotated[tuple[Name40, ...], Field(max_length=MAX_GROUPS), Unique] = ()
+    groups: Annotated[tuple[GroupName, ...], Field(max_length=MAX_GROUPS), Unique] = ()
 
     @model_validator(mode="after")
     def _are_chosen(self) -> Self:

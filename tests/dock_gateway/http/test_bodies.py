@@ -3,6 +3,7 @@
 from contextlib import suppress
 from typing import Any
 
+import orjson
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -75,3 +76,17 @@ def test_a_schema_has_no_references() -> None:
     assert "$" not in str({**body_schema(RuleBody), "properties": body_schema(RuleBody)["properties"].keys()})
     robots = body_schema(RuleBody)["properties"]["robots"]
     assert set(robots["properties"]) == {"all", "names", "groups"}
+
+
+@pytest.mark.parametrize(("opening", "closing"), [(b"[", b"]"), (b'{"a":', b"}")])
+@pytest.mark.parametrize("depth", [20, 300, 900])
+def test_what_is_nested_deeply_is_refused(opening: bytes, closing: bytes, depth: int) -> None:
+    deep = orjson.loads(opening * depth + b"1" + closing * depth)
+    assert errors({**RULE, "name": deep})[0][0].startswith("name")
+    assert errors(deep)
+
+
+@pytest.mark.parametrize("path", ["", "robots"])
+def test_of_too_many_fields_only_the_number_is_named(path: str) -> None:
+    many = {f"k{index}": 1 for index in range(60_000)}
+    assert errors({**RULE, path: many} if path else many) == [(path, "at most 100 fields", "got 60000")]
