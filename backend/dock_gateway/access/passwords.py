@@ -19,6 +19,17 @@ MIN_PASSWORD, MAX_PASSWORD = 12, 200  # characters
 AT_ONCE, MAX_WAITING = 2, 100
 
 
+def describe_wrong(value: object, shortest: int = MIN_PASSWORD) -> tuple[str, str] | None:
+    """Return what is expected and what was received instead of a password, without repeating it; None if it is right.
+
+    Wrong is what is too short, too long or not a text.
+    """
+    if isinstance(value, str) and shortest <= len(value) <= MAX_PASSWORD:
+        return None
+    detail = f"got {len(value)} characters" if isinstance(value, str) else "got something else"
+    return f"{shortest} to {MAX_PASSWORD} characters", detail
+
+
 class Passwords:
     """Hashes passwords with Argon2id, a few at the same time."""
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
-from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD
+from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD, describe_wrong
 from dock_gateway.core import grant as stored
 from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import got
@@ -30,11 +30,9 @@ def _check_pattern(value: str) -> str:
     return value
 
 
-def _check_password(value: object, shortest: int = MIN_PASSWORD) -> str:
-    """Return a password. An error does not repeat it."""
-    if not isinstance(value, str) or not shortest <= len(value) <= MAX_PASSWORD:
-        detail = f"got {len(value)} characters" if isinstance(value, str) else "got something else"
-        raise expected(f"{shortest} to {MAX_PASSWORD} characters", detail)
+def _check_password(value: object, shortest: int = MIN_PASSWORD) -> object:
+    if (wrong := describe_wrong(value, shortest)) is not None:
+        raise expected(*wrong)
     return value
 
 

@@ -7,10 +7,9 @@ from typing import Any
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.access.passwords import MAX_PASSWORD
+from dock_gateway.access.passwords import MAX_PASSWORD, describe_wrong
 from dock_gateway.access.schema import Session, Ticket
 from dock_gateway.access.tickets import LIFETIME
-from dock_gateway.access.user_routes import read_password
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.core.grant import Role
@@ -98,7 +97,7 @@ async def log_in(request: Request, gateway: TheGateway) -> Response:
         return _log_in_with_token(request, gateway, fields)
     name = _read_text(fields.get("user"), MAX_NAME, "user", "a user's name").strip().lower()
     audited(request, subject=name)
-    password = read_password(fields.get("password"), "password", 1)
+    password = _read_password(fields.get("password"))
     if not gateway.settings.authentication:
         request.scope["principal"] = ANYBODY
         return _session(gateway, ANYBODY)
@@ -149,3 +148,9 @@ def _read_text(value: object, longest: int, path: str, expected: str) -> str:
     if not isinstance(value, str) or len(value) > longest:
         raise InvalidField([FieldError(path, f"{expected}, up to {longest} characters", "got something else")])
     return value
+
+
+def _read_password(value: object) -> str:
+    if (wrong := describe_wrong(value, shortest=1)) is not None:
+        raise InvalidField([FieldError("password", *wrong)])
+    return str(value)

@@ -5,7 +5,6 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
-from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD
 from dock_gateway.access.schema import PasswordBody, User, UserBody, UserList
 from dock_gateway.access.users import NAME
 from dock_gateway.core.access import Kind, Principal
@@ -126,16 +125,4 @@ def read_user_name(value: str) -> str:
     if not NAME.fullmatch(value):
         expected = "up to 60 lower-case letters and digits, with . _ - @ + between them"
         raise InvalidField([FieldError("user", expected, f"got {value[:60]!r}")])
-    return value
-
-
-def read_password(value: object, path: str, shortest: int = MIN_PASSWORD) -> str:
-    """Return a password. An error does not repeat it.
-
-    Raises:
-        InvalidField: It is too short or too long, or not a text.
-    """
-    if not isinstance(value, str) or not shortest <= len(value) <= MAX_PASSWORD:
-        detail = f"got {len(value)} characters" if isinstance(value, str) else "got something else"
-        raise InvalidField([FieldError(path, f"{shortest} to {MAX_PASSWORD} characters", detail)])
     return value
