@@ -30,11 +30,10 @@ from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.principal import authorize
 from dock_gateway.http.problems import install_problems, problems
 from dock_gateway.http.schema import Problem
-from dock_gateway.observability import metrics_routes
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
-from dock_gateway.robots import battery_history_routes, battery_routes, calibration_routes, simulator_routes
+from dock_gateway.robots import battery_history_routes, battery_routes, simulator_routes
 from dock_gateway.robots import dock_routes as docks_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
@@ -81,7 +80,6 @@ def api_routers() -> tuple[APIRouter, ...]:
         automation_routes,
         webhook_routes,
         docks_routes,
-        calibration_routes,
         simulator_routes,
         session_routes,
         provider_routes,
@@ -89,7 +87,6 @@ def api_routers() -> tuple[APIRouter, ...]:
         token_routes,
         audit_routes,
         health_routes,
-        metrics_routes,
         socket,
         topics,
     )

@@ -1,14 +1,15 @@
-"""`/healthz` and `/readyz`, for supervisors and load balancers."""
+"""`/healthz` and `/readyz`, for supervisors and load balancers, and `/metrics`, for Prometheus."""
 
 from dataclasses import replace
 
 from fastapi import APIRouter, Depends, Request
-from starlette.responses import Response
+from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
+from starlette.responses import PlainTextResponse, Response
 
 from dock_gateway import __version__
 from dock_gateway.core.errors import GatewayError, Unavailable
-from dock_gateway.core.grant import UNLIMITED
-from dock_gateway.http.operation import public_operation
+from dock_gateway.core.grant import UNLIMITED, Role
+from dock_gateway.http.operation import Scope, operation, public_operation
 from dock_gateway.http.principal import identify
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
@@ -89,3 +90,10 @@ async def _sees_everything(request: Request) -> bool:
         return not (await identify(request)).grant.limited
     except GatewayError:
         return False
+
+
+@router.get("/metrics", response_class=PlainTextResponse)
+@operation(Role.VIEWER, Scope.EVERY)
+async def metrics(request: Request, gateway: TheGateway) -> Response:
+    """Return the gateway's metrics in Prometheus' text format."""
+    return Response(await gateway.metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)
