@@ -583,7 +583,7 @@ class Settings(BaseSettings):
                 raise ValueError(f"{needless[0]} needs oidc_issuer")
             return self
         if not self.authentication:
-            raise ValueError("oidc_issuer needs authentication: without it nobody is asked to log in")
+            raise ValueError("oidc_issuer needs authentication: without it no one logs in")
         if self.oidc_client_id is None and self.oidc_audience is None:
             raise ValueError("oidc_issuer needs oidc_client_id for people, or oidc_audience for services, or both")
         if self.oidc_client_id is None and self.oidc_client_secret is not None:
@@ -595,7 +595,7 @@ class Settings(BaseSettings):
         if "openid" not in self.oidc_scopes.split():
             raise ValueError("oidc_scopes needs openid")
         if not self.oidc_roles:
-            raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: without it nobody has a role")
+            raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: without it no one has a role")
         return self
 
     @property

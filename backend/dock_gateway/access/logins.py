@@ -67,7 +67,7 @@ class Logins:
             self.sso.provider.open()
         elif await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
             log.warning(
-                "nobody can log in yet: there are no users and tokens in %s. `dock-gateway user add NAME --role admin` "
+                "no one can log in yet: there are no users or tokens in %s. `dock-gateway user add NAME --role admin` "
                 "adds the first user, and says in which database: --database-url chooses it",
                 self._where or "the database",
             )
@@ -378,7 +378,7 @@ class Logins:
 
         Raises:
             NotFound: There is no such user (`user_not_found`).
-            Conflict: Nobody would be an admin any more (`last_admin`).
+            Conflict: It is the last admin (`last_admin`).
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         hashed = None if password is None else await self._passwords.hash(password)
@@ -396,7 +396,7 @@ class Logins:
 
         Raises:
             NotFound: There is no such user (`user_not_found`).
-            Conflict: Nobody would be an admin any more (`last_admin`).
+            Conflict: It is the last admin (`last_admin`).
             Unavailable: The history does not answer (`history_unavailable`); the user is still there.
         """
 
@@ -418,6 +418,6 @@ class Logins:
 
         def check(users: Mapping[str, User]) -> None:
             if needed and not any(map(is_admin, users.values())):
-                raise Conflict("nobody would be an admin any more; add another one first", code="last_admin")
+                raise Conflict("this is the last admin; add another admin first", code="last_admin")
 
         return check

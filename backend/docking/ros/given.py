@@ -92,8 +92,8 @@ class Given:
                     nodes[0].get_logger().warning(sentence)
         for source in [section.source for section in self.sections if section.nodes == NOWHERE]:
             nodes[0].get_logger().warning(
-                f"{source}: what has no effect in it is not told, and parameters of other nodes than"
-                f" {', '.join(node.get_fully_qualified_name() for node in nodes)} have none: it is no file"
+                f"{source}: parameters in it without effect are not listed; parameters of other nodes than"
+                f" {', '.join(node.get_fully_qualified_name() for node in nodes)} have no effect. It is not a file"
             )
         for source in dict.fromkeys(section.source for section in self.sections if section.nodes != NOWHERE):
             if strangers := self._strangers([one for one in self.sections if one.source == source], nodes):
