@@ -12,7 +12,6 @@ from dock_gateway.access import provider_routes, session_routes, token_routes, u
 from dock_gateway.assembly import open_gateway
 from dock_gateway.audit import routes as audit_routes
 from dock_gateway.automation import routes as automation_routes
-from dock_gateway.fleet import label_routes
 from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import action_routes, dock_routes, export_routes, note_routes
@@ -33,8 +32,7 @@ from dock_gateway.http.schema import Problem
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
-from dock_gateway.robots import battery_history_routes, battery_routes, simulator_routes
-from dock_gateway.robots import dock_routes as docks_routes
+from dock_gateway.robots import battery_history_routes, battery_routes, calibration_routes, simulator_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
 from dock_gateway.stop import routes as stop_routes
@@ -76,10 +74,9 @@ def api_routers() -> tuple[APIRouter, ...]:
         battery_routes,
         battery_history_routes,
         fleet_routes,
-        label_routes,
         automation_routes,
         webhook_routes,
-        docks_routes,
+        calibration_routes,
         simulator_routes,
         session_routes,
         provider_routes,

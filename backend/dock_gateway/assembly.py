@@ -26,13 +26,11 @@ from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.graph_watch import GraphWatch
-from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
-from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.gateway import Gateway
+from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.graph.cache import GraphCache
@@ -43,7 +41,7 @@ from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.parts import Parts
 from dock_gateway.observability.traces import open_traces
 from dock_gateway.robots.calibration import Calibrations
-from dock_gateway.robots.docks import Docks
+from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry
@@ -57,6 +55,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
 from dock_gateway.webhooks.outbox import Outbox
 

@@ -16,17 +16,17 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.hints import Hint, docking_hint
-from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.cancellation import require_unfinished
+from dock_gateway.goals.docks import Docks
+from dock_gateway.goals.hints import Hint, docking_hint
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.calibration import Calibrations
-from dock_gateway.robots.docks import Docks
+from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge

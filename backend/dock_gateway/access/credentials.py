@@ -12,7 +12,7 @@ from typing import ClassVar, Generic, TypeVar
 from dock_gateway.core.access import PersonSession, Principal, Session, Token
 from dock_gateway.core.errors import GatewayError, NotAuthenticated
 from dock_gateway.core.event import utc_now
-from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.storage.shared_entries import SharedBook
 
 SECRET_BYTES = 32
 # Digits of a secret's digest that are the id of its entry.

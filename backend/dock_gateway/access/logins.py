@@ -27,9 +27,8 @@ from dock_gateway.core.errors import (
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.fleet.shared_entries import SYNC_INTERVAL
 from dock_gateway.storage import History
+from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
 
 log = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from dock_gateway.core.access import Kind, PersonSession, Principal, Session, Us
 from dock_gateway.core.errors import GatewayError, NotAuthenticated, NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
-from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.storage.shared_entries import SharedBook
 
 PREFIX, PERSON_PREFIX = "dgs_", "dgo_"
 # Time after which a session of a user ends at the latest.

@@ -12,8 +12,8 @@ from dock_gateway.core.access import Kind, Principal, Token
 from dock_gateway.core.errors import Conflict, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.storage import Beside
+from dock_gateway.storage.shared_entries import SharedBook
 
 log = logging.getLogger(__name__)
 

@@ -12,8 +12,8 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import act
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.storage import Beside
+from dock_gateway.storage.shared_entries import SharedBook
 
 MAX_USERS = 200
 NAME = re.compile(r"[a-z0-9](?:[a-z0-9._@+-]{0,58}[a-z0-9])?")

@@ -12,8 +12,8 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
-from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.storage import Entries
+from dock_gateway.storage.shared_entries import SharedEntries
 
 log = logging.getLogger(__name__)
 

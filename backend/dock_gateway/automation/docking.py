@@ -21,9 +21,9 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.storage import History
+from dock_gateway.storage.shared_entries import SharedBook
 
 log = logging.getLogger(__name__)
 

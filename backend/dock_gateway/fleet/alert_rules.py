@@ -12,8 +12,8 @@ from dock_gateway.core.battery import CHARGES_NEGATIVE
 from dock_gateway.core.filters import is_hidden, lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.findings import Finding, FindingKind
-from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.robot_state import DRAINS, RobotState
+from dock_gateway.goals.hints import Join
 from dock_gateway.storage import Acknowledgement, Incident
 
 # Seconds that a docked robot may be without power: contacts bounce, chargers start slowly.

@@ -15,10 +15,10 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, ON_GRAPH, Alert, AlertRules
 from dock_gateway.fleet.findings import Finding
-from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.robot_state import RobotState
-from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
+from dock_gateway.goals.hints import Join
 from dock_gateway.storage import Acknowledgement, Incident
+from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)
 

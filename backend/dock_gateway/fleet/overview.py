@@ -14,11 +14,11 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
-from dock_gateway.fleet.hints import Join, Sight, find_join, split_robots
-from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.robot_state import RobotState
+from dock_gateway.goals.hints import Join, Sight, find_join, split_robots
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.last_goals import LastGoals, latest
 from dock_gateway.robots.registry import Robot, RobotRegistry
 from dock_gateway.robots.simulator import Simulators

@@ -6,7 +6,7 @@ from typing import Any
 from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.fleet.hints import Join
+from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.storage import RobotLabel

@@ -1,4 +1,4 @@
-"""`/robots`: a summary of every robot. `/alerts`: the active alerts and who acknowledged them."""
+"""`/robots`: a summary of every robot, and its label. `/alerts`: the active alerts and who acknowledged them."""
 
 from typing import Annotated
 
@@ -7,8 +7,9 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, RobotList
-from dock_gateway.http.bodies import body_schema, read_signed
+from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, RobotList
+from dock_gateway.http.audit_trail import audited
+from dock_gateway.http.bodies import body_schema, read, read_signed
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.principal import TheGrant
@@ -20,6 +21,7 @@ from dock_gateway.http.requests import (
     known_query,
 )
 from dock_gateway.http.scopes import not_covered
+from dock_gateway.storage import RobotLabel
 
 router = APIRouter()
 NO_QUERY = Depends(known_query())
@@ -38,6 +40,26 @@ async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = 
     if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
         raise not_covered(f"the robot {name}")
     return json_response({"robots": gateway.fleet.documents(robot, grant)})
+
+
+@router.put(
+    "/robots/label",
+    tags=["Robots"],
+    response_model=Label,
+    responses=problems(400, 408, 409, 413, 415, 422, 503),
+    dependencies=[NO_QUERY],
+    openapi_extra=body(body_schema(Label), required=True),
+)
+@operation(Role.SUPERVISOR, Scope.EVERY)
+async def label_robot(request: Request, gateway: TheGateway) -> Response:
+    """Replace the display name and the groups of a robot, at every gateway that shares the history.
+
+    `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
+    """
+    label = await read(Label, request)
+    audited(request, robot=label.robot)
+    await gateway.labels.replace(label.robot, RobotLabel(label.display_name, label.groups))
+    return json_response(label.model_dump())
 
 
 AlertId = Annotated[str, Path(description="`id` of the alert")]

@@ -1,4 +1,4 @@
-"""`/dock` and `/undock`: goals on a robot's docking and undocking actions."""
+"""`/dock` and `/undock`: goals on a robot's docking and undocking actions. `/docks`: those that its server knows."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -26,9 +26,11 @@ from dock_gateway.http.requests import (
     StatusQuery,
     TheGateway,
     goal_response,
+    json_response,
     known_query,
 )
 from dock_gateway.http.scopes import require_action
+from dock_gateway.robots.schema import DockList
 from dock_gateway.storage import GoalFilter
 
 
@@ -156,4 +158,15 @@ def goal_routes(operations: Operations) -> APIRouter:
     return router
 
 
-routers = (goal_routes(DOCK), goal_routes(UNDOCK))
+docks_router = APIRouter(tags=["Dock"], dependencies=[Depends(known_query("robot"))])
+
+
+@docks_router.get("/docks", response_model=DockList, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.DOCK)
+async def list_docks(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """List the docks of the robot's docking server, in its order. There are none if it knows no docks by name."""
+    action = await gateway.docking_action("dock", robot)
+    return json_response(await gateway.docks.document(action.name, action.family))
+
+
+routers = (goal_routes(DOCK), goal_routes(UNDOCK), docks_router)

@@ -14,9 +14,9 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import DeliveryState, EventType, Webhook
 from dock_gateway.fleet.alerts import SETTLED_AFTER, AlertBoard
-from dock_gateway.fleet.labels import NO_LABEL, Labels
-from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.robots.labels import NO_LABEL, Labels
 from dock_gateway.storage import RobotLabel
+from dock_gateway.storage.shared_entries import SharedBook
 from dock_gateway.webhooks.outbox import Document, Outbox, delivery_document
 from dock_gateway.webhooks.sender import new_secret
 

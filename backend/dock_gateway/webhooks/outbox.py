@@ -14,8 +14,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
-from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.fleet.shared_entries import SharedEntries
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.deliveries import after_attempt, due, find_open, open_alerts, surplus
 from dock_gateway.webhooks.sender import Sender, sign
 

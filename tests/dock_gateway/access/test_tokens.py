@@ -14,7 +14,7 @@ from dock_gateway.core.access import Token
 from dock_gateway.core.errors import Conflict, NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.support.entries import SharedStore
 
 

@@ -22,14 +22,14 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
-from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
 from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.dock_gateway.automation.examples import LOW_BATTERY
 from tests.support.entries import SharedStore
 from tests.support.waiting import until

@@ -14,10 +14,10 @@ from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.hub import Hub
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.gateway import Gateway
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 

@@ -11,9 +11,9 @@ from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
 from dock_gateway.fleet.findings import Finding, FindingKind
-from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.liveness import ServerState
+from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.storage import Acknowledgement, Incident
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)

@@ -14,9 +14,9 @@ from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.fleet import alerts as alerts_module
 from dock_gateway.fleet.alert_rules import AlertKind, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.storage import Acknowledgement
 from dock_gateway.storage.entries import MemoryEntries
+from dock_gateway.storage.shared_entries import SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
 
 LOW, WELL = [robot(percentage=0.1)], [robot(percentage=0.9)]

@@ -9,8 +9,8 @@ from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.fleet.labels import Labels
 from dock_gateway.gateway import Gateway
+from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.entries import MemoryEntries

@@ -13,12 +13,12 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Hub, Subscriber
-from dock_gateway.fleet.hints import Join
-from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.robots.battery import Battery
+from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
 

@@ -11,8 +11,8 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.hints import Sight
 from dock_gateway.gateway import Gateway
+from dock_gateway.goals.hints import Sight
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import DockingServers
 from dock_gateway.settings import Settings

@@ -15,9 +15,9 @@ from starlette.testclient import TestClient
 from dock_gateway.app import create_app
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.goal import GoalError, GoalStatus
-from dock_gateway.fleet.labels import Labels
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
 from dock_gateway.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
 from dock_gateway.storage import GoalFilter, MemoryHistory, RobotLabel

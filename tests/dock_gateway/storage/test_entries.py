@@ -1,4 +1,4 @@
-"""Labels as the histories store them; tests/dock_gateway/fleet/test_shared_entries.py has acknowledgements."""
+"""Labels as the histories store them; tests/dock_gateway/storage/test_shared_entries.py has acknowledgements."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping

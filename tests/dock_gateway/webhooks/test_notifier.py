@@ -12,10 +12,9 @@ from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.webhook import Delivery, DeliveryState, Webhook
 from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.labels import Labels
-from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.fleet.shared_entries import SharedEntries
+from dock_gateway.robots.labels import Labels
 from dock_gateway.storage import RobotLabel
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks import deliveries as rules
 from dock_gateway.webhooks import notifier as notifier_module
 from dock_gateway.webhooks import outbox as outbox_module

@@ -9,12 +9,11 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.fleet.shared_book import SharedBook
-from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.gateway import Gateway
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox
 from tests.support.audit import audit_parts

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.storage import Acknowledgement, MemoryHistory
+from dock_gateway.storage.shared_entries import SharedEntries
 from tests.support.entries import SharedStore
 from tests.support.history import open_at
 from tests.support.waiting import until

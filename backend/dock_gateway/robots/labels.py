@@ -8,8 +8,8 @@ from collections.abc import Callable, Collection, Mapping
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
 from dock_gateway.storage import Entries, RobotLabel
+from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)
 

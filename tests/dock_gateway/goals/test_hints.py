@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.fleet.hints import Sight, docking_hint, find_join, split_robots
+from dock_gateway.goals.hints import Sight, docking_hint, find_join, split_robots
 
 BASE = Sight("/robot1", battery="/robot1/battery_status")
 SERVER = Sight("/docking", dock="/docking/dock_robot", undock="/docking/undock_robot")

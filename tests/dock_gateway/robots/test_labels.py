@@ -5,8 +5,8 @@ from collections.abc import AsyncIterator
 import pytest
 
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.fleet import labels as labels_module
-from dock_gateway.fleet.labels import NO_LABEL, Labels
+from dock_gateway.robots import labels as labels_module
+from dock_gateway.robots.labels import NO_LABEL, Labels
 from dock_gateway.storage import RobotLabel
 from tests.support.entries import SharedStore
 from tests.support.waiting import until

@@ -1,12 +1,12 @@
-"""This gateway's copy of entries that gateways share through the history."""
+"""Entries that gateways share through the history: this gateway's copy, and books that people edit."""
 
 import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Generic
 
-from dock_gateway.core.errors import Unavailable
-from dock_gateway.storage import Beside, Entries, EntryT
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.storage.protocol import Beside, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
 SYNC_INTERVAL = 2.0
@@ -116,3 +116,72 @@ class SharedEntries(Generic[EntryT]):
                 await self._store.write(key, entry)
                 if self._unsaved[key] is entry:
                     del self._unsaved[key]
+
+
+class SharedBook(SharedEntries[EntryT]):
+    """What people edit, such as rules, webhooks, tokens and users: each entry is stored before it counts.
+
+    Args:
+        store: Stores them.
+        noun: What an entry is called, in errors.
+        most: The maximum number of entries.
+    """
+
+    def __init__(self, store: Entries[EntryT], noun: str, most: int) -> None:
+        super().__init__(store)
+        self._noun = noun
+        self._most = most
+
+    async def replace(
+        self,
+        key: str,
+        entry: EntryT,
+        allow: Callable[[Mapping[str, EntryT]], None] = lambda _: None,
+        beside: Beside | None = None,
+    ) -> None:
+        """Store an entry, new or changed.
+
+        Args:
+            key: Its id.
+            entry: The entry.
+            allow: Is given all entries, and raises if this one must not be stored.
+            beside: Entries of another kind that are checked at the same moment.
+
+        Raises:
+            Conflict: There are too many (`too_many_rules`, `too_many_webhooks`).
+            Unavailable: The history does not answer (`history_unavailable`); the entry is what it was.
+        """
+
+        def check(entries: Mapping[str, EntryT]) -> None:
+            if key not in entries and len(entries) >= self._most:
+                detail = f"there are {self._most} {self._noun}s; remove one first"
+                raise Conflict(detail, code=f"too_many_{self._noun}s")
+            allow(entries)
+
+        await self.store(key, entry, check, beside)
+
+    async def amend(self, key: str, entry: EntryT) -> None:
+        """Store a change of an entry, unless the entry was removed meanwhile.
+
+        Raises:
+            NotFound: It was removed.
+            Unavailable: The history does not answer (`history_unavailable`); the entry is what it was.
+        """
+        await self.store(key, entry, lambda entries: self._require(key, entries))
+
+    async def remove(self, key: str) -> None:
+        """Remove an entry.
+
+        Raises:
+            NotFound: `rule_not_found`, `webhook_not_found`, `token_not_found`, ….
+            Unavailable: The history does not answer (`history_unavailable`); the entry is still there.
+        """
+        await self.store(key, None, lambda entries: self._require(key, entries))
+
+    def _require(self, key: str, entries: Mapping[str, EntryT]) -> None:
+        if key not in entries:
+            raise self.missing(key)
+
+    def missing(self, key: str) -> NotFound:
+        """Return the error that there is no such entry."""
+        return NotFound(f"there is no {self._noun} {key}", code=f"{self._noun}_not_found")

@@ -1,4 +1,4 @@
-"""`/docks`: the docks that a docking server knows by name. `/calibration`: it measures where its docked robot is."""
+"""`/calibration`: the docking server measures where its docked robot is."""
 
 from fastapi import APIRouter, Depends
 from starlette.responses import Response
@@ -7,27 +7,19 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
-from dock_gateway.robots.schema import Calibration, CalibrationService, DockList
+from dock_gateway.robots.schema import Calibration, CalibrationService
 
-router = APIRouter(dependencies=[Depends(known_query("robot"))])
-
-
-@router.get("/docks", tags=["Dock"], response_model=DockList, responses=problems(404, 422, 503))
-@operation(Role.VIEWER, Scope.DOCK)
-async def list_docks(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """List the docks of the robot's docking server, in its order. There are none if it knows no docks by name."""
-    action = await gateway.docking_action("dock", robot)
-    return json_response(await gateway.docks.document(action.name, action.family))
+router = APIRouter(tags=["Robots"], dependencies=[Depends(known_query("robot"))])
 
 
-@router.get("/calibration", tags=["Robots"], response_model=CalibrationService, responses=problems(404, 422, 503))
+@router.get("/calibration", response_model=CalibrationService, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.ROBOT)
 async def get_calibration(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Return whether the robot's docking server can calibrate its dock."""
     return json_response(await gateway.calibrations.document(gateway.robots.get(robot).namespace))
 
 
-@router.post("/calibration", tags=["Robots"], response_model=Calibration, responses=problems(404, 409, 422, 503, 504))
+@router.post("/calibration", response_model=Calibration, responses=problems(404, 409, 422, 503, 504))
 @operation(Role.SUPERVISOR, Scope.ROBOT)
 async def calibrate_dock(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Measure where the docked robot stands, as seen from the marker, and use that from now on. Nothing moves.

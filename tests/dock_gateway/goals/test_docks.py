@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from rcl_interfaces.msg import ParameterValue
 
-from dock_gateway.robots.docks import _read_docks
+from dock_gateway.goals.docks import _read_docks
 from dock_gateway.ros import parameter_reader
 
 HOME = {"docks": ["home"], "home.type": "wall", "home.frame": "map", "home.pose": [1.0, 2.5, 0.5]}
