@@ -31,6 +31,7 @@ from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals.docks import Docks
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.graph.cache import GraphCache
@@ -68,17 +69,19 @@ REASON_WAIT = 0.3
 
 
 @asynccontextmanager
-async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
+async def open_gateway(settings: Settings, limits: GoalLimits = LIMITS) -> AsyncIterator[Gateway]:
     """Open the history, join the ROS graph and run the gateway until the block ends."""
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
         spool = None if settings.database_url == "memory:" else AuditSpool(settings.spool_folder / "audit")
         audit = _closed_by(stack, AuditLog(history.audit, spool))
         await audit.open()
-        yield await _open(settings, history, audit, stack)
+        yield await _open(settings, history, audit, stack, limits)
 
 
-async def _open(settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack) -> Gateway:
+async def _open(
+    settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack, limits: GoalLimits
+) -> Gateway:
     """Make every part, and register it with the stack for closing."""
     hub = Hub(
         queue_limit=settings.subscriber_queue,
@@ -92,7 +95,9 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     stack.push_async_callback(asyncio.to_thread, bridge.close)
     interlock = _closed_by(stack, _make_interlock(settings, hub))
     last_goals = _closed_by(stack, LastGoals(history))
-    actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))
+    actions = _closed_by(
+        stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, limits=limits)
+    )
     actions.on_end.append(last_goals.take)
     history.on_loss = lambda: store_unfinished(actions, history)
     _follow_docking(actions, last_goals, hub)

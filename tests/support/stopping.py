@@ -14,7 +14,7 @@ from dock_gateway.core.namespace import read_namespace
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.settings import Settings
-from dock_gateway.stop.stopper import Stopper
+from dock_gateway.stop.stopper import TIMING, Stopper, StopTiming
 from tests.support.audit import audit_parts
 
 
@@ -88,13 +88,14 @@ class FakeFleet:
     Attributes:
         robots: Their `velocity` and `topic`, by namespace.
         goals: What runs on the action of each.
+        actions: Their actions.
         gateway: What the API calls.
     """
 
-    def __init__(self, path: Path, *names: str) -> None:
+    def __init__(self, path: Path, *names: str, timing: StopTiming = TIMING) -> None:
         self.hub = Hub(queue_limit=10, max_subscribers=10)
         self.file = LatchFile(path)
-        self.interlock = Interlock(self.hub, self.file, names[0])
+        self.interlock = Interlock(self.hub, self.file, names[0], echo_after=0.02, retry_after=0.02)
         self.robots = {
             name: SimpleNamespace(namespace=name, velocity=FakeVelocity(), topic=FakeTopic()) for name in names
         }
@@ -103,8 +104,8 @@ class FakeFleet:
         self.goals = {name: FakeGoals() for name in names}
         actions: Any = SimpleNamespace(under=self._actions_under)
         registry: Any = SimpleNamespace(get=self._get, under=self._robots_under)
-        self._actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
-        self.stopper = Stopper(registry, actions, self.interlock)
+        self.actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
+        self.stopper = Stopper(registry, actions, self.interlock, timing)
         self.gateway: Any = SimpleNamespace(**audit_parts(), stopper=self.stopper, settings=Settings())
 
     def _get(self, namespace: str | None = None) -> Any:
@@ -117,7 +118,7 @@ class FakeFleet:
         return [robot for name, robot in self.robots.items() if is_under(name, namespace)]
 
     def _actions_under(self, namespace: str) -> list[Any]:
-        return [action for name, action in self._actions.items() if is_under(name, namespace)]
+        return [action for name, action in self.actions.items() if is_under(name, namespace)]
 
     def zeros(self) -> list[int]:
         """How often each robot was told to stand still."""
@@ -141,9 +142,9 @@ class Action:
 
 
 @asynccontextmanager
-async def fake_fleet(path: Path, *names: str) -> AsyncIterator[FakeFleet]:
+async def fake_fleet(path: Path, *names: str, timing: StopTiming = TIMING) -> AsyncIterator[FakeFleet]:
     """A fleet that is closed at the end."""
-    fleet = FakeFleet(path, *names)
+    fleet = FakeFleet(path, *names, timing=timing)
     try:
         yield fleet
     finally:

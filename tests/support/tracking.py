@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import AsyncIterator
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
@@ -12,8 +13,8 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals import results as results_module
 from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.storage import MemoryHistory
@@ -41,14 +42,18 @@ class FakePort:
         self.calls[goal_id][-1].response.set_result(ResultAnswer(status, result))
 
 
+QUICK = GoalLimits(result_wait=0.05, ask_again_after=0.03, end_stamp_wait=0.01)
+
+
 class Scene:
-    def __init__(self) -> None:
+    def __init__(self, limits: GoalLimits = QUICK, reasons: PendingFacts[GoalError] | None = None) -> None:
         self.hub = Hub(queue_limit=100, max_subscribers=10)
         self.history = MemoryHistory(100)
         self.returned: list[Goal] = []
         self.port = FakePort()
-        self.reasons: PendingFacts[GoalError] = PendingFacts(0.1)
-        self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
+        port: Any = self.port
+        self.reasons: PendingFacts[GoalError] = reasons or PendingFacts(0.1)
+        self.tracker = GoalTracker(port, self.hub, self.history, self.reasons, limits=limits)
         self.tracker.on[News.RETURNED].append(self.returned.append)
         self.subscriber: Subscriber = self.hub.subscribe(EventFilter())
         self.stamp = 0
@@ -86,10 +91,13 @@ class Scene:
 
 
 @pytest.fixture
-async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    monkeypatch.setattr(results_module, "RESULT_WAIT", 0.05)
-    monkeypatch.setattr(results_module, "ASK_AGAIN_AFTER", 0.03)
-    monkeypatch.setattr(results_module, "END_STAMP_WAIT", 0.01)
-    scene = Scene()
+async def scene(request: pytest.FixtureRequest) -> AsyncIterator[Scene]:
+    """Indirect parameters are limits other than the `QUICK` ones."""
+    scene = Scene(replace(QUICK, **getattr(request, "param", {})))
     yield scene
     await scene.tracker.close()
+
+
+def limits(**changed: float) -> pytest.MarkDecorator:
+    """Mark a test whose scene has other limits."""
+    return pytest.mark.parametrize("scene", [changed], indirect=True, ids=[""])

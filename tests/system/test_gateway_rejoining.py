@@ -13,8 +13,7 @@ from dock_gateway.assembly import open_gateway
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Subscriber
-from dock_gateway.goals import rejoining
-from dock_gateway.goals import results as results_module
+from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.settings import Settings
 from tests.support.gateway import running_program
 from tests.support.rejoining import lose_answers
@@ -22,13 +21,13 @@ from tests.support.waiting import until
 
 pytestmark = pytest.mark.ros
 
+# On a busy machine, another participant may take longer than a result is usually waited for.
+LIMITS = GoalLimits(unanswered_for=0.5, home_after=1.0, result_wait=30.0)
+
 
 @pytest.fixture
 def settings(domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Settings]:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    monkeypatch.setattr(rejoining, "UNANSWERED_FOR", 0.5)
-    monkeypatch.setattr(rejoining, "HOME_AFTER", 1.0)
-    monkeypatch.setattr(results_module, "RESULT_WAIT", 30.0)  # on a busy machine, another participant may take longer
     with running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.3"):
         yield Settings(
             database_url="memory:",
@@ -45,7 +44,7 @@ async def read(subscriber: Subscriber, into: list[dict[str, Any]]) -> None:
 
 
 async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(settings: Settings) -> None:
-    async with open_gateway(settings) as gateway:
+    async with open_gateway(settings, LIMITS) as gateway:
         action = await gateway.actions.find("/fibonacci")
         events: list[dict[str, Any]] = []
         reading = asyncio.create_task(read(gateway.hub.subscribe(EventFilter()), events))

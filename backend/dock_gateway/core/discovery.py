@@ -9,12 +9,6 @@ from dock_gateway.core.errors import GatewayError
 
 log = logging.getLogger(__name__)
 
-# Seconds that one call of `take_up` may run before the graph is scanned again.
-TURN = 0.5
-# Seconds before one that cannot be used is retried, and before one that failed for another reason is: ROS may still be
-# letting go of what had its name.
-RETRY_AFTER, RETRY_SOON = 60.0, 5.0
-
 # Errors caused by the thing itself; they are logged without a traceback.
 EXPECTED = (ImportError, TypeError, OverflowError)
 
@@ -34,21 +28,36 @@ class Discovery:
         kind: Their name in the log.
         limit: Maximum number of them.
         setting: Name of the setting that raises the limit.
+        turn: Seconds that one call of `take_up` may run before the graph is scanned again.
+        retry_after: Seconds before one that cannot be used is retried.
+        retry_soon: The same for one that failed for another reason: ROS may still be letting go of what had its name.
 
     Attributes:
         failed: Those on the graph that cannot be used, by name.
     """
 
-    def __init__(self, kind: str, limit: int, setting: str) -> None:
+    def __init__(
+        self,
+        kind: str,
+        limit: int,
+        setting: str,
+        *,
+        turn: float = 0.5,
+        retry_after: float = 60.0,
+        retry_soon: float = 5.0,
+    ) -> None:
         self.failed: dict[str, Failure] = {}
         self._kind = kind
         self._limit = limit
         self._setting = setting
+        self._turn = turn
+        self._retry_after = retry_after
+        self._retry_soon = retry_soon
 
     async def take_up(
         self, names: Iterable[str], known: Collection[object], take_up: Callable[[str], Awaitable[object]]
     ) -> bool:
-        """Register what is new, for at most `TURN` seconds.
+        """Register what is new, for at most one turn.
 
         Args:
             names: Names on the graph that are not registered yet.
@@ -68,7 +77,7 @@ class Discovery:
             if failure is not None and now < failure.retry_at:
                 continue
             if until is None:
-                until = now + TURN
+                until = now + self._turn
             elif now >= until:
                 return True
             try:
@@ -86,7 +95,7 @@ class Discovery:
     def _note(self, name: str, error: Exception) -> None:
         before, why = self.failed.get(name), str(error) or repr(error)
         unexpected = not isinstance(error, EXPECTED)
-        self.failed[name] = Failure(why, time.monotonic() + (RETRY_SOON if unexpected else RETRY_AFTER))
+        self.failed[name] = Failure(why, time.monotonic() + (self._retry_soon if unexpected else self._retry_after))
         if before is None or before.why != why:
             log.warning("%s %s is on the ROS graph but cannot be used: %s", self._kind, name, why, exc_info=unexpected)
 

@@ -146,14 +146,14 @@ class Hub:
         max_subscribers: Maximum number of simultaneous subscribers.
         keep: Called with every event that a reader can resume from, for the history.
         newest: Id of the newest stored event.
+        recent: Number of events kept, some seconds of a busy gateway. A reader that was away for longer resumes from
+            the history.
 
     Attributes:
         clock: Stamps the events that are published here.
         published: Number of events published, by kind: their topic, or `feedback`.
         sent: Number of events handed to subscribers, by kind.
     """
-
-    RECENT = 4_000  # some seconds of a busy gateway; a reader that was away for longer resumes from the history
 
     def __init__(
         self,
@@ -162,6 +162,7 @@ class Hub:
         max_subscribers: int,
         keep: Callable[[Event], None] = lambda _: None,
         newest: str = "",
+        recent: int = 4_000,
     ) -> None:
         self.clock = EventClock(newest)
         self.published: Counter[str] = Counter()
@@ -169,7 +170,7 @@ class Hub:
         self._dropped_before = 0  # by subscribers that have left
         self._keep = keep
         self._line: deque[Event | Hold] = deque()
-        self._recent = EventBuffer(self.RECENT)
+        self._recent = EventBuffer(recent)
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()

@@ -36,6 +36,11 @@ class LogLimit(logging.Filter):
         self._lock = threading.Lock()
         self._counts: dict[tuple[str, str], Count] = {}
 
+    @property
+    def kinds(self) -> int:
+        """Number of kinds that are counted."""
+        return len(self._counts)
+
     def filter(self, record: logging.LogRecord) -> bool:
         """Return whether a line is written."""
         now, kind = self._clock(), (record.name, str(record.msg))

@@ -57,18 +57,17 @@ class Tasks:
         await cancel(*self._running)
 
 
-MAX_REMEMBERED = 2000
-
-
 class PendingFacts(Generic[T]):
     """A fact about each goal, such as why it was rejected, that may arrive a little later than it is needed.
 
     Args:
         wait: Seconds to wait for a fact.
+        limit: Maximum number of facts kept.
     """
 
-    def __init__(self, wait: float) -> None:
+    def __init__(self, wait: float, limit: int = 2000) -> None:
         self._wait = wait
+        self._limit = limit
         self._facts: OrderedDict[str, T] = OrderedDict()
         self._waiting: dict[str, asyncio.Event] = {}
 
@@ -81,7 +80,7 @@ class PendingFacts(Generic[T]):
     def put(self, goal_id: str, fact: T) -> None:
         """Store a fact; it replaces an older one."""
         self._facts[goal_id] = fact
-        if len(self._facts) > MAX_REMEMBERED:
+        if len(self._facts) > self._limit:
             self._facts.popitem(last=False)
         if event := self._waiting.get(goal_id):
             event.set()

@@ -13,6 +13,7 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.idempotency import Submitter
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
 from dock_gateway.goals.submission import Delivery
@@ -56,6 +57,7 @@ class Action:
         remark: Callable[[], str] = str,
         pinned: bool = False,
         ping_idle: bool = False,
+        limits: GoalLimits = LIMITS,
     ) -> None:
         self.port = port
         self.name = port.action_name
@@ -67,16 +69,16 @@ class Action:
         self.feedback_dropped = 0
         self._hub = hub
         self._default_dock = settings.default_dock
-        self.tracker = GoalTracker(port, hub, history, reasons, adapter, remark=remark)
-        self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle)
-        self.canceler = Canceler(settings, self.tracker, interlock)
+        self.tracker = GoalTracker(port, hub, history, reasons, adapter, remark=remark, limits=limits)
+        self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
+        self.canceler = Canceler(settings, self.tracker, interlock, limits)
         self.delivery = Delivery(
             settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
         )
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"monitoring {self.name}")
         self._tasks.spawn(self.watch.run())
-        self._tasks.spawn(Rejoiner(self.tracker, self.watch).run())
+        self._tasks.spawn(Rejoiner(self.tracker, self.watch, limits).run())
 
     @property
     def on_graph(self) -> bool:

@@ -11,23 +11,21 @@ from dataclasses import dataclass, field
 
 from dock_gateway.core.event import Now
 from dock_gateway.core.goal import Goal
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 
 log = logging.getLogger(__name__)
 
 # Applies a message to its goal, once the goal is known.
 Message = Callable[[Now, Goal], None]
 
-# Goals adopted in one batch, and seconds between two batches: 100 goals/s. All waiting goals are looked up together.
-# Those that have ended are settled at once and do not count towards the batch.
-BATCH, BATCH_INTERVAL = 50, 0.5
+# Goals adopted in one batch. All waiting goals are looked up together. Those that have ended are settled at once and do
+# not count towards the batch.
+BATCH = 50
 # A result is requested for each goal, and an action server queues only 10 requests (ROS's default). So many goals are
 # adopted before a pause, in seconds.
 REQUESTS_AT_ONCE, REQUEST_PAUSE = 5, 0.02
-# Maximum number of goals that wait to be looked up, and of messages that wait with each.
-MAX_NEWCOMERS, MAX_MESSAGES = 1000, 100
-# Seconds that a running goal is held back while the history does not answer, and seconds between two lookups then.
-PATIENCE = 0.5
-RETRY_INTERVAL = 0.1
+# Maximum number of messages that wait with each goal that is looked up.
+MAX_MESSAGES = 100
 
 
 @dataclass
@@ -50,7 +48,8 @@ class Newcomer:
 class Newcomers:
     """Unknown goals that wait to be looked up, running goals first. Pure, as `GoalMachine`."""
 
-    def __init__(self) -> None:
+    def __init__(self, limits: GoalLimits = LIMITS) -> None:
+        self._limits = limits
         self._waiting: OrderedDict[str, Newcomer] = OrderedDict()
 
     def __len__(self) -> int:
@@ -68,7 +67,7 @@ class Newcomers:
         """Take a message about a goal that is not tracked."""
         newcomer = self._waiting.get(goal_id)
         if newcomer is None:
-            if len(self._waiting) >= MAX_NEWCOMERS and not self._make_room(running=running):
+            if len(self._waiting) >= self._limits.newcomers and not self._make_room(running=running):
                 return
             newcomer = self._waiting[goal_id] = Newcomer(created_ns, now)
         newcomer.messages.append(message)
@@ -78,7 +77,8 @@ class Newcomers:
 
     def _make_room(self, *, running: bool) -> bool:
         """Drop an ended goal to make room for a running one. A running goal is reported again by its server."""
-        log.warning("more than %d unknown goals were reported at the same time; some are ignored", MAX_NEWCOMERS)
+        limit = self._limits.newcomers
+        log.warning("more than %d unknown goals were reported at the same time; some are ignored", limit)
         last = next(reversed(self._waiting))
         if not running or self._waiting[last].running:
             return False
@@ -99,8 +99,10 @@ class Newcomers:
         """
         if known is None:
             waiting = ((goal_id, self._waiting.get(goal_id)) for goal_id in asked)
-            urgent = [goal_id for goal_id, it in waiting if it and it.running and now - it.since > PATIENCE]
-            return urgent[:BATCH], RETRY_INTERVAL
+            urgent = [
+                goal_id for goal_id, it in waiting if it and it.running and now - it.since > self._limits.patience
+            ]
+            return urgent[:BATCH], self._limits.lookup_retry
         ended = [goal_id for goal_id in asked if goal_id in known and known[goal_id].status.final]
         others = [goal_id for goal_id in asked if goal_id not in known or not known[goal_id].status.final]
-        return ended + others[:BATCH], BATCH_INTERVAL if len(others) > BATCH else 0.0
+        return ended + others[:BATCH], self._limits.batch_interval if len(others) > BATCH else 0.0

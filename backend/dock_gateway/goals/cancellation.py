@@ -13,6 +13,7 @@ from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unav
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.request import act
 from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.settings import Settings
@@ -20,10 +21,6 @@ from dock_gateway.settings import Settings
 log = logging.getLogger(__name__)
 
 STOP_TIMEOUT = 1.0
-# Seconds between two cancel requests for the same goal.
-RETRY_INTERVAL = 1.0
-# Maximum number of unwanted goals besides those that are tracked.
-MAX_UNWANTED = 1000
 # action_msgs/CancelGoal: ERROR_UNKNOWN_GOAL_ID and ERROR_GOAL_TERMINATED, which also stands for a goal that is being
 # canceled already.
 UNKNOWN_GOAL, NOTHING_TO_CANCEL = 2, 3
@@ -43,10 +40,14 @@ class Canceler:
         settings: Deadlines.
         tracker: The goals.
         interlock: The latched stops.
+        limits: How often to repeat a request, and how many goals to remember.
     """
 
-    def __init__(self, settings: Settings, tracker: GoalTracker, interlock: Interlock) -> None:
+    def __init__(
+        self, settings: Settings, tracker: GoalTracker, interlock: Interlock, limits: GoalLimits = LIMITS
+    ) -> None:
         self._settings = settings
+        self._limits = limits
         self._tracker = tracker
         self._interlock = interlock
         self._unwanted: dict[str, GoalError] = {}
@@ -165,7 +166,7 @@ class Canceler:
         if goal.status.final:
             return
         self._unwanted.setdefault(goal.goal_id, why)
-        if len(self._unwanted) > len(self._tracker.live) + MAX_UNWANTED:
+        if len(self._unwanted) > len(self._tracker.live) + self._limits.unwanted:
             del self._unwanted[next(goal_id for goal_id in self._unwanted if goal_id not in self._tracker.live)]
 
     def seen_again(self, goal: Goal) -> None:
@@ -220,7 +221,7 @@ class Canceler:
                         error.detail,
                         extra={"goal_id": goal.goal_id},
                     )
-                await asyncio.sleep(RETRY_INTERVAL)
+                await asyncio.sleep(self._limits.cancel_retry)
             self._tracker.explain(goal, None)  # the stop was released, so the goal may run
         finally:
             self._insisting.discard(goal.goal_id)

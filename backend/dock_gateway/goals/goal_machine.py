@@ -17,12 +17,9 @@ from dock_gateway.core.dock_adapters.adapter import NO_REASON, DockAdapter
 from dock_gateway.core.event import Event, Now, feedback_event, moment, nanoseconds, status_event
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
 from dock_gateway.goals.adoption import Message, Newcomer, Newcomers
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 
 log = logging.getLogger(__name__)
-
-# Maximum number of ids of ended goals kept, as an action server may go on reporting them for a while.
-MAX_REMEMBERED = 10_000
-MAX_LOST = 100
 
 # Makes an event from a goal, the stamp of its id and the stamp of its source, in nanoseconds.
 MakeEvent = Callable[[Goal, int, int], Event]
@@ -95,6 +92,7 @@ class GoalMachine:
         stamp: Returns the stamp of the next event's id from that of its source. Stamps rise.
         started: When the gateway started.
         adapter: What its messages say about a goal, if it docks or undocks robots.
+        limits: How many goals to remember.
 
     Attributes:
         live: The running goals, and lost ones that may return.
@@ -110,13 +108,16 @@ class GoalMachine:
         stamp: Callable[[int], int],
         started: Now,
         adapter: DockAdapter | None = None,
+        *,
+        limits: GoalLimits = LIMITS,
     ) -> None:
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
-        self.newcomers = Newcomers()
+        self.newcomers = Newcomers(limits)
         self.outputs: deque[Output] = deque()
         self._action = (action_name, action_type)
         self._adapter = adapter
+        self._limits = limits
         self._verb = None if adapter is None else adapter.verb
         self._stamp = stamp
         self._started = moment(started.ns)
@@ -317,7 +318,7 @@ class GoalMachine:
         self._publish(status_event, goal, now.ns)
         self.outputs += [Store(goal), Notify(News.LOST, goal)]
         lost = [other for other in self.live.values() if other.status is GoalStatus.LOST]
-        for oldest in lost[:-MAX_LOST]:
+        for oldest in lost[: -self._limits.lost]:
             self._retire(oldest)
 
     def end(
@@ -355,7 +356,7 @@ class GoalMachine:
 
     def _note_ended(self, goal_id: str) -> None:
         self._ended[goal_id] = None
-        if len(self._ended) > MAX_REMEMBERED:
+        if len(self._ended) > self._limits.ended:
             self._ended.popitem(last=False)
 
 

@@ -17,14 +17,13 @@ from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unav
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.core.ros_variables import DISCOVERY_SERVER_HINT, sees_part_of_graph
 from dock_gateway.goals.duplicates import Duplicates
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
 PING_TIMEOUT = 1.0
-# Seconds that a server may be off the graph, as during a restart, before its goals are lost.
-GONE_GRACE = 2.0
 # Seconds without news after which a goal's result is requested again, then after twice as many, and so on.
 FIRST_PROBE = 5.0
 
@@ -49,6 +48,7 @@ class ServerWatch:
         on_change: Called when the server's state has changed.
         ping_idle: Whether a server without goals is pinged, too. If not, it counts as answering while it is on the
             graph.
+        limits: How long a server may be off the graph.
     """
 
     def __init__(
@@ -58,7 +58,9 @@ class ServerWatch:
         on_change: Callable[[ServerState], None],
         *,
         ping_idle: bool = True,
+        limits: GoalLimits = LIMITS,
     ) -> None:
+        self._gone_grace = limits.gone_grace
         self._ping_idle = ping_idle
         self._tracker = tracker
         self._settings = settings
@@ -161,7 +163,7 @@ class ServerWatch:
     def _judge(self) -> None:
         now = time.monotonic()
         silence = now - self._tracker.last_heard
-        left = self._gone_since is not None and min(now - self._gone_since, silence) > GONE_GRACE
+        left = self._gone_since is not None and min(now - self._gone_since, silence) > self._gone_grace
         for goal in self._tracker.running():
             if goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.taken_up:
                 continue  # its sender waits with its own deadline

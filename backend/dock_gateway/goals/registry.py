@@ -19,6 +19,7 @@ from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionKind, ActionPort
@@ -57,6 +58,8 @@ class ActionRegistry:
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         interlock: The latched stops.
+        limits: How long to wait for what is to be known of goals.
+        forget_after: Seconds after which an action that is off the graph is removed.
 
     Attributes:
         docking: Which of the actions dock and undock each robot.
@@ -76,12 +79,16 @@ class ActionRegistry:
         reasons: PendingFacts[GoalError],
         *,
         interlock: Interlock,
+        limits: GoalLimits = LIMITS,
+        forget_after: float = FORGET_AFTER,
     ) -> None:
         self._settings = settings
         self._bridge = bridge
         self.remark: Callable[[str], str] = lambda _: ""
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
+        self._limits = limits
+        self._forget_after = forget_after
         self.on_sent: list[Callable[[Goal], None]] = []
         self.on_change: list[Callable[[Goal], None]] = []
         self.on_end: list[Callable[[Goal], None]] = []
@@ -153,6 +160,7 @@ class ActionRegistry:
             remark=lambda: self.remark(name),
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or of_configured_robot,
+            limits=self._limits,
         )
         for news, listeners in (
             (News.SENT, self.on_sent),
@@ -188,7 +196,7 @@ class ActionRegistry:
         for action in list(self._actions.values()):
             if types := scan.actions.get(action.name):
                 action.last_seen = time.monotonic()
-            unseen = action.unseen_for > FORGET_AFTER and not action.pinned
+            unseen = action.unseen_for > self._forget_after and not action.pinned
             replaced = types is not None and action.type not in types and not self._is_fixed(action)
             # A lost goal may return, but not to a server of another type.
             expected = any(not (replaced and goal.status.terminal) for goal in action.tracker.live.values())
@@ -197,7 +205,7 @@ class ActionRegistry:
                     log.warning("action %s was of type %s, and is now of type %s", action.name, action.type, types[0])
                 await self._forget(action)
                 leaving.add(action.name)
-        if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
+        if self._unfinished and time.monotonic() - self._started > self._forget_after:
             self._give_up()
         self._discovery.keep(scan.actions)
         new = [name for name in scan.actions if name not in self._actions and name not in leaving]

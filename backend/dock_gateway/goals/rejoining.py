@@ -11,21 +11,18 @@ import time
 from dataclasses import dataclass
 
 from dock_gateway.core.errors import GatewayError
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
 
 log = logging.getLogger(__name__)
 
-# Seconds without an answer after which another participant is tried: it should be there before the outage ends.
-UNANSWERED_FOR = 5.0
 # Seconds of silence after which a server is no longer tried, because its robot is switched off; and the same for one
 # that has no goal and has left the graph.
 GIVE_UP_AFTER, GIVE_UP_IDLE_AFTER = 600.0, 60.0
 # Seconds for which another participant is tried, and seconds before it is tried again: twice as many after each try
 # without an answer.
 KEEP, PAUSE, LONGEST_PAUSE = 60.0, 10.0, 600.0
-# Seconds until an action that is reached through a participant of its own is tried through the common one again.
-HOME_AFTER = 20.0
 INTERVAL = 0.5
 
 
@@ -33,6 +30,7 @@ INTERVAL = 0.5
 class RejoinSchedule:
     """Decides when another participant is tried for an action server. All times are on the monotonic clock."""
 
+    unanswered_for: float = LIMITS.unanswered_for
     _ended: float = float("-inf")
     _pause: float = PAUSE
 
@@ -45,7 +43,7 @@ class RejoinSchedule:
             last_heard: When the server last gave a sign of life.
             wanted: Whether it may have a goal, or is on the graph.
         """
-        if unanswered_since is None or now - unanswered_since < UNANSWERED_FOR or now - self._ended < self._pause:
+        if unanswered_since is None or now - unanswered_since < self.unanswered_for or now - self._ended < self._pause:
             return False
         return now - last_heard < (GIVE_UP_AFTER if wanted else GIVE_UP_IDLE_AFTER)
 
@@ -61,13 +59,15 @@ class Rejoiner:
     Args:
         tracker: The goals on that action.
         watch: Is told when the server is reached another way.
+        limits: When to try.
     """
 
-    def __init__(self, tracker: GoalTracker, watch: ServerWatch) -> None:
+    def __init__(self, tracker: GoalTracker, watch: ServerWatch, limits: GoalLimits = LIMITS) -> None:
         self._tracker = tracker
         self._port = tracker.port
         self._watch = watch
-        self._schedule = RejoinSchedule()
+        self._schedule = RejoinSchedule(limits.unanswered_for)
+        self._home_after = limits.home_after
 
     async def run(self) -> None:
         """Look after the action, until canceled."""
@@ -77,9 +77,9 @@ class Rejoiner:
             try:
                 if self._due():
                     await self._rejoin()
-                    home_at = time.monotonic() + HOME_AFTER
+                    home_at = time.monotonic() + self._home_after
                 elif self._port.away and time.monotonic() > home_at:
-                    home_at = time.monotonic() + HOME_AFTER
+                    home_at = time.monotonic() + self._home_after
                     if await self._port.go_home():
                         log.info("%s is reached through the common participant again", self._port.action_name)
                         self._watch.reconcile()

@@ -13,15 +13,10 @@ from dock_gateway.core.dock_adapters.adapter import NO_REASON
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import PendingCall
 
-# Seconds that an ended goal (by the status topic) waits for its result, and seconds between two requests for it.
-RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
-# Seconds after such an end for which a late result is still accepted.
-LATE_RESULT = 60.0
-# Seconds that a result waits for the status message of the end, whose timestamp is the same at every gateway.
-END_STAMP_WAIT = 0.2
 SAID_NOTHING = "the action server aborted the goal and gave no reason"
 # Goals that end in one of these states have a result, which may arrive late.
 WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
@@ -40,6 +35,7 @@ class Results:
         heard: Called with each sign of life of the action server.
         settle: Called with each answer, and if none comes for a goal that ended.
         remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
+        limits: How long to wait.
     """
 
     def __init__(
@@ -49,13 +45,16 @@ class Results:
         heard: Callable[[], None],
         settle: Settle,
         remark: Callable[[], str] = str,
+        *,
+        limits: GoalLimits = LIMITS,
     ) -> None:
         self._port = port
         self._reasons = reasons
         self._heard = heard
         self._settle = settle
         self._remark = remark
-        self._end_stamps: PendingFacts[int] = PendingFacts(END_STAMP_WAIT)
+        self._limits = limits
+        self._end_stamps: PendingFacts[int] = PendingFacts(limits.end_stamp_wait, limits.end_stamps)
         self._calls: dict[str, PendingCall] = {}
         self._tasks = Tasks("waiting for results")
         self._closed = False
@@ -65,7 +64,7 @@ class Results:
     def request(self, goal: Goal, reported: tuple[GoalStatus, int] | None = None) -> None:
         """Request the goal's result, unless a request is pending.
 
-        If the server reported how and when the goal ended, it ends without a result after `RESULT_WAIT` seconds.
+        If the server reported how and when the goal ended, it ends without a result after a while.
         """
         if reported is not None and goal.goal_id not in self._end_stamps:
             self._end_stamps.put(goal.goal_id, reported[1])
@@ -106,9 +105,9 @@ class Results:
         self._settle(goal, answer, stamp_ns)
 
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
-        deadline = time.monotonic() + RESULT_WAIT
+        deadline = time.monotonic() + self._limits.result_wait
         while not goal.status.final and time.monotonic() < deadline:
-            await asyncio.sleep(ASK_AGAIN_AFTER)
+            await asyncio.sleep(self._limits.ask_again_after)
             # An answer is lost if the server has not discovered our client yet, as just after a start.
             if not goal.status.final:
                 self.request_again(goal)
@@ -119,11 +118,11 @@ class Results:
     # ------------------------------------------------------------------ the end
 
     def retire(self, goal: Goal) -> None:
-        """Stop waiting for the result of an ended or lost goal; if it may still arrive, after `LATE_RESULT` seconds."""
+        """Stop waiting for the result of an ended or lost goal; if it may still arrive, somewhat later."""
         if goal.result is not None or goal.status not in WITH_RESULT:
             self.forget(goal.goal_id)
         elif goal.goal_id in self._calls:
-            asyncio.get_running_loop().call_later(LATE_RESULT, self.forget, goal.goal_id)
+            asyncio.get_running_loop().call_later(self._limits.late_result, self.forget, goal.goal_id)
 
     def forget(self, goal_id: str) -> None:
         """Stop waiting for the goal's result."""

@@ -19,6 +19,7 @@ from dock_gateway.core.hub import Hold, Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.results import Results
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.admission import KnownGoals
@@ -26,9 +27,6 @@ from dock_gateway.ros.status import StatusReport
 from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
-
-# Maximum seconds that later events are held back while a result is awaited.
-RESERVE_FOR = 1.0
 
 
 P = ParamSpec("P")
@@ -55,6 +53,7 @@ class GoalTracker:
         reasons: Why goals were rejected or aborted.
         adapter: What the action's messages say about a goal, if it docks or undocks robots.
         remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
+        limits: How long to wait, and how many goals to remember.
 
     Attributes:
         live: The running goals, and lost ones that may return.
@@ -74,8 +73,11 @@ class GoalTracker:
         adapter: DockAdapter | None = None,
         *,
         remark: Callable[[], str] = str,
+        limits: GoalLimits = LIMITS,
     ) -> None:
-        self._machine = GoalMachine(port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter)
+        self._machine = GoalMachine(
+            port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter, limits=limits
+        )
         self.known: KnownGoals = self._machine
         self.new_goal = self._machine.new_goal
         self.live = self._machine.live
@@ -85,12 +87,13 @@ class GoalTracker:
         self.last_heard = time.monotonic()
         self.port = port
         self.tasks = Tasks("tracking goals")
-        self._results = Results(port, reasons, self.heard, self._answered, remark)
+        self._results = Results(port, reasons, self.heard, self._answered, remark, limits=limits)
         self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)
         self._hub = hub
         self._history = history
+        self._reserve_for = limits.reserve_for
         self._seals = Tasks("storing the ends of goals")
         self._places: dict[str, Hold] = {}
         self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by the waiting callers
@@ -209,7 +212,7 @@ class GoalTracker:
         """
         if self._history.shared and not self._machine.ended(goal_id) and goal_id not in self._places:
             self._places[goal_id] = self._hub.hold(stamp_ns)
-            asyncio.get_running_loop().call_later(RESERVE_FOR, self._expire, goal_id)
+            asyncio.get_running_loop().call_later(self._reserve_for, self._expire, goal_id)
 
     def _expire(self, goal_id: str) -> None:
         if goal_id in self._places:

@@ -17,7 +17,7 @@ from dock_gateway.core.event import system_event, utc_now
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
-from dock_gateway.latch.latch_file import LatchFile, LatchWriter
+from dock_gateway.latch.latch_file import RETRY_AFTER, LatchFile, LatchWriter
 from dock_gateway.latch.latches import Latch, Latches
 
 log = logging.getLogger(__name__)
@@ -56,6 +56,9 @@ class Interlock:
         default: Namespace of the configured robot.
         shared: Actions of several robots, for which a stop of any robot holds.
         homes: The robots of actions that are not in the namespace of their robot.
+        echo_after: See `ECHO_AFTER`.
+        publish_again_after: See `PUBLISH_AGAIN_AFTER`.
+        retry_after: Seconds before the file is written again after a failure.
 
     Attributes:
         on_latch: Called with the namespace of a robot that is held by another gateway's stop.
@@ -69,12 +72,18 @@ class Interlock:
         default: str,
         shared: Collection[str] = (),
         homes: Mapping[str, str] = MappingProxyType({}),
+        *,
+        echo_after: float = ECHO_AFTER,
+        publish_again_after: float = PUBLISH_AGAIN_AFTER,
+        retry_after: float = RETRY_AFTER,
     ) -> None:
         self.on_latch: list[Callable[[str], None]] = []
         self.on_release: list[Callable[[str], None]] = []
         self._hub = hub
+        self._echo_after = echo_after
+        self._publish_again_after = publish_again_after
         self._latches = Latches(file.read(default), shared, homes)
-        self._writer = LatchWriter(file, self._show_soon)
+        self._writer = LatchWriter(file, self._show_soon, retry_after=retry_after)
         self._topics: dict[str, LatchTopic] = {}
         # The state we last published on each topic; None if that failed, so it is unknown what subscribers received.
         self._published: dict[str, bool | None] = {}
@@ -115,6 +124,11 @@ class Interlock:
             by = self._latches.held[over].by
             detail = f"{over} was stopped{f' by {by}' if by else ''}: goals are refused until the stop is released"
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
+
+    @property
+    def settled(self) -> bool:
+        """Whether each topic shows the state, so that nothing is to be published again."""
+        return not self._echoes
 
     def document(self, namespace: str) -> dict[str, Any]:
         """Return the latch of a robot, as `GET /stop` shows it. The robot may have left in the meantime."""
@@ -192,7 +206,7 @@ class Interlock:
     def publish(self, namespace: str) -> None:
         """Publish the state of a robot and of those below it on their topics. A failed publish is retried.
 
-        An unchanged state is published again on request, but at most once per `PUBLISH_AGAIN_AFTER` seconds.
+        An unchanged state is published again on request, but at most about once per second.
         """
         now = time.monotonic()
         for name in self._topics.keys() & self._below(namespace):
@@ -200,7 +214,7 @@ class Interlock:
                 self._stop_published_at[name] = now
             latched = self._stopped_at(name) is not None
             news = self._published.get(name) is not latched or name in self._echoes
-            if (news or now - self._published_at[name] > PUBLISH_AGAIN_AFTER) and not self._publish_to(name):
+            if (news or now - self._published_at[name] > self._publish_again_after) and not self._publish_to(name):
                 self._echo(name)
 
     def _publish_to(self, namespace: str) -> bool:
@@ -292,7 +306,7 @@ class Interlock:
 
     async def _echo_later(self, namespace: str) -> None:
         while True:
-            await asyncio.sleep(ECHO_AFTER)
+            await asyncio.sleep(self._echo_after)
             try:
                 if await self._settle(namespace):
                     del self._echoes[namespace]

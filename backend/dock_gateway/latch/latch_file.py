@@ -100,15 +100,26 @@ class LatchWriter:
     Args:
         file: The file.
         on_change: Called when `problem` has changed.
+        retry_after: See `RETRY_AFTER`.
+        close_within: See `CLOSE_WITHIN`.
 
     Attributes:
         problem: Why the newest state is not on disk, once that is known; otherwise None.
     """
 
-    def __init__(self, file: LatchFile, on_change: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        file: LatchFile,
+        on_change: Callable[[], None],
+        *,
+        retry_after: float = RETRY_AFTER,
+        close_within: float = CLOSE_WITHIN,
+    ) -> None:
         self.problem: str | None = None
         self._file = file
         self._on_change = on_change
+        self._retry_after = retry_after
+        self._close_within = close_within
         self._newest: dict[str, Latch] = {}
         self._stored = asyncio.Event()
         self._stored.set()
@@ -141,7 +152,7 @@ class LatchWriter:
             except Exception as error:  # noqa: BLE001 - whatever it is, a restart would read something else
                 self._report(f"{self._file.path} cannot be written: {error}")
                 written = None
-                await asyncio.sleep(RETRY_AFTER)
+                await asyncio.sleep(self._retry_after)
         self._stored.set()
         self._report(None)
 
@@ -157,8 +168,8 @@ class LatchWriter:
         self._on_change()
 
     async def close(self) -> None:
-        """Wait for the pending write, at most `CLOSE_WITHIN` seconds."""
-        await self.wait(CLOSE_WITHIN)
+        """Wait for the pending write, but not long."""
+        await self.wait(self._close_within)
         if self._writing is not None:
             await cancel(self._writing)
         self._disk.shutdown(wait=False)

@@ -17,8 +17,6 @@ log = logging.getLogger(__name__)
 # The maximum number of queued messages, and of bytes, per source.
 MAX_MESSAGES = 1000
 MAX_BYTES = 4_000_000
-# Seconds that a thread waits for room if nothing may be dropped.
-WAIT_FOR_ROOM = 0.1
 # Seconds that the loop processes messages before it does other work.
 PORTION = 0.002
 
@@ -37,18 +35,29 @@ class Inbox:
     Args:
         inboxes: The inboxes that this one belongs to.
         on_drop: Called with the arguments of each dropped message, on the thread that added another.
+        max_messages: The maximum number of queued messages. Their size is limited to `MAX_BYTES`.
+        wait_for_room: Seconds that a thread waits for room if nothing may be dropped.
     """
 
-    def __init__(self, inboxes: "Inboxes", on_drop: Callable[..., object]) -> None:
+    def __init__(
+        self,
+        inboxes: "Inboxes",
+        on_drop: Callable[..., object],
+        *,
+        max_messages: int = MAX_MESSAGES,
+        wait_for_room: float = 0.1,
+    ) -> None:
         self._inboxes = inboxes
         self._on_drop = on_drop
+        self._max_messages = max_messages
+        self._wait_for_room = wait_for_room
         self._messages: deque[Message] = deque()
         self._size = 0
 
     def put(self, function: Callable[..., object], *args: object) -> None:
         """Call a function on the loop. If the inbox is full, wait a moment for room: DDS keeps later messages."""
         with self._inboxes.changed:
-            self._inboxes.changed.wait_for(lambda: len(self._messages) < MAX_MESSAGES, WAIT_FOR_ROOM)
+            self._inboxes.changed.wait_for(lambda: len(self._messages) < self._max_messages, self._wait_for_room)
             self._append(Message(function, args, None))
 
     def offer(self, size: int, function: Callable[..., object], *args: object) -> None:
@@ -62,10 +71,13 @@ class Inbox:
         dropped: list[Message] = []
         with self._inboxes.changed:
             self._append(Message(function, args, size))
-            while (len(self._messages) > MAX_MESSAGES or self._size > MAX_BYTES) and (found := self._drop_oldest()):
+            while self._is_over_full() and (found := self._drop_oldest()):
                 dropped.append(found)
         for message in dropped:
             self._on_drop(*message.args)
+
+    def _is_over_full(self) -> bool:
+        return len(self._messages) > self._max_messages or self._size > MAX_BYTES
 
     def _append(self, message: Message) -> None:
         self._messages.append(message)

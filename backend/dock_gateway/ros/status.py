@@ -11,8 +11,6 @@ from dataclasses import dataclass
 
 from dock_gateway.core.goal import FROM_ROS, GoalStatus
 
-# The maximum number of goals reported per message. The rest is reported with the next message.
-MAX_REPORTS = 1000
 # Seconds between two messages without news that are passed on.
 LIFE_INTERVAL = 0.2
 # The rank of a goal that has not changed; lower ones come first.
@@ -38,14 +36,16 @@ class StatusReader:
     """Reads the status messages of one publisher and reports the changes.
 
     Running goals are reported with every message, as a sign of life; ended goals only once. If there are more than
-    `MAX_REPORTS`, running goals that changed come first, then ended ones, then unchanged ones; the newest of each.
+    `max_reports`, running goals that changed come first, then ended ones, then unchanged ones; the newest of each.
 
     Args:
         admits: Returns whether to report a goal, by the bytes of its id. If not, it is new in the next message again.
+        max_reports: The maximum number of goals reported per message. The rest is reported with the next message.
     """
 
-    def __init__(self, admits: Callable[[bytes], bool] = lambda _: True) -> None:
+    def __init__(self, admits: Callable[[bytes], bool] = lambda _: True, *, max_reports: int = 1000) -> None:
         self._admits = admits
+        self._max_reports = max_reports
         self._reports: dict[bytes, StatusReport] = {}
         self._is_news = False
         self._told_at = float("-inf")
@@ -66,7 +66,7 @@ class StatusReader:
             if not (known and status.terminal):
                 rank = KNOWN if known else 1 if status.terminal else 0
                 news.append((rank, -accepted_ns, index, goal_id, status))
-        told = heapq.nsmallest(MAX_REPORTS, news) if len(news) > MAX_REPORTS else sorted(news)
+        told = heapq.nsmallest(self._max_reports, news) if len(news) > self._max_reports else sorted(news)
         reports: dict[int, StatusReport] = {}
         self._is_news = False
         for rank, age, index, goal_id, status in told:

@@ -46,10 +46,6 @@ only_robot = Depends(known_query("robot"))
 
 FIELDS = ("latch", "by")
 MAX_NAME = 100
-# Seconds after which a stop begins without its body. Most bodies come with the headers.
-BEGIN_WITHIN = 0.03
-# Seconds after which it is carried out without its body.
-BODY_WITHIN = 2.0
 STOP_REQUEST = {
     "type": "object",
     "additionalProperties": False,
@@ -195,8 +191,9 @@ async def _read_body(request: Request, gateway: Gateway) -> Any:
 
     The audit log has that as a stop of its own, as the body may never come, or be about another robot.
     """
-    reading = asyncio.create_task(read_json(request, empty={}, within=BODY_WITHIN))
-    await asyncio.wait({reading}, timeout=BEGIN_WITHIN)
+    timing = gateway.stopper.timing
+    reading = asyncio.create_task(read_json(request, empty={}, within=timing.body_within))
+    await asyncio.wait({reading}, timeout=timing.begin_within)
     if not reading.done():
         wrong: list[GatewayError] = []
         with _noting(wrong):

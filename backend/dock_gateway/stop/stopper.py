@@ -17,15 +17,32 @@ from dock_gateway.robots.registry import Robot, RobotRegistry
 
 log = logging.getLogger(__name__)
 
-# A stop is answered within 100 ms. The action servers get half of that, in seconds.
-CONFIRM_WITHIN = 0.05
-# Seconds before zero velocity is published again. Requests for the same stop until then join it.
-REPEAT_AFTER = 0.1
-# Publishing zero velocity to hundreds of robots blocks the loop for some 20 ms, too long to repeat for hundreds of
-# stops per second. Requests that join do not repeat it until this many times its duration has passed.
-REST = 4
-# Seconds after the request until which the answer waits for the disk. The rest of the 100 ms is for the answer itself.
-STORE_WITHIN = 0.08
+
+@dataclass(frozen=True)
+class StopTiming:
+    """How a stop is answered within 100 ms. Times are in seconds.
+
+    Publishing zero velocity to hundreds of robots blocks the loop for some 20 ms, too long to repeat for hundreds of
+    stops per second: see `rest`.
+
+    Attributes:
+        begin_within: Time after which a stop begins without its body. Most bodies come with the headers.
+        body_within: Time after which it is carried out without its body.
+        confirm_within: Time for the answers of the action servers.
+        store_within: Time after the request until which the answer waits for the disk.
+        repeat_after: Time before zero velocity is published again. Requests for the same stop until then join it.
+        rest: Requests that join do not repeat it until this many times its duration has passed.
+    """
+
+    begin_within: float = 0.03
+    body_within: float = 2.0
+    confirm_within: float = 0.05
+    store_within: float = 0.08
+    repeat_after: float = 0.1
+    rest: float = 4.0
+
+
+TIMING = StopTiming()
 
 
 @dataclass
@@ -116,12 +133,16 @@ class Stopper:
         robots: The robots.
         actions: The actions.
         interlock: Latches the stops.
+        timing: How long to wait.
 
     Attributes:
         on_stop: Called with the namespace of a robot that is stopped.
     """
 
-    def __init__(self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock) -> None:
+    def __init__(
+        self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock, timing: StopTiming = TIMING
+    ) -> None:
+        self.timing = timing
         self.on_stop: list[Callable[[str], None]] = []
         self._robots = robots
         self._actions = actions
@@ -159,7 +180,7 @@ class Stopper:
             namespaces: The robots; none means the configured one. Robots in namespaces below them are stopped, too.
             latch: Refuse goals until the stop is released.
             by: Who requested it.
-            wait: Seconds to wait for the action servers' answers, if longer than `CONFIRM_WITHIN`.
+            wait: Seconds to wait for the action servers' answers, if that is longer than usual.
 
         Raises:
             NotFound: None of the robots is known.
@@ -172,11 +193,11 @@ class Stopper:
         new = [name for name, halt in halts.items() if latch and self._latch(name, halt, by)]
         for halt in halts.values():
             await halt.confirmed.wait()
-            await halt.ended(began + CONFIRM_WITHIN - time.monotonic())
+            await halt.ended(began + self.timing.confirm_within - time.monotonic())
         for name in new:
             self._interlock.publish(name)
-        problem = await self._interlock.stored(began + STORE_WITHIN - time.monotonic()) if latch else None
-        if wait > CONFIRM_WITHIN:
+        problem = await self._interlock.stored(began + self.timing.store_within - time.monotonic()) if latch else None
+        if wait > self.timing.confirm_within:
             for halt in halts.values():
                 await halt.ended(began + wait - time.monotonic())
         report = StopReport(
@@ -236,7 +257,7 @@ class Stopper:
         known = {robot.namespace for robot in halt.robots}
         new = [robot for robot in self._robots.under(name) if robot.namespace not in known]
         halt.robots += new
-        if new or time.monotonic() - halt.published_at > REST * halt.took:
+        if new or time.monotonic() - halt.published_at > self.timing.rest * halt.took:
             halt.publish_zero()
             self._notify(halt.robots)
         for action in self._actions.under(name):
@@ -257,7 +278,7 @@ class Stopper:
 
     async def _carry_on(self, name: str, halt: Halt) -> None:
         try:
-            await halt.ended(CONFIRM_WITHIN)
+            await halt.ended(self.timing.confirm_within)
             # Not before the cancels: a server that receives the latch first would abort its goal.
             if halt.latched:
                 self._interlock.publish(name)
@@ -275,7 +296,7 @@ class Stopper:
     async def _repeat(self, halt: Halt) -> bool:
         """Publish zero velocity again, to override commands sent since; return whether others joined meanwhile."""
         halt.joined = False
-        await asyncio.sleep(max(REPEAT_AFTER, REST * halt.took))
+        await asyncio.sleep(max(self.timing.repeat_after, self.timing.rest * halt.took))
         halt.publish_zero()
         return halt.joined
 

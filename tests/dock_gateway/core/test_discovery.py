@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core import discovery as module
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.errors import Unavailable
 
@@ -14,8 +13,8 @@ from dock_gateway.core.errors import Unavailable
 class Graph:
     """What can be taken up; `failing` says what comes of it."""
 
-    def __init__(self, limit: int = 100) -> None:
-        self.discovery = Discovery("thing", limit, "max_things")
+    def __init__(self, limit: int = 100, **seconds: float) -> None:
+        self.discovery = Discovery("thing", limit, "max_things", **seconds)
         self.known: dict[str, Any] = {}
         self.failing: dict[str, Exception] = {}
         self.tried: list[str] = []
@@ -49,11 +48,8 @@ async def test_one_that_fails_keeps_no_other_out(caplog: pytest.LogCaptureFixtur
     assert len(caplog.records) == 2
 
 
-async def test_one_that_failed_is_tried_again(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setattr(module, "RETRY_AFTER", 0.0)
-    graph = Graph()
+async def test_one_that_failed_is_tried_again(caplog: pytest.LogCaptureFixture) -> None:
+    graph = Graph(retry_after=0.0)
     graph.failing = {"/a": ImportError("not installed")}
     for _ in range(3):
         await graph.look("/a")
@@ -73,9 +69,8 @@ async def test_one_that_has_gone_is_forgotten() -> None:
     assert graph.discovery.failed == {}
 
 
-async def test_many_are_taken_up_in_turns(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "TURN", 0.0)
-    graph, names = Graph(), [f"/{number}" for number in range(5)]
+async def test_many_are_taken_up_in_turns() -> None:
+    graph, names = Graph(turn=0.0), [f"/{number}" for number in range(5)]
     looks = 1
     while await graph.look(*names):
         looks += 1
@@ -100,9 +95,8 @@ async def test_without_the_ros_thread_nothing_is_blamed() -> None:
     assert graph.known == {}
 
 
-async def test_one_that_failed_for_an_unknown_reason_is_tried_again_soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "RETRY_SOON", 0.0)
-    graph = Graph()
+async def test_one_that_failed_for_an_unknown_reason_is_tried_again_soon() -> None:
+    graph = Graph(retry_soon=0.0)
     graph.failing = {"/a": RuntimeError("the type is taken"), "/b": TypeError("no such field")}
     await graph.look("/a", "/b")
     await graph.look("/a", "/b")

@@ -1,14 +1,11 @@
 """The newest events are kept: so many, and so many bytes of them."""
 
-import pytest
-
-from dock_gateway.core import event_buffer
 from dock_gateway.core.event import Event
-from dock_gateway.core.event_buffer import EventBuffer
+from dock_gateway.core.event_buffer import MAX_BYTES, EventBuffer
 
 
-def event(number: int, size: int = 1) -> Event:
-    return Event(b"x" * size, "goals", id=f"{number:03d}")
+def event(number: int, data: bytes = b"x") -> Event:
+    return Event(data, "goals", id=f"{number:03d}")
 
 
 def test_by_number() -> None:
@@ -18,16 +15,16 @@ def test_by_number() -> None:
     assert buffer.put(event(2)) == []
 
 
-def test_by_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(event_buffer, "MAX_BYTES", 100)
+def test_by_bytes() -> None:
     buffer = EventBuffer(1000)
+    third, whole, more = (bytes(size) for size in (MAX_BYTES * 3 // 10, MAX_BYTES, MAX_BYTES + 1))
     for number in range(50):
-        buffer.put(event(number, 30))
-        assert sum(len(each.data) for each in buffer.values()) <= 100
+        buffer.put(event(number, third))
+        assert sum(len(each.data) for each in buffer.values()) <= MAX_BYTES
     assert list(buffer) == ["047", "048", "049"]
     buffer.remove("048")
     buffer.remove("048")
-    assert buffer.put(event(50, 30)) == []
-    assert [each.id for each in buffer.put(event(51, 100))] == ["047", "049", "050"]
-    buffer.put(event(52, 101))
+    assert buffer.put(event(50, third)) == []
+    assert [each.id for each in buffer.put(event(51, whole))] == ["047", "049", "050"]
+    buffer.put(event(52, more))
     assert list(buffer) == [], "one that is too large alone is not kept"

@@ -77,16 +77,18 @@ async def test_what_is_wished_for_is_told() -> None:
     assert changes == [{"/robot1"}, set()]
 
 
-async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Subscriber, "HARD_LIMIT", 5)
+async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded() -> None:
     hub = make(limit=1)
     stuck = hub.subscribe(EventFilter())
     for number in range(20):
-        hub.publish(status(f"s{number}"))
         hub.publish(feedback(number))
+    for _ in range(Subscriber.HARD_LIMIT):
+        hub.publish(status("s"))
+    assert not stuck.overrun
+    hub.publish(status("one too many"))
     assert stuck.overrun
     received, dropped = await texts(stuck)
-    assert [text for text in received if text[0] == "s"] == ["s0", "s1", "s2", "s3", "s4"]
+    assert received == ["f19", *["s"] * Subscriber.HARD_LIMIT]
     assert dropped == 19
 
 
@@ -127,9 +129,8 @@ async def test_what_was_published_since_an_event() -> None:
     assert kept == events  # the double was not published again
 
 
-async def test_the_past_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Hub, "RECENT", 5)
-    hub = make()
+async def test_the_past_is_bounded() -> None:
+    hub = Hub(queue_limit=3, max_subscribers=2, recent=5)
     for number in range(10):
         hub.publish(Event(b"", "goals", A, "/dock", id=f"{number}"))
     assert hub.since("4", EventFilter()) is None

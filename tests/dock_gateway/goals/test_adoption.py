@@ -12,11 +12,11 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Now
 from dock_gateway.core.goal import Goal, GoalError, encode
-from dock_gateway.goals import adoption as adoption_module
-from dock_gateway.goals.adoption import BATCH_INTERVAL, Newcomers
+from dock_gateway.goals.adoption import BATCH, Newcomers
 from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.limits import LIMITS, GoalLimits
 from tests.support.history import make_goal
-from tests.support.tracking import A, B, S, Scene, scene
+from tests.support.tracking import A, B, S, Scene, limits, scene
 from tests.support.waiting import until
 
 __all__ = ["scene"]
@@ -99,10 +99,10 @@ async def test_a_goal_that_is_first_seen_by_its_feedback(scene: Scene) -> None:
     assert (goal.feedback_count, goal.origin) == (2, "external")
 
 
+@limits(patience=0.05)
 async def test_nothing_is_said_while_the_history_cannot_tell_whether_a_goal_has_ended(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(adoption_module, "PATIENCE", 0.05)
     with monkeypatch.context() as outage:
         away(scene, outage)
         scene.history.record(goal_of_before(status=S.SUCCEEDED, result=b"{}"))
@@ -115,10 +115,10 @@ async def test_nothing_is_said_while_the_history_cannot_tell_whether_a_goal_has_
     assert await scene.events() == ["status:executing"]
 
 
+@limits(patience=0.0)
 async def test_a_goal_turns_out_to_be_ours_when_the_history_is_back(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(adoption_module, "PATIENCE", 0.0)
     away(scene, monkeypatch)
     scene.status((B, S.EXECUTING))
     await until(lambda: B in scene.tracker.live)
@@ -145,14 +145,13 @@ def test_those_that_run_are_seen_though_thousands_have_ended(caplog: pytest.LogC
         newcomers.hear(f"{number}", lambda *_: None, created_ns=1, running=number >= 2990, now=0.0)
     ready, pause = newcomers.ready(list(newcomers), {}, 0.0)
     assert set(ready) >= {f"{number}" for number in range(2990, 3000)}
-    assert (len(ready), pause) == (adoption_module.BATCH, BATCH_INTERVAL)
-    assert len(newcomers) == adoption_module.MAX_NEWCOMERS
+    assert (len(ready), pause) == (BATCH, LIMITS.batch_interval)
+    assert len(newcomers) == LIMITS.newcomers
     assert "some are ignored" in caplog.text
 
 
-def test_only_a_running_goal_takes_the_place_of_one_that_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(adoption_module, "MAX_NEWCOMERS", 2)
-    newcomers = Newcomers()
+def test_only_a_running_goal_takes_the_place_of_one_that_has_ended() -> None:
+    newcomers = Newcomers(GoalLimits(newcomers=2))
 
     def hear(goal_id: str, *, running: bool) -> list[str]:
         newcomers.hear(goal_id, lambda *_: None, created_ns=1, running=running, now=0.0)
@@ -171,23 +170,23 @@ def test_what_to_adopt_and_when_to_ask_again() -> None:
     newcomers = Newcomers()
     for number, running in enumerate((True, False)):
         newcomers.hear(f"{number}", lambda *_: None, created_ns=1, running=running, now=10.0)
-    patient = 10.0 + adoption_module.PATIENCE
-    assert newcomers.ready(["0", "1"], None, patient) == ([], adoption_module.RETRY_INTERVAL)
-    assert newcomers.ready(["gone", "1", "0"], None, patient + 0.1) == (["0"], adoption_module.RETRY_INTERVAL)
+    patient = 10.0 + LIMITS.patience
+    assert newcomers.ready(["0", "1"], None, patient) == ([], LIMITS.lookup_retry)
+    assert newcomers.ready(["gone", "1", "0"], None, patient + 0.1) == (["0"], LIMITS.lookup_retry)
     ended = replace_id(goal_of_before(status=S.SUCCEEDED), "1")
     assert newcomers.ready(["0", "1"], {"1": ended}, 10.0) == (["1", "0"], 0.0)
     lost = replace_id(goal_of_before(status=S.LOST), "1")
     assert newcomers.ready(["0", "1"], {"1": lost}, 10.0) == (["0", "1"], 0.0)
-    many = [f"{number}" for number in range(adoption_module.BATCH + 1)]
+    many = [f"{number}" for number in range(BATCH + 1)]
     assert newcomers.ready(many[1:], {}, 10.0) == (many[1:], 0.0)
     assert newcomers.ready(many, {"1": ended}, 10.0) == (["1", "0", *many[2:]], 0.0)
-    assert newcomers.ready(many, {}, 10.0) == (many[:-1], BATCH_INTERVAL)
+    assert newcomers.ready(many, {}, 10.0) == (many[:-1], LIMITS.batch_interval)
 
 
+@limits(batch_interval=0.1)
 async def test_made_up_goals_are_taken_up_at_a_rate_that_harms_nobody(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(adoption_module, "BATCH_INTERVAL", 0.1)
     batches: list[tuple[float, int]] = []
 
     async def known(goal_ids: Collection[str]) -> dict[str, Goal]:
@@ -207,7 +206,7 @@ async def test_goals_that_have_ended_are_recognized_at_once_however_many(scene: 
     for goal_id in ended:
         scene.history.record(replace_id(goal_of_before(status=S.SUCCEEDED, result=b"{}"), goal_id))
     scene.status(*((goal_id, S.SUCCEEDED) for goal_id in ended), (A, S.EXECUTING))
-    await until(lambda: A in scene.tracker.live, timeout=BATCH_INTERVAL / 2)
+    await until(lambda: A in scene.tracker.live, timeout=LIMITS.batch_interval / 2)
     assert set(scene.tracker.live) == {A}
 
 

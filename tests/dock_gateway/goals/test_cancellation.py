@@ -12,9 +12,9 @@ from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unav
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals import cancellation as canceler_module
 from dock_gateway.goals.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
@@ -62,7 +62,9 @@ class Scene:
         interlock: Any = SimpleNamespace(
             holds=lambda _: self.held, requested_by=lambda name: self.by if name == "/dock" else None
         )
-        self.canceler = Canceler(Settings(cancel_timeout=0.7), self.tracker, interlock)
+        self.canceler = Canceler(
+            Settings(cancel_timeout=0.7), self.tracker, interlock, GoalLimits(cancel_retry=0.01, unwanted=2)
+        )
 
     def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:
         goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
@@ -76,8 +78,7 @@ class Scene:
 
 
 @pytest.fixture
-async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    monkeypatch.setattr(canceler_module, "RETRY_INTERVAL", 0.01)
+async def scene() -> AsyncIterator[Scene]:
     scene = Scene()
     yield scene
     await scene.tracker.close()
@@ -287,8 +288,7 @@ async def test_a_server_that_answers_lives(scene: Scene) -> None:
         assert scene.tracker.last_heard > 0.0
 
 
-async def test_only_so_many_unwanted_goals_are_remembered(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(canceler_module, "MAX_UNWANTED", 2)
+async def test_only_so_many_unwanted_goals_are_remembered(scene: Scene) -> None:
     known = scene.goal(S.EXECUTING)
     scene.canceler.mark_unwanted(known, TOO_LATE)
     scene.canceler.mark_unwanted(known, STOPPED)

@@ -9,8 +9,8 @@ import pytest
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.event import Now, moment
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.goals import goal_machine
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.limits import GoalLimits
 from tests.support.tracking import A, B, S
 
 WHY = GoalError("why", "because")
@@ -20,8 +20,9 @@ START, NOW = Now(1_000_000_000, 1.0), Now(5_000_000_000, 5.0)
 class Bench:
     """A machine whose stamps are those of the source, and what it wanted done since the last look."""
 
-    def __init__(self) -> None:
-        self.machine = GoalMachine("/dock", "pkg/action/Dock", lambda source_ns: source_ns, START)
+    def __init__(self, **limits: int) -> None:
+        limited = GoalLimits(**limits)
+        self.machine = GoalMachine("/dock", "pkg/action/Dock", lambda source_ns: source_ns, START, limits=limited)
 
     def done(self) -> list[Any]:
         """Everything that is to be done; an event as its type, its detail, and its source's stamp."""
@@ -212,8 +213,8 @@ def test_a_goal_that_is_stalled(bench: Bench) -> None:
         assert goal.stalled is stalled
 
 
-def test_only_so_many_lost_goals_are_kept(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(goal_machine, "MAX_LOST", 2)
+def test_only_so_many_lost_goals_are_kept() -> None:
+    bench = Bench(lost=2)
     running = bench.goal(S.EXECUTING, "running")
     goals = [bench.goal(S.EXECUTING, f"{number}") for number in range(3)]
     for goal in goals:
@@ -223,8 +224,8 @@ def test_only_so_many_lost_goals_are_kept(bench: Bench, monkeypatch: pytest.Monk
     assert not bench.machine.ended("0"), "it may still return, as one that is unknown"
 
 
-def test_only_so_many_ended_goals_are_remembered(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(goal_machine, "MAX_REMEMBERED", 2)
+def test_only_so_many_ended_goals_are_remembered() -> None:
+    bench = Bench(ended=2)
     for number in range(3):
         bench.machine.end(NOW, bench.goal(S.EXECUTING, f"{number}"), S.SUCCEEDED)
     assert [bench.machine.ended(f"{number}") for number in range(3)] == [False, True, True]

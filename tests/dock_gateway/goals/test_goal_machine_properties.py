@@ -11,8 +11,8 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from dock_gateway.core.event import Event, Now, moment, result_event, status_event
 from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.goals.adoption import PATIENCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.limits import LIMITS
 from tests.support.tracking import S
 
 OURS, ELSEWHERE, EXTERNAL = "ours", "sent at another gateway", "another client's"
@@ -203,7 +203,7 @@ class World(RuleBasedStateMachine):
     def look_up(self, answers: bool) -> None:
         asked = list(self.machine.newcomers)
         known = {goal_id: copy.copy(self.history[goal_id]) for goal_id in asked if goal_id in self.history}
-        self.seconds += 2 * PATIENCE
+        self.seconds += 2 * LIMITS.patience
         ready, _ = self.machine.newcomers.ready(asked, known if answers else None, self.seconds)
         assert {*ready} == {*asked} or (not answers and {*ready} < {*asked})
         for goal_id in ready:

@@ -12,7 +12,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals import liveness
+from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_link import ServerPresence
@@ -55,7 +55,12 @@ class Scene:
             self.port, Hub(queue_limit=10, max_subscribers=10), MemoryHistory(10), PendingFacts(0.01)
         )  # type: ignore[arg-type]
         self.states: list[ServerState] = []
-        self.watch = ServerWatch(self.tracker, Settings(ping_interval=0.01, **settings), self.states.append)
+        self.watch = ServerWatch(
+            self.tracker,
+            Settings(ping_interval=0.01, **settings),
+            self.states.append,
+            limits=GoalLimits(gone_grace=0.05),
+        )
         self.goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
         self.tracker.add(self.goal)
         self.tracker.move(self.goal, S.EXECUTING)
@@ -66,8 +71,7 @@ class Scene:
 
 
 @pytest.fixture
-async def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
-    monkeypatch.setattr(liveness, "GONE_GRACE", 0.05)
+async def scene() -> Scene:
     return Scene()
 
 

@@ -11,13 +11,12 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core import tasks
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals import adoption, cancellation, goal_machine, results
+from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import Action
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
@@ -33,6 +32,9 @@ from tests.support.sizes import sizes
 from tests.support.waiting import until
 
 ROUND = 40
+LIMITS = GoalLimits(
+    ended=10, lost=10, unwanted=10, end_stamps=10, result_wait=0.01, late_result=0.05, batch_interval=0.01
+)
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
 REJECTED = SimpleNamespace(accepted=False)
 
@@ -78,13 +80,15 @@ class FakePort:
 class Scene:
     def __init__(self, history: SqlHistory) -> None:
         self.port = FakePort()
-        self.hub = Hub(queue_limit=10, max_subscribers=10, keep=history.record_event)
+        self.hub = Hub(queue_limit=10, max_subscribers=10, keep=history.record_event, recent=10)
         self.history = history
-        self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
+        self.reasons: PendingFacts[GoalError] = PendingFacts(0.01, limit=10)
         settings = Settings(accept_timeout=0.01, ping_interval=0.1, max_pending_goals=1000)
         interlock = Interlock(self.hub, LatchFile(settings.stop_file), "/")
         port: Any = self.port
-        self.action = Action(port, settings, self.hub, history, self.reasons, interlock=interlock, pinned=True)
+        self.action = Action(
+            port, settings, self.hub, history, self.reasons, interlock=interlock, pinned=True, limits=LIMITS
+        )
 
     def new(self, status: GoalStatus = GoalStatus.PENDING) -> Goal:
         goal = Goal(str(uuid.uuid4()), "/dock", "pkg/action/Dock", utc_now())
@@ -150,18 +154,7 @@ class Scene:
 
 @pytest.fixture
 async def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    for module, name, value in (
-        (goal_machine, "MAX_REMEMBERED", 10),
-        (goal_machine, "MAX_LOST", 10),
-        (tasks, "MAX_REMEMBERED", 10),
-        (cancellation, "MAX_UNWANTED", 10),
-        (results, "RESULT_WAIT", 0.01),
-        (results, "LATE_RESULT", 0.05),
-        (adoption, "BATCH_INTERVAL", 0.01),
-        (sql, "MAX_KEYS", 10),
-        (Hub, "RECENT", 10),
-    ):
-        monkeypatch.setattr(module, name, value, raising=False)
+    monkeypatch.setattr(sql, "MAX_KEYS", 10)
     async with open_at(f"sqlite:///{tmp_path}/history.db", tmp_path) as history:
         scene = Scene(history)
         yield scene

@@ -2,13 +2,13 @@
 
 from itertools import pairwise
 
+from dock_gateway.goals.limits import LIMITS
 from dock_gateway.goals.rejoining import (
     GIVE_UP_AFTER,
     GIVE_UP_IDLE_AFTER,
     KEEP,
     LONGEST_PAUSE,
     PAUSE,
-    UNANSWERED_FOR,
     RejoinSchedule,
 )
 
@@ -16,7 +16,7 @@ from dock_gateway.goals.rejoining import (
 def test_a_server_that_answers_is_left_alone() -> None:
     schedule = RejoinSchedule()
     assert not schedule.due(100, unanswered_since=None, last_heard=100, wanted=True)
-    assert not schedule.due(100, unanswered_since=100 - UNANSWERED_FOR + 1, last_heard=100, wanted=True)
+    assert not schedule.due(100, unanswered_since=100 - LIMITS.unanswered_for + 1, last_heard=100, wanted=True)
 
 
 def test_a_server_that_is_heard_but_does_not_answer_is_tried_another_way() -> None:

@@ -1,6 +1,7 @@
 """Results come early, late or never. The port is a fake; tests/system has the real one."""
 
 import asyncio
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import pytest
@@ -8,8 +9,8 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.goals import results as results_module
-from tests.support.tracking import A, B, S, Scene, scene
+from dock_gateway.core.tasks import PendingFacts
+from tests.support.tracking import QUICK, A, B, S, Scene, scene
 from tests.support.waiting import until
 
 __all__ = ["scene"]
@@ -54,12 +55,8 @@ async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("status", [S.SUCCEEDED, S.ABORTED])
-async def test_a_result_before_the_status_is_not_asked_for_again(
-    scene: Scene, status: GoalStatus, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(scene.tracker._results._end_stamps, "_wait", 5.0)
-    monkeypatch.setattr(scene.reasons, "_wait", 5.0)
-    monkeypatch.setattr(results_module, "ASK_AGAIN_AFTER", 5.0)
+async def test_a_result_before_the_status_is_not_asked_for_again(status: GoalStatus) -> None:
+    scene = Scene(replace(QUICK, end_stamp_wait=5.0, ask_again_after=5.0), PendingFacts(5.0))
     goal = scene.send()
     scene.status((A, S.EXECUTING))
     await asyncio.sleep(0)
@@ -75,6 +72,7 @@ async def test_a_result_before_the_status_is_not_asked_for_again(
     assert (goal.status, goal.result) == (status, b'{"n":1}')
     assert events[-1]["id"].startswith(time_id(ended_at))
     assert len(scene.port.calls[A]) == 1
+    await scene.tracker.close()
 
 
 async def test_an_aborted_goal_says_why(scene: Scene) -> None:
@@ -87,8 +85,8 @@ async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     assert goal.error == GoalError("battery_lost", "no battery for 60 s")
 
 
-async def test_a_reason_that_comes_a_moment_later(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scene.reasons, "_wait", 5.0)
+async def test_a_reason_that_comes_a_moment_later() -> None:
+    scene = Scene(reasons=PendingFacts(5.0))
     goal = scene.send()
     scene.tracker.accept(goal, 1)
     await asyncio.sleep(0)
@@ -97,6 +95,7 @@ async def test_a_reason_that_comes_a_moment_later(scene: Scene, monkeypatch: pyt
     scene.reasons.put(A, GoalError("timeout", "took too long"))
     await until(lambda: goal.status is S.ABORTED)
     assert goal.error == GoalError("timeout", "took too long")
+    await scene.tracker.close()
 
 
 async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:

@@ -8,14 +8,11 @@ from datetime import UTC, datetime
 import orjson
 import pytest
 
-from dock_gateway.core import tasks as later_module
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, message_event, status_event
 from dock_gateway.core.goal import Goal, GoalError
-from dock_gateway.goals import adoption, goal_machine
-from dock_gateway.goals import tracker as tracker_module
 from tests.support.history import make_goal
-from tests.support.tracking import A, B, S, Scene, scene
+from tests.support.tracking import A, B, S, Scene, limits, scene
 from tests.support.waiting import until
 
 __all__ = ["scene"]
@@ -114,19 +111,7 @@ async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(sce
     await asyncio.wait_for(waiting, 1)
 
 
-async def test_memory_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(goal_machine, "MAX_REMEMBERED", 10)
-    monkeypatch.setattr(later_module, "MAX_REMEMBERED", 10)
-    monkeypatch.setattr(goal_machine, "MAX_LOST", 5)
-    for number in range(50):
-        goal = scene.send(f"{number:08d}-0000-4000-8000-000000000000")
-        scene.reasons.put(goal.goal_id, GoalError("x", "y"))
-        scene.tracker.lose(goal, GoalError("action_server_lost", "gone"))
-    assert len(scene.tracker.live) == 5
-    assert len(scene.tracker._machine._ended) <= 10
-    assert len(scene.reasons) <= 10
-
-
+@limits(reserve_for=0.3)
 async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_shared(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -140,7 +125,6 @@ async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_
     await asyncio.sleep(0)
     scene.port.answer(A, S.SUCCEEDED, b"{}")
     assert (await scene.events())[-3:] == ["status:succeeded", "result:succeeded", "feedback:1"]
-    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 0.01)
     scene.status((B, S.SUCCEEDED))
     scene.hub.publish(message_event("battery", b"{}", scene.hub.clock.stamp(0)))
     await until(lambda: not scene.hub._line)  # a result that does not come holds nothing up for long
@@ -225,11 +209,11 @@ async def test_an_end_that_cannot_be_stored_is_published_all_the_same(
     assert (await scene.events())[-1] == "result:succeeded"
 
 
+@limits(reserve_for=60.0)
 async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene.history, "shared", True)
-    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 60.0)
     ended = Goal(B, "/dock", "pkg/action/Dock", datetime(2026, 1, 1, tzinfo=UTC), status=S.SUCCEEDED)
     scene.history.record(ended)
     for _ in range(2):
@@ -240,11 +224,11 @@ async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
     assert not scene.hub._line, "its end is known"
 
 
+@limits(reserve_for=0.01)
 async def test_a_place_that_nobody_takes_says_so(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(scene.history, "shared", True)
-    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 0.01)
     goal = scene.send()
     scene.status((A, S.SUCCEEDED))
     await until(lambda: not scene.hub._line)
@@ -253,6 +237,7 @@ async def test_a_place_that_nobody_takes_says_so(
     assert (await scene.events())[-1] == "result:succeeded"
 
 
+@limits(lookup_retry=0.01)
 async def test_a_history_that_fails_is_asked_again(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -265,7 +250,6 @@ async def test_a_history_that_fails_is_asked_again(
         return await known(goal_ids)
 
     monkeypatch.setattr(scene.history, "known", fail_first)
-    monkeypatch.setattr(adoption, "RETRY_INTERVAL", 0.01)
     scene.status((B, S.EXECUTING))
     await until(lambda: B in scene.tracker.live)
     assert answers == []

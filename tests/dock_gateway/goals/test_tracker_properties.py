@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 from typing import Any
 
 import orjson
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,14 +13,15 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals import adoption as adoption_module
-from dock_gateway.goals import results as results_module
-from dock_gateway.goals import tracker as tracker_module
+from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.storage import MemoryHistory
 from tests.support.tracking import A, B, FakePort
 
+LIMITS = GoalLimits(
+    result_wait=0.01, ask_again_after=0.005, end_stamp_wait=0.001, patience=0.01, lookup_retry=0.002, reserve_for=0.01
+)
 GOALS = st.sampled_from([A, B])
 STATUSES = st.sampled_from(sorted(FROM_ROS.values()))
 STEPS = st.one_of(
@@ -47,7 +47,8 @@ class World:
         newest = max((event.id or "" for event in self.told), default="")
         hub = Hub(queue_limit=10, max_subscribers=1, keep=self.keep, newest=newest)
         self.port = FakePort()
-        self.tracker = GoalTracker(self.port, hub, self.history, PendingFacts(0.001))  # type: ignore[arg-type]
+        port: Any = self.port
+        self.tracker = GoalTracker(port, hub, self.history, PendingFacts(0.001), limits=LIMITS)
 
     def keep(self, event: Event) -> None:
         self.told.append(event)
@@ -112,16 +113,6 @@ async def run(steps: list[tuple[Any, ...]]) -> None:
         assert kept is not None
         assert kept.status.value == last["status"]
         assert (kept.error is None) or kept.status is not GoalStatus.SUCCEEDED or kept.result is None
-
-
-@pytest.fixture(autouse=True)
-def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(results_module, "RESULT_WAIT", 0.01)
-    monkeypatch.setattr(results_module, "ASK_AGAIN_AFTER", 0.005)
-    monkeypatch.setattr(results_module, "END_STAMP_WAIT", 0.001)
-    monkeypatch.setattr(adoption_module, "PATIENCE", 0.01)
-    monkeypatch.setattr(adoption_module, "RETRY_INTERVAL", 0.002)
-    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 0.01)
 
 
 @settings(max_examples=100)

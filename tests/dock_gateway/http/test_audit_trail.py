@@ -22,7 +22,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.http.audit_trail import AuditTrail, audited_command
 from dock_gateway.settings import Settings
-from dock_gateway.stop import routes as stop
+from dock_gateway.stop.stopper import StopTiming
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.socket import OPERATIONS
 from tests.support.audit import AuditList, make_entry
@@ -49,7 +49,8 @@ class Site:
             audit=self.audit,
             logins=logins,
             actions=SimpleNamespace(goal=self._goal, docking=DOCKING),
-            stopper=SimpleNamespace(release=self._release),
+            # A busy machine reads the body of a stop late, and records that, too.
+            stopper=SimpleNamespace(release=self._release, timing=StopTiming(begin_within=60.0)),
             quotas=Quotas(self.settings),
             robots=SimpleNamespace(get=self._no_robot, all=lambda: [SimpleNamespace(namespace="/robot7")]),
         )
@@ -165,8 +166,7 @@ def test_a_request_cannot_name_another_robot_than_it_is_about(site: Site) -> Non
         assert site.one().robot == "/robot9?/robot7"
 
 
-def test_names_that_are_no_robots_leave_room_for_those_that_are(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stop, "BEGIN_WITHIN", 60.0)  # a busy machine reads the body late, and records that, too
+def test_names_that_are_no_robots_leave_room_for_those_that_are(site: Site) -> None:
     with site.client(Role.VIEWER) as http:
         http.post("/stop", params={"robot": [*(f"/none{number}_{'x' * 200}" for number in range(60)), "/robot7"]})
         assert (site.one().robot or "").split(",")[0] == "/robot7"

@@ -6,13 +6,11 @@ import time
 from collections import deque
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from dock_gateway.core.hub import Hub
-from dock_gateway.latch import interlock as interlock_module
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from tests.support.waiting import until
@@ -47,7 +45,7 @@ class SlowTopic:
 class Gateway:
     def __init__(self, path: Path) -> None:
         self.path, self.topic = path, SlowTopic()
-        self.interlock = Interlock(Hub(queue_limit=10, max_subscribers=10), LatchFile(path), "/")
+        self.interlock = Interlock(Hub(queue_limit=10, max_subscribers=10), LatchFile(path), "/", echo_after=ECHO)
         self.interlock.join("/", self.topic)
         self.releases: set[asyncio.Task[Any]] = set()
 
@@ -97,7 +95,7 @@ async def play(folder: Path, steps: list[tuple[str, int]], last: str) -> None:
     def at_rest() -> bool:
         for gateway in pair:
             gateway.topic.deliver()
-        return not any(gateway.topic.under_way or gateway.interlock._echoes for gateway in pair)
+        return not any(gateway.topic.under_way or not gateway.interlock.settled for gateway in pair)
 
     await until(at_rest)
     await asyncio.gather(*first.releases, *second.releases)
@@ -114,5 +112,5 @@ async def play(folder: Path, steps: list[tuple[str, int]], last: str) -> None:
 def test_a_stop_that_comes_last_holds_at_both_gateways_and_after_a_restart(
     steps: list[tuple[str, int]], last: str
 ) -> None:
-    with tempfile.TemporaryDirectory() as folder, patch.object(interlock_module, "ECHO_AFTER", ECHO):
+    with tempfile.TemporaryDirectory() as folder:
         asyncio.run(play(Path(folder), steps, last))

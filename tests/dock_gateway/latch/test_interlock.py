@@ -14,7 +14,6 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub
-from dock_gateway.latch import interlock as interlock_module
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from tests.support.waiting import until
@@ -55,11 +54,12 @@ class FakeTopic:
 class Gateway:
     all: ClassVar[list["Gateway"]] = []
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, **timing: float) -> None:
         self.all.append(self)
+        self.file = LatchFile(path)
         self.hub = Hub(queue_limit=10, max_subscribers=10)
         self.reader = self.hub.subscribe(EventFilter(frozenset({"system"})))
-        self.interlock = Interlock(self.hub, LatchFile(path), "/")
+        self.interlock = Interlock(self.hub, self.file, "/", **{"echo_after": 0.02} | timing)
         self.topic = FakeTopic()
         self.interlock.join("/", self.topic)
 
@@ -68,8 +68,7 @@ class Gateway:
 
 
 @pytest.fixture
-async def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[tuple[Gateway, Gateway]]:
-    monkeypatch.setattr(interlock_module, "ECHO_AFTER", 0.02)
+async def pair(tmp_path: Path) -> AsyncIterator[tuple[Gateway, Gateway]]:
     first, second = Gateway(tmp_path / "first.json"), Gateway(tmp_path / "second.json")
     first.topic.others, second.topic.others = [second.interlock], [first.interlock]
     yield first, second
@@ -81,7 +80,7 @@ async def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator
 async def settle() -> None:
     """Wait until every topic says what holds."""
     await asyncio.sleep(0.05)
-    await until(lambda: not any(gateway.interlock._echoes for gateway in Gateway.all))
+    await until(lambda: all(gateway.interlock.settled for gateway in Gateway.all))
     await asyncio.sleep(0)  # the other hears what was said last
 
 
@@ -234,17 +233,17 @@ async def test_what_could_not_be_said_is_said_until_it_is(pair: tuple[Gateway, G
     await until(lambda: topic.said[said:] == [latched])
 
 
+@pytest.mark.parametrize(("after", "times"), [(60.0, 1), (0.0, 100)])
 async def test_it_is_said_again_to_who_asks_again_but_not_many_times_a_second(
-    pair: tuple[Gateway, Gateway], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, after: float, times: int
 ) -> None:
-    interlock, topic = pair[0].interlock, pair[0].topic
-    interlock.latch("/")
+    gateway = Gateway(tmp_path / "stops.json", publish_again_after=after)
+    gateway.interlock.latch("/")
     for _ in range(100):
-        interlock.publish("/")
-    assert topic.said == [True]
-    monkeypatch.setattr(interlock_module, "PUBLISH_AGAIN_AFTER", 0.0)
-    interlock.publish("/")
-    assert topic.said == [True, True]
+        gateway.interlock.publish("/")
+        await asyncio.sleep(0)
+    assert gateway.topic.said == [True] * times
+    await gateway.interlock.close()
 
 
 async def test_goals_are_looked_for_once_a_stop_of_another_gateway_is_said_here_too(
@@ -279,7 +278,7 @@ async def test_hundreds_of_robots_are_shown_as_fast_as_a_few(tmp_path: Path) -> 
     began = time.monotonic()
     gateway.interlock.latch("/")
     assert len(gateway.interlock.document("/")["robots"]) == 1001
-    gateway.interlock._show()
+    await asyncio.sleep(0)  # then it is shown
     assert time.monotonic() - began < 1.0
     await gateway.interlock.close()
 
@@ -313,7 +312,7 @@ async def test_a_release_waits_for_the_disk_only_for_a_while(
     interlock, gate = pair[0].interlock, threading.Event()
     interlock.latch("/")
     assert await interlock.stored(10.0) is None
-    monkeypatch.setattr(interlock._writer._file, "write", lambda _: gate.wait(20))
+    monkeypatch.setattr(pair[0].file, "write", lambda _: gate.wait(20))
     async with asyncio.timeout(10):
         await interlock.release("/")
     assert interlock.document("/")["persisted"] is False

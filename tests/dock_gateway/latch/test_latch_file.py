@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dock_gateway.latch import latch_file as module
-from dock_gateway.latch.latch_file import LatchFile, LatchWriter
+from dock_gateway.latch.latch_file import NOT_YET, LatchFile, LatchWriter
 from dock_gateway.latch.latches import Latch
 from tests.support.waiting import until
 
@@ -126,13 +125,12 @@ async def test_the_newest_is_stored_whatever_comes_between(tmp_path: Path, monke
 
 
 async def test_it_tries_again_and_tells_when_that_changes_something(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.setattr(module, "RETRY_AFTER", 0.01)
     path = tmp_path / "folder" / "stops.json"
     path.parent.touch()  # no folder
     problems: list[str | None] = []
-    writer = LatchWriter(LatchFile(path), lambda: problems.append(writer.problem))
+    writer = LatchWriter(LatchFile(path), lambda: problems.append(writer.problem), retry_after=0.01)
     writer.put({"/": ADA})
     await until(lambda: len(problems) == 1)
     assert "cannot be written" in (problems[0] or "")
@@ -159,23 +157,22 @@ async def test_a_slow_disk_is_a_problem_until_it_is_done(
     writer.put({"/": ADA})
     assert not await writer.wait(0.01)
     assert not await writer.wait(0.01)
-    assert problems == [module.NOT_YET]
+    assert problems == [NOT_YET]
     gate.set()
     assert await writer.wait(10.0)
-    await until(lambda: problems == [module.NOT_YET, None])
+    await until(lambda: problems == [NOT_YET, None])
     assert [record.levelname for record in caplog.records] == ["WARNING", "WARNING"]
     await writer.close()
 
 
 async def test_closing_does_not_wait_for_a_disk_that_hangs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "CLOSE_WITHIN", 0.01)
     file, gate = LatchFile(tmp_path / "stops.json"), threading.Event()
     monkeypatch.setattr(file, "write", lambda _: gate.wait(10))
-    writer = LatchWriter(file, lambda: None)
+    writer = LatchWriter(file, lambda: None, close_within=0.01)
     writer.put({"/": ADA})
     async with asyncio.timeout(5):
         await writer.close()
-    assert writer.problem == module.NOT_YET
+    assert writer.problem == NOT_YET
     gate.set()
 
 

@@ -8,8 +8,7 @@ from functools import partial
 
 import pytest
 
-from dock_gateway.ros import inbox as module
-from dock_gateway.ros.inbox import Inbox, Inboxes
+from dock_gateway.ros.inbox import MAX_BYTES, MAX_MESSAGES, Inbox, Inboxes
 from tests.support.waiting import until
 
 
@@ -40,7 +39,7 @@ async def test_messages_come_in_order(inboxes: Inboxes) -> None:
     assert heard == list(range(200))
 
 
-@pytest.mark.parametrize(("size", "kept"), [(1, module.MAX_MESSAGES), (module.MAX_BYTES // 4, 4)])
+@pytest.mark.parametrize(("size", "kept"), [(1, MAX_MESSAGES), (MAX_BYTES // 4, 4)])
 async def test_of_too_much_the_oldest_is_dropped_and_counted(inboxes: Inboxes, size: int, kept: int) -> None:
     heard: list[int] = []
     dropped: list[int] = []
@@ -54,15 +53,13 @@ async def test_of_too_much_the_oldest_is_dropped_and_counted(inboxes: Inboxes, s
 
 async def test_one_message_that_is_larger_than_all_room_is_not_dropped(inboxes: Inboxes) -> None:
     heard: list[str] = []
-    Inbox(inboxes, nothing_is_dropped).offer(2 * module.MAX_BYTES, heard.append, "large")
+    Inbox(inboxes, nothing_is_dropped).offer(2 * MAX_BYTES, heard.append, "large")
     await until(lambda: heard == ["large"])
 
 
-async def test_what_must_arrive_waits_for_room(inboxes: Inboxes, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MAX_MESSAGES", 5)
-    monkeypatch.setattr(module, "WAIT_FOR_ROOM", 30.0)
+async def test_what_must_arrive_waits_for_room(inboxes: Inboxes) -> None:
     heard: list[int] = []
-    inbox = Inbox(inboxes, nothing_is_dropped)
+    inbox = Inbox(inboxes, nothing_is_dropped, max_messages=5, wait_for_room=30.0)
 
     def send() -> None:
         for number in range(50):
@@ -73,11 +70,8 @@ async def test_what_must_arrive_waits_for_room(inboxes: Inboxes, monkeypatch: py
     assert heard == list(range(50))
 
 
-async def test_a_loop_that_does_not_come_back_holds_nobody_for_long(
-    inboxes: Inboxes, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "MAX_MESSAGES", 5)
-    inbox = Inbox(inboxes, nothing_is_dropped)
+async def test_a_loop_that_does_not_come_back_holds_nobody_for_long(inboxes: Inboxes) -> None:
+    inbox = Inbox(inboxes, nothing_is_dropped, max_messages=5)
     thread = threading.Thread(target=lambda: [inbox.put(int) for _ in range(7)])
     thread.start()
     thread.join(10)  # the loop does nothing meanwhile

@@ -10,8 +10,7 @@ from rclpy.serialization import serialize_message
 
 from dock_gateway.core.goal import FROM_ROS
 from dock_gateway.core.goal import GoalStatus as Status
-from dock_gateway.ros import status as module
-from dock_gateway.ros.status import StatusReader, StatusReport
+from dock_gateway.ros.status import LIFE_INTERVAL, StatusReader, StatusReport
 
 RUNNING, ENDED = GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_SUCCEEDED
 Entry = tuple[uuid.UUID, int, int]
@@ -77,9 +76,8 @@ def test_goals_that_run_are_news_each_time_and_ended_ones_once() -> None:
     assert numbers(reader.read(both)) == [1, 2]
 
 
-def test_of_too_many_goals_those_that_run_come_first_then_the_newest(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "MAX_REPORTS", 3)
-    reader = StatusReader()
+def test_of_too_many_goals_those_that_run_come_first_then_the_newest() -> None:
+    reader = StatusReader(max_reports=3)
     entries = [(goal(1), 10, ENDED), (goal(2), 30, ENDED), (goal(3), 5, RUNNING), (goal(4), 20, ENDED)]
     assert numbers(reader.read(message(*entries))) == [2, 3, 4]
     assert numbers(reader.read(message(*entries))) == [1, 3], "what was left out comes next"
@@ -107,7 +105,7 @@ def test_messages_without_news_are_told_now_and_then() -> None:
     reader.read(running)
     assert reader.worth_telling(0.0)
     reader.read(running)
-    assert not reader.worth_telling(module.LIFE_INTERVAL / 2)
-    assert reader.worth_telling(module.LIFE_INTERVAL)
+    assert not reader.worth_telling(LIFE_INTERVAL / 2)
+    assert reader.worth_telling(LIFE_INTERVAL)
     reader.read(message((goal(1), 1, ENDED)))
-    assert reader.worth_telling(module.LIFE_INTERVAL), "a change is told at once"
+    assert reader.worth_telling(LIFE_INTERVAL), "a change is told at once"

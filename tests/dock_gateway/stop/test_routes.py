@@ -5,7 +5,8 @@ The application and what stops are the real ones, the robots are fakes; tests/sy
 
 import asyncio
 import tempfile
-from dataclasses import dataclass
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,8 +21,7 @@ from dock_gateway.core.access import ANYBODY, Kind, Principal
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.settings import Settings
-from dock_gateway.stop import routes as routes_module
-from dock_gateway.stop import stopper as stop_module
+from dock_gateway.stop.stopper import StopTiming
 from dock_gateway.streams.commands import COMMANDS, read_command
 from tests.support.stopping import FakeFleet, fake_fleet
 from tests.support.waiting import until
@@ -35,16 +35,14 @@ NINES = b"9" * 4301
 DEEP = b"[" * 1020 + b"]" * 1020
 
 
-@pytest.fixture(autouse=True)
-def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A stop that a busy machine has not stored yet would be warned of first."""
-    monkeypatch.setattr(stop_module, "STORE_WITHIN", 10.0)
+# A stop that a busy machine has not stored yet would be warned of first.
+TIMING = StopTiming(store_within=10.0, body_within=60.0)
+# For bodies that never come.
+IMPATIENT = replace(TIMING, body_within=0.05)
 
 
-@pytest.fixture(autouse=True)
-def little_patience(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Bodies that never come."""
-    monkeypatch.setattr(routes_module, "BODY_WITHIN", 0.05)
+def fleet_in(folder: Path, timing: StopTiming = IMPATIENT) -> AbstractAsyncContextManager[FakeFleet]:
+    return fake_fleet(folder / "stops.json", *NAMES, timing=timing)
 
 
 @dataclass(frozen=True)
@@ -103,12 +101,12 @@ async def ask(fleet: FakeFleet, asked: Asked) -> tuple[int, Any]:
     return sent[0]["status"], orjson.loads(body)
 
 
-def stopped(asked: Asked) -> tuple[int, Any, list[str], list[str]]:
+def stopped(asked: Asked, timing: StopTiming = IMPATIENT) -> tuple[int, Any, list[str], list[str]]:
     """The answer, and which robots were told to stand still and which are held."""
 
     async def run() -> tuple[int, Any, list[str], list[str]]:
         with tempfile.TemporaryDirectory() as folder:
-            async with fake_fleet(Path(folder) / "stops.json", *NAMES) as fleet:
+            async with fleet_in(Path(folder), timing) as fleet:
                 status, document = await ask(fleet, asked)
                 still = [name for name, zeros in zip(NAMES, fleet.zeros(), strict=True) if zeros]
                 return status, document, still, [name for name in NAMES if fleet.interlock.holds(name)]
@@ -196,7 +194,7 @@ async def _nothing(_: str | None) -> None:
 )
 async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: bytes) -> None:
     ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+    async with fleet_in(tmp_path) as fleet:
         fleet.gateway.settings = Settings(authentication=True, database_url="sqlite:////nowhere")
         fleet.gateway.logins = SimpleNamespace(prepare=_nothing, identify=lambda _: ada)
         _, document = await ask(fleet, Asked(headers=(JSON,), body=(body,)))
@@ -207,7 +205,7 @@ async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: byt
 
 async def test_who_is_known_is_named_on_a_websocket_too(tmp_path: Path) -> None:
     ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+    async with fleet_in(tmp_path) as fleet:
         report = await COMMANDS["stop"](fleet.gateway, ada, {"latch": 1, "by": "mallory"})
         assert (report["stop"]["latched"], report["stop"]["by"]) == (True, "ada")
 
@@ -276,10 +274,9 @@ def test_a_robot_that_is_not_known_keeps_none_of_the_others_from_being_stopped()
     ],
 )
 def test_a_stop_does_not_wait_for_its_body_and_obeys_it_when_it_comes(
-    monkeypatch: pytest.MonkeyPatch, query: bytes, body: bytes, robots: tuple[list[str], list[str]], by: str | None
+    query: bytes, body: bytes, robots: tuple[list[str], list[str]], by: str | None
 ) -> None:
-    monkeypatch.setattr(routes_module, "BODY_WITHIN", 60.0)
-    status, document, still, held = stopped(Asked(query, (JSON,), (body,), late=True))
+    status, document, still, held = stopped(Asked(query, (JSON,), (body,), late=True), TIMING)
     assert (status, document["warning"], document["stop"]["by"]) == (200, None, by)
     assert (still, held) == robots
 
@@ -294,10 +291,9 @@ def test_a_stop_does_not_wait_for_its_body_and_obeys_it_when_it_comes(
     ],
 )
 async def test_a_stop_whose_body_comes_late_is_recorded_as_it_begins_and_as_its_body_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: Asked, began: str, ended: tuple[str, int]
+    tmp_path: Path, asked: Asked, began: str, ended: tuple[str, int]
 ) -> None:
-    monkeypatch.setattr(routes_module, "BODY_WITHIN", 60.0)
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+    async with fleet_in(tmp_path, TIMING) as fleet:
         await ask(fleet, asked)
         entries = fleet.gateway.audit.entries
         assert [(entry.what, entry.robot, entry.status) for entry in entries] == [
@@ -306,11 +302,8 @@ async def test_a_stop_whose_body_comes_late_is_recorded_as_it_begins_and_as_its_
         ]
 
 
-async def test_a_stop_whose_body_never_comes_is_recorded_before_it_is_waited_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(routes_module, "BODY_WITHIN", 60.0)
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+async def test_a_stop_whose_body_never_comes_is_recorded_before_it_is_waited_for(tmp_path: Path) -> None:
+    async with fleet_in(tmp_path, TIMING) as fleet:
         asking = asyncio.create_task(ask(fleet, Asked(body=(b"{",), end="never")))
         await until(lambda: fleet.gateway.audit.entries)
         assert not asking.done()
@@ -351,7 +344,7 @@ def test_no_robot_is_stopped_where_it_is_not_clear_which(query: bytes, body: byt
     ],
 )
 async def test_a_stop_on_a_websocket(tmp_path: Path, command: dict[str, Any], latched: bool, wrong: list[str]) -> None:
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+    async with fleet_in(tmp_path) as fleet:
         op, _, arguments = read_command({"op": "stop", **command})
         report = await COMMANDS[op](fleet.gateway, ANYBODY, arguments)
         assert fleet.zeros() == [0, 0, 1]
@@ -363,7 +356,7 @@ async def test_a_stop_on_a_websocket(tmp_path: Path, command: dict[str, Any], la
 async def test_no_robot_is_stopped_on_a_websocket_where_it_is_not_clear_which(
     tmp_path: Path, command: dict[str, Any]
 ) -> None:
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+    async with fleet_in(tmp_path) as fleet:
         op, _, arguments = read_command({"op": "stop", **command})
         with pytest.raises(InvalidField):
             await COMMANDS[op](fleet.gateway, ANYBODY, arguments)

@@ -12,10 +12,7 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.goal import encode
-from dock_gateway.latch import interlock as interlock_module
-from dock_gateway.latch import latch_file
-from dock_gateway.stop import stopper as stop_module
-from dock_gateway.stop.stopper import StopReport
+from dock_gateway.stop.stopper import StopReport, StopTiming
 from tests.support.shapes import check_answer, check_event
 from tests.support.stopping import FakeFleet, fake_fleet
 from tests.support.waiting import until
@@ -26,20 +23,23 @@ ANSWERED_WITHIN = 1.0
 
 
 @pytest.fixture
-async def fleet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[FakeFleet]:
-    monkeypatch.setattr(interlock_module, "ECHO_AFTER", 0.02)
-    monkeypatch.setattr(stop_module, "REPEAT_AFTER", 0.7)  # a busy machine looks late at what was done before it
-    monkeypatch.setattr(latch_file, "RETRY_AFTER", 0.02)
-    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+async def fleet(tmp_path: Path, request: pytest.FixtureRequest) -> AsyncIterator[FakeFleet]:
+    # A busy machine looks late at what was done before a stop is repeated.
+    timing = {"repeat_after": 0.7} | getattr(request, "param", {})
+    async with fake_fleet(tmp_path / "stops.json", *NAMES, timing=StopTiming(**timing)) as fleet:
         yield fleet
+
+
+def timing(**changed: float) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("fleet", [changed], indirect=True, ids=[""])
 
 
 def failed(report: StopReport) -> list[tuple[str | None, str | None]]:
     return [(failure["robot"], failure["code"]) for failure in report.failed]
 
 
-async def test_all_that_a_stop_does(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stop_module, "STORE_WITHIN", 10.0)  # the disk of a busy machine
+@timing(store_within=10.0)  # the disk of a busy machine
+async def test_all_that_a_stop_does(fleet: FakeFleet) -> None:
     fleet.goals["/robot1"].running = ["a"]
     report = await fleet.stopper.stop(by="Ada")
     assert (report.canceling, report.failed, report.unconfirmed, report.problem) == (["a"], [], [], None)
@@ -76,7 +76,6 @@ async def test_several_robots_of_which_one_cannot_be_reached(fleet: FakeFleet) -
     await until(lambda: fleet.zeros()[1:] == [1, 2])
     for name in ("/robot1", "/robot2"):
         fleet.robots[name].velocity.failures = 1
-    await until(lambda: not fleet.stopper._halts)
     with pytest.raises(Unavailable) as refused:
         await fleet.stopper.stop("/robot1", "/robot2")
     assert [failure["robot"] for failure in refused.value.problem()["failed"]] == ["/robot1", "/robot2"]
@@ -127,10 +126,8 @@ async def test_robots_that_take_long_to_tell_are_not_told_for_each_who_joins(
     await until(lambda: fleet.zeros() == [2, 2, 2])  # for all who joined
 
 
-async def test_a_stop_that_joins_one_stops_what_has_begun_since(
-    fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(stop_module, "REST", 0)  # however long a busy machine took for the first
+@timing(rest=0)  # however long a busy machine took for the first
+async def test_a_stop_that_joins_one_stops_what_has_begun_since(fleet: FakeFleet) -> None:
     await fleet.stopper.stop(latch=False)
     told = fleet.zeros()
     fleet.goals["/robot1"].running = ["late"]
@@ -139,16 +136,14 @@ async def test_a_stop_that_joins_one_stops_what_has_begun_since(
     assert all(now > before for now, before in zip(fleet.zeros(), told, strict=True))
 
 
-async def test_a_stop_that_joins_one_stops_what_has_appeared_since(
-    fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(stop_module, "REST", 1e6)
+@timing(rest=1e6)
+async def test_a_stop_that_joins_one_stops_what_has_appeared_since(fleet: FakeFleet) -> None:
     stopped: list[str] = []
     fleet.stopper.on_stop.append(stopped.append)
-    robot, action = fleet.robots.pop("/robot2"), fleet._actions.pop("/robot2")
+    robot, action = fleet.robots.pop("/robot2"), fleet.actions.pop("/robot2")
     first = asyncio.create_task(fleet.stopper.stop(latch=False))
     await until(lambda: fleet.zeros() == [1, 1])
-    fleet.robots["/robot2"], fleet._actions["/robot2"] = robot, action
+    fleet.robots["/robot2"], fleet.actions["/robot2"] = robot, action
     fleet.goals["/robot2"].running = ["late"]
     report = await fleet.stopper.stop(latch=False)
     assert report.canceling == ["late"]
@@ -157,9 +152,8 @@ async def test_a_stop_that_joins_one_stops_what_has_appeared_since(
     first.cancel()
 
 
-async def test_who_goes_on_asking_goes_on_stopping(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stop_module, "REPEAT_AFTER", 0.02)
-    monkeypatch.setattr(stop_module, "REST", 0)
+@timing(repeat_after=0.02, rest=0)
+async def test_who_goes_on_asking_goes_on_stopping(fleet: FakeFleet) -> None:
     told: list[str] = []
     fleet.stopper.on_stop.append(told.append)
     await fleet.stopper.stop(latch=False)
@@ -295,10 +289,8 @@ async def test_goals_that_have_not_been_sent_yet_are_stopped_by_each_request(fle
     assert [goals.stops for goals in fleet.goals.values()] == [2, 2, 2]
 
 
-async def test_a_stop_is_repeated_once_more_for_those_who_joined(
-    fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(stop_module, "REST", 0)
+@timing(rest=0)
+async def test_a_stop_is_repeated_once_more_for_those_who_joined(fleet: FakeFleet) -> None:
     await fleet.stopper.stop(latch=False)
     await fleet.stopper.stop(latch=False)
     assert fleet.zeros() == [2, 2, 2]
@@ -323,7 +315,7 @@ async def test_a_robot_that_leaves_meanwhile_is_answered_for(fleet: FakeFleet, m
     assert (report.stop["latched"], report.stop["robots"]) == (False, [])
 
     await fleet.stopper.stop("/robot2")
-    monkeypatch.setattr(fleet.interlock._writer, "wait", lambda _: asyncio.sleep(0.05))
+    monkeypatch.setattr(fleet.file, "write", lambda _: time.sleep(0.05))  # the release waits for that
     leave("/robot2")
     state = await fleet.stopper.release("/robot2")
     assert (state["latched"], state["robots"]) == (False, [])
