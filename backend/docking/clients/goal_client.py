@@ -1,6 +1,7 @@
 """A node that sends one goal, tells what becomes of it, and never hangs."""
 
 import argparse
+import sys
 import time
 import uuid
 from abc import abstractmethod
@@ -17,10 +18,11 @@ from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.utilities import remove_ros_args
 from unique_identifier_msgs.msg import UUID
 
 from docking.clients.session import ExitCode, Patience, Phase, Request, Session
-from docking.ros.process import Spinner, StopSignals, ros_context
+from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from robot_io.rclpy_private import goal_id_text
 
 STEP_PERIOD = 0.05
@@ -37,40 +39,38 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
 
     A server is asked for a sign of life by canceling a goal that does not exist: every action server answers that, and
     it changes nothing. It also proves that the server has found this client, before which an answer to the goal would
-    get lost. Subclasses find the words.
+    get lost. A subclass has the goal and the words of its action.
+
+    Attributes:
+        program: The client's name on the command line.
+        action_type: The generated class of the action.
+        action_name: Relative, so that it can be remapped.
     """
 
+    program: str
+    action_type: Any
+    action_name: str
+
     def __init__(
-        self,
-        name: str,
-        action_type: type,
-        action_name: str,
-        goal: Any,
-        *,
-        patience: Patience,
-        on_over: Callable[[], None],
-        context: Context | None = None,
+        self, goal: Any, *, patience: Patience, on_over: Callable[[], None], context: Context | None = None
     ) -> None:
         """Make the node; it starts to work when it is spun.
 
         Args:
-            name: Of the node.
-            action_type: The generated class of the action.
-            action_name: Relative, so that it can be remapped.
             goal: The goal message.
             patience: The deadlines.
             on_over: Called once, in the thread that spins the node, when there is an exit code.
             context: The ROS context; None is the default one.
         """
-        super().__init__(name, context=context)
+        super().__init__(f"{self.action_name}_action_client", context=context)
         self._goal = goal
         self._goal_id = _random_uuid()
         self._handle: ClientGoalHandle | None = None
         self._early_feedback: list[Any] = []
         self._reason = ""
         self._on_over = on_over
-        self._client = ActionClient(self, action_type, action_name)
-        self._cancel_client = self.create_client(CancelGoal, f"{action_name}/_action/cancel_goal")
+        self._client = ActionClient(self, self.action_type, self.action_name)
+        self._cancel_client = self.create_client(CancelGoal, f"{self.action_name}/_action/cancel_goal")
         self._subscription = self.create_subscription(DiagnosticArray, "/diagnostics", self._note_reason, 10)
         self._session = Session(patience, time.monotonic())
         self._timer = self.create_timer(STEP_PERIOD, self._step, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -79,6 +79,16 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
     def exit_code(self) -> ExitCode | None:
         """How it ended; None before."""
         return self._session.exit_code
+
+    @classmethod
+    @abstractmethod
+    def add_options(cls, parser: argparse.ArgumentParser) -> None:
+        """Add what the command line can say of the goal."""
+
+    @classmethod
+    @abstractmethod
+    def make_goal(cls, options: argparse.Namespace) -> Any:
+        """The goal message, as the command line says."""
 
     @abstractmethod
     def accepted_text(self) -> str:
@@ -193,41 +203,41 @@ def _seconds(text: str) -> float:
     return value
 
 
-def client_parser(program: str, action_name: str) -> argparse.ArgumentParser:
-    """The command line of a client, to which its own options are added, and `add_timeout` last.
-
-    Args:
-        program: The client's name.
-        action_name: Of its action.
-    """
-    return argparse.ArgumentParser(
-        prog=program,
-        description=f"Send a goal to the action server {action_name} and print its feedback and result.",
+def parse_arguments(client: type[GoalClient], arguments: Sequence[str]) -> argparse.Namespace:
+    """Parse a client's command line without its ROS arguments; exits with 2 where it is wrong."""
+    parser = argparse.ArgumentParser(
+        prog=client.program,
+        description=f"Send a goal to the action server {client.action_name} and print its feedback and result.",
         epilog="Exit codes: 0 succeeded, 1 aborted, 2 usage, 3 rejected, 4 canceled, 5 no server, 6 server lost,"
         " 130 interrupted. Ctrl-C cancels the goal.",
     )
-
-
-def add_timeout(parser: argparse.ArgumentParser) -> None:
-    """Add the option `--timeout`."""
+    client.add_options(parser)
     parser.add_argument(
         "--timeout", type=_seconds, default=10.0, metavar="S", help="time to wait for a server (default 10 s)"
     )
+    return parser.parse_args(arguments)
 
 
-def run_client(make_node: Callable[[Context, Callable[[], None]], GoalClient], args: Sequence[str] | None) -> int:
-    """Run a client until its goal has ended.
+def run_client(client: type[GoalClient], args: Sequence[str] | None) -> int:
+    """Send a goal as the command line says, and wait for its end.
 
     Args:
-        make_node: Makes the node from a context and the function to call at the end.
-        args: The command line with its `--ros-args`; None is that of the process.
+        client: The client.
+        args: The command line, the program's name first; None is that of the process.
 
     Returns:
-        The exit code.
+        The exit code, one of `ExitCode`, or 2 where the command line is wrong.
     """
+    return run_process(partial(_run, client), args)
+
+
+def _run(client: type[GoalClient], args: Sequence[str] | None) -> int:
+    args = list(sys.argv if args is None else args)
+    options = parse_arguments(client, remove_ros_args(args)[1:])
+    goal, patience = client.make_goal(options), Patience(server=options.timeout)
     signals = StopSignals()
     with ros_context(args) as context:
-        node = make_node(context, signals.wake)
+        node = client(goal, patience=patience, on_over=signals.wake, context=context)
         with Spinner(context, [node], on_failure=signals.wake) as spinner:
             while node.exit_code is None and spinner.failure is None:
                 for _ in range(signals.wait()):

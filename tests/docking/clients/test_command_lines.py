@@ -2,22 +2,23 @@ import math
 
 import pytest
 
-from docking.clients import dock, undock
-from docking.clients.battery_client import parse_arguments
-from docking.tutorial import fibonacci_client
+from docking.clients.dock import DockClient
+from docking.clients.goal_client import parse_arguments
+from docking.clients.undock import UndockClient
+from docking.tutorial.fibonacci_client import FibonacciClient
 
 
 def test_the_dock_client_sends_the_tutorials_goal_by_default() -> None:
-    options = parse_arguments(dock.ACTION, [])
+    options = parse_arguments(DockClient, [])
     assert (options.voltage, options.percentage, options.status) == (2.16, 0.24, 1)
 
 
 def test_the_undock_client_asks_for_a_battery_that_is_not_charging() -> None:
-    assert parse_arguments(undock.ACTION, []).status == 3
+    assert parse_arguments(UndockClient, []).status == 3
 
 
 def test_the_dock_client_sends_what_it_is_told() -> None:
-    options = parse_arguments(dock.ACTION, ["--voltage", "12", "--percentage", "nan", "--status", "4"])
+    options = parse_arguments(DockClient, ["--voltage", "12", "--percentage", "nan", "--status", "4"])
     assert (options.voltage, options.status) == (12.0, 4)
     assert math.isnan(options.percentage)
 
@@ -35,16 +36,16 @@ def test_the_dock_client_sends_what_it_is_told() -> None:
 )
 def test_the_dock_client_refuses_nonsense(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as refusal:
-        parse_arguments(dock.ACTION, arguments)
+        parse_arguments(DockClient, arguments)
     assert refusal.value.code == 2
     assert arguments[-1] in capsys.readouterr().err
 
 
 def test_the_fibonacci_client_counts_to_the_tenth_by_default() -> None:
-    assert fibonacci_client.parse_arguments([]).order == 10
-    assert fibonacci_client.parse_arguments(["--order", "-3"]).order == -3
+    assert parse_arguments(FibonacciClient, []).order == 10
+    assert parse_arguments(FibonacciClient, ["--order", "-3"]).order == -3
 
 
 def test_the_fibonacci_client_refuses_what_is_no_int32() -> None:
     with pytest.raises(SystemExit):
-        fibonacci_client.parse_arguments(["--order", str(2**31)])
+        parse_arguments(FibonacciClient, ["--order", str(2**31)])
