@@ -5,7 +5,7 @@ the numbers from 950 on are our own, below nav2's UNKNOWN.
 """
 
 import enum
-from typing import ClassVar
+from typing import ClassVar, Self
 
 
 class Stage(enum.StrEnum):
@@ -38,112 +38,75 @@ class Stage(enum.StrEnum):
 
 
 class ErrorCode(enum.StrEnum):
-    """Why a goal waits, was aborted or was rejected."""
+    """Why a goal waits, was aborted or was rejected.
 
-    NONE = "NONE"
+    Attributes:
+        number: The number that stands for it: nav2's where nav2 has one.
+    """
+
+    number: int
+
+    def __new__(cls, code: str, number: int) -> Self:
+        """A member: its name in ROS, and its number."""
+        member = str.__new__(cls, code)
+        member._value_ = code
+        member.number = number
+        return member
+
+    NONE = "NONE", 0
     """Nothing is wrong."""
-    DOCK_BUSY = "DOCK_BUSY"
+    DOCK_BUSY = "DOCK_BUSY", 950
     """Rejected: another goal is running and goal_policy is `reject`."""
-    INVALID_GOAL = "INVALID_GOAL"
+    INVALID_GOAL = "INVALID_GOAL", 951
     """Rejected: the desired power_supply_status is not one that docking can bring about."""
-    DOCK_NOT_IN_DB = "DOCK_NOT_IN_DB"
+    DOCK_NOT_IN_DB = "DOCK_NOT_IN_DB", 901
     """Rejected: the goal names a dock that is not one of `docks`."""
-    SHUTTING_DOWN = "SHUTTING_DOWN"
+    SHUTTING_DOWN = "SHUTTING_DOWN", 952
     """Rejected or aborted: the action server is ending."""
-    STOP_LATCHED = "STOP_LATCHED"
+    STOP_LATCHED = "STOP_LATCHED", 953
     """Rejected or aborted: a stop is latched, and nothing may move until it is released."""
-    NOT_ACTIVE = "NOT_ACTIVE"
+    NOT_ACTIVE = "NOT_ACTIVE", 955
     """Rejected or aborted: the action server's node is not active (its lifecycle state)."""
-    BATTERY_STALE = "BATTERY_STALE"
+    BATTERY_STALE = "BATTERY_STALE", 960
     """Waiting: no battery message for battery_stale_after."""
-    BATTERY_LOST = "BATTERY_LOST"
+    BATTERY_LOST = "BATTERY_LOST", 961
     """Aborted: no battery message for battery_lost_after."""
-    TIMEOUT = "TIMEOUT"
+    TIMEOUT = "TIMEOUT", 907
     """Aborted: goal_timeout is over."""
-    PREEMPTED = "PREEMPTED"
+    PREEMPTED = "PREEMPTED", 954
     """Aborted: a newer goal took over and goal_policy is `preempt`."""
-    FAILED_TO_STAGE = "FAILED_TO_STAGE"
+    FAILED_TO_STAGE = "FAILED_TO_STAGE", 903
     """Aborted: the staging pose was not reached in time, or navigate_to_pose failed."""
-    FAILED_TO_DETECT_DOCK = "FAILED_TO_DETECT_DOCK"
+    FAILED_TO_DETECT_DOCK = "FAILED_TO_DETECT_DOCK", 904
     """Aborted: the dock was not found in time."""
-    FAILED_TO_CONTROL = "FAILED_TO_CONTROL"
+    FAILED_TO_CONTROL = "FAILED_TO_CONTROL", 905
     """Aborted: the dock was not reached in time, or the controller gave a velocity that is not a number."""
-    FAILED_TO_CHARGE = "FAILED_TO_CHARGE"
+    FAILED_TO_CHARGE = "FAILED_TO_CHARGE", 906
     """Aborted: the robot is on the dock, but its battery does not charge."""
-    LOST_MARKER = "LOST_MARKER"
+    LOST_MARKER = "LOST_MARKER", 962
     """Aborted: the marker on the dock was seen, and then no longer."""
-    INFRARED_LOST = "INFRARED_LOST"
+    INFRARED_LOST = "INFRARED_LOST", 963
     """Aborted: the dock's infrared beacon was seen, and then no longer, or the receivers are silent."""
-    BLOCKED = "BLOCKED"
+    BLOCKED = "BLOCKED", 970
     """Aborted: the robot was told to move and did not, or not as it was told."""
-    PUSHED_OFF = "PUSHED_OFF"
+    PUSHED_OFF = "PUSHED_OFF", 971
     """Aborted: the robot was on the dock, and was moved away from it."""
-    ODOMETRY_LOST = "ODOMETRY_LOST"
+    ODOMETRY_LOST = "ODOMETRY_LOST", 964
     """Waiting: no odometry for over 1 s. Aborted: for odometry_timeout."""
-    SCAN_LOST = "SCAN_LOST"
+    SCAN_LOST = "SCAN_LOST", 965
     """Waiting: no scan for scan_timeout. Aborted: for obstacle_timeout."""
-    OBSTRUCTED = "OBSTRUCTED"
+    OBSTRUCTED = "OBSTRUCTED", 974
     """Waiting: an obstacle is in the way. Aborted: for obstacle_timeout."""
-    FAILED_TO_UNDOCK = "FAILED_TO_UNDOCK"
+    FAILED_TO_UNDOCK = "FAILED_TO_UNDOCK", 972
     """Aborted: the robot did not get away from the dock in time, or its battery is charging still."""
-    DOCKED_UNKNOWN = "DOCKED_UNKNOWN"
+    DOCKED_UNKNOWN = "DOCKED_UNKNOWN", 973
     """Aborted: nothing tells whether the robot is docked, so that it must not back out."""
-    UNKNOWN = "UNKNOWN"
+    UNKNOWN = "UNKNOWN", 999
     """Aborted: an unexpected error; the log has it."""
-
-    @property
-    def number(self) -> int:
-        """The number that stands for it: nav2's where nav2 has one."""
-        return NUMBERS[self]
-
-
-NUMBERS = {
-    ErrorCode.NONE: 0,
-    ErrorCode.DOCK_NOT_IN_DB: 901,
-    ErrorCode.FAILED_TO_STAGE: 903,
-    ErrorCode.FAILED_TO_DETECT_DOCK: 904,
-    ErrorCode.FAILED_TO_CONTROL: 905,
-    ErrorCode.FAILED_TO_CHARGE: 906,
-    ErrorCode.TIMEOUT: 907,
-    ErrorCode.UNKNOWN: 999,
-    ErrorCode.DOCK_BUSY: 950,
-    ErrorCode.INVALID_GOAL: 951,
-    ErrorCode.SHUTTING_DOWN: 952,
-    ErrorCode.STOP_LATCHED: 953,
-    ErrorCode.PREEMPTED: 954,
-    ErrorCode.NOT_ACTIVE: 955,
-    ErrorCode.BATTERY_STALE: 960,
-    ErrorCode.BATTERY_LOST: 961,
-    ErrorCode.LOST_MARKER: 962,
-    ErrorCode.INFRARED_LOST: 963,
-    ErrorCode.ODOMETRY_LOST: 964,
-    ErrorCode.SCAN_LOST: 965,
-    ErrorCode.BLOCKED: 970,
-    ErrorCode.PUSHED_OFF: 971,
-    ErrorCode.FAILED_TO_UNDOCK: 972,
-    ErrorCode.DOCKED_UNKNOWN: 973,
-    ErrorCode.OBSTRUCTED: 974,
-}
 
 
 class DockingError(Exception):
     """Something went wrong on the way to the dock or away from it.
-
-    DockingError
-    ├── DockNotInDb
-    ├── FailedToStage
-    ├── FailedToDetectDock
-    ├── FailedToControl
-    ├── FailedToCharge
-    ├── LostMarker
-    ├── InfraredLost
-    ├── OdometryLost
-    ├── ScanLost
-    ├── Obstructed
-    ├── Blocked
-    ├── PushedOff
-    ├── FailedToUndock
-    └── DockedUnknown
 
     Attributes:
         error_code: Its code.
