@@ -25,7 +25,7 @@ DOCKING = (
     "goal/dock",
     "goal/undock",
     "goal/dock_memory",
-    "goal/limiter",
+    "goal/pace",
     "goal/motion_watch",
     "goal/obstacle_watch",
     "goal/navigation",
@@ -55,7 +55,7 @@ AREAS = {
             f"tests/docking/{name}.py"
             for name in (
                 "goal/test_engine",
-                "goal/test_limiter",
+                "goal/test_pace",
                 "goal/test_motion_watch",
                 "goal/test_obstacle_watch",
                 "goal/test_navigation",
@@ -63,7 +63,7 @@ AREAS = {
                 "goal/test_dock_stages",
                 "goal/test_dock_memory",
                 "estimation/test_clearance",
-                "test_charging",
+                "goal/test_charging",
                 "plans/test_undock",
             )
         ],

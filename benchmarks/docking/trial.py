@@ -8,8 +8,9 @@ from benchmarks.docking.cases import CASES, Case, Region
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
+from docking.goal.outcome import Command, End, Outcome
 from docking.parameters import ControllerName, DockSettings, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED

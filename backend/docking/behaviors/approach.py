@@ -3,8 +3,7 @@
 import math
 
 from docking.behaviors.keep_in_sight import KeepInSight
-from docking.behaviors.moves import bounded
-from docking.behaviors.smooth import steer
+from docking.behaviors.moves import bounded, steer
 from docking.core.errors import DockingError, FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-from docking.charging import stands_docked, tells_charging
 from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
 from docking.core.errors import (
     DockingError,
@@ -14,15 +13,24 @@ from docking.core.errors import (
 )
 from docking.core.observation import Observation
 from docking.estimation.motion_model import MotionModel
-from docking.goal.charge_record import ChargeRecord
+from docking.goal.charging import ChargeRecord, stands_docked, tells_charging
 from docking.goal.dock_memory import DockMemory
 from docking.goal.motion_watch import makes_sense
-from docking.goal.objective import Deadline, Progress
+from docking.goal.objective import Deadline, Objective, Progress
 from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, Staging
 
+DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
+    Stage.INITIAL_PERCEPTION: ("initial_perception_timeout", FailedToDetectDock, "the dock was not found"),
+    Stage.NAV_TO_STAGING_POSE: ("staging_timeout", FailedToStage, "the staging pose was not reached"),
+    Stage.CONTROLLING: ("dock_approach_timeout", FailedToControl, "the dock was not reached"),
+    Stage.WAIT_FOR_CHARGE: ("wait_charge_timeout", FailedToCharge, "the battery on the dock did not charge"),
+    Stage.RETRY: ("retry_timeout", FailedToControl, "the robot did not back off"),
+}
+"""By stage: the parameter that limits its time, and what has happened when that is over."""
 
-class Docking:
-    """The objective of a docking goal; see `Objective`.
+
+class Docking(Objective):
+    """The objective of a docking goal.
 
     While the battery charges, the robot stands still, but presses on where it approaches the dock: the first contact
     may be a few millimetres before the docked pose, and may bounce.
@@ -54,41 +62,21 @@ class Docking:
             dock_type: Of the dock, to be remembered.
             dock_name: Of the dock, to be remembered.
         """
-        self.timeouts = timeouts
+        super().__init__(timeouts, memory, charging)
         self.max_retries = timeouts.max_retries
-        self.memory = memory or DockMemory()
         self.slowdown_radius = slowdown_radius
-        self._charging = charging or ChargingSettings()
         self._threshold = docking_threshold
         self._staging = staging or Staging()
         self._dock_type = dock_type
         self._dock_name = dock_name
         self._status: int | None = None
+        self._stable_for = timeouts.charge_stable_for
         self._record = ChargeRecord(timeouts.charge_stable_for)
         self._connected_since: float | None = None
         self._motion = MotionModel()  # for the velocity, measured from poses
         self._deadlines = {
-            Stage.INITIAL_PERCEPTION: Deadline(
-                "initial_perception_timeout",
-                timeouts.initial_perception_timeout,
-                FailedToDetectDock,
-                "the dock was not found",
-            ),
-            Stage.NAV_TO_STAGING_POSE: Deadline(
-                "staging_timeout", timeouts.staging_timeout, FailedToStage, "the staging pose was not reached"
-            ),
-            Stage.CONTROLLING: Deadline(
-                "dock_approach_timeout", timeouts.dock_approach_timeout, FailedToControl, "the dock was not reached"
-            ),
-            Stage.WAIT_FOR_CHARGE: Deadline(
-                "wait_charge_timeout",
-                timeouts.wait_charge_timeout,
-                FailedToCharge,
-                "the battery on the dock did not charge",
-            ),
-            Stage.RETRY: Deadline(
-                "retry_timeout", timeouts.retry_timeout, FailedToControl, "the robot did not back off"
-            ),
+            stage: Deadline(parameter, getattr(timeouts, parameter), error, message)
+            for stage, (parameter, error, message) in DEADLINES.items()
         }
 
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
@@ -106,7 +94,7 @@ class Docking:
             return False
         if self._connected_since is None:
             self._connected_since = observation.now
-        reached = observation.now - self._connected_since >= self.timeouts.charge_stable_for
+        reached = observation.now - self._connected_since >= self._stable_for
         if reached:
             self.memory.turns[self._dock_name] = progress.turn
         if reached and robot is not None:

@@ -1,7 +1,6 @@
 """A goal from its acceptance to its end: a state machine that is given the time and what is known then."""
 
-import enum
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from docking.core.battery import BatteryReading
 from docking.core.errors import (
@@ -14,13 +13,13 @@ from docking.core.errors import (
     ScanLost,
     Stage,
 )
-from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.navigation import Going, Navigation
 from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.pace import Pace
 from docking.goal.plan import Plan
 
@@ -28,65 +27,6 @@ CLOCK_JUMP = 0.5
 """Seconds: a clock that goes back by more has jumped, and a reading that is ahead by more is of another clock."""
 BEYOND_RETRY = (OdometryLost, ScanLost, Obstructed)
 """What ends a goal for its own reason, also while the robot backs off for another one."""
-
-
-@dataclass(frozen=True)
-class Command:
-    """The goal goes on.
-
-    Attributes:
-        stage: What is being done.
-        velocity: What the wheels have to do until the next step.
-        error_code: NONE, or why the goal waits or tries again.
-        error_msg: The same as a sentence.
-        retries: Number of retries.
-        dock_pose: Of base_link when docked, by the last detection alone; in odom, as the next two.
-        filtered_dock_pose: The same by all detections.
-        staging_pose: Of base_link in front of the dock.
-        yields: Whether another server drives the robot, so that no velocity is to be published.
-        note: What is odd about the detections of the dock, as a sentence; empty where nothing is.
-    """
-
-    stage: Stage
-    velocity: Velocity
-    error_code: ErrorCode = ErrorCode.NONE
-    error_msg: str = ""
-    retries: int = 0
-    dock_pose: Pose | None = None
-    filtered_dock_pose: Pose | None = None
-    staging_pose: Pose | None = None
-    yields: bool = False
-    note: str = ""
-
-
-class End(enum.StrEnum):
-    """How a goal can end, in the words of ROS."""
-
-    SUCCEEDED = "SUCCEEDED"
-    CANCELED = "CANCELED"
-    ABORTED = "ABORTED"
-
-    @property
-    def stage(self) -> Stage:
-        """The stage that stands for this end."""
-        return Stage(self.value)
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """The goal is over, and the wheels stand still.
-
-    Attributes:
-        end: How.
-        error_code: NONE unless it was aborted.
-        error_msg: The same as a sentence.
-        retries: Number of retries.
-    """
-
-    end: End
-    error_code: ErrorCode = ErrorCode.NONE
-    error_msg: str = ""
-    retries: int = 0
 
 
 class Goal:
@@ -132,6 +72,8 @@ class Goal:
         """Have the robot driven to its staging pose before the plan begins; call it before the first step."""
         self._navigation = navigation
 
+    # A step: is the goal reached, is the battery heard, and what moves the robot?
+
     def step(self, observation: Observation) -> Command | Outcome:
         """What to do now.
 
@@ -143,7 +85,7 @@ class Goal:
         """
         if self.outcome is not None:
             return self.outcome
-        now, battery = observation.now, observation.battery
+        now, battery, timeouts = observation.now, observation.battery, self._timeouts
         dt, self._stepped_at = now - self._stepped_at, now
         if dt < -CLOCK_JUMP:
             return self.abort(ErrorCode.UNKNOWN, f"the clock jumped back by {-dt:.3g} s")
@@ -151,102 +93,48 @@ class Goal:
             battery = None
         if battery is not None:
             self._heard_at = max(self._heard_at, battery.received_at)
-        fresh = battery if battery is not None and battery.age(now) <= self._timeouts.battery_stale_after else None
+        fresh = battery if battery is not None and battery.age(now) <= timeouts.battery_stale_after else None
         try:
             if self._objective.is_reached(observation, fresh, self._progress):
                 return self._succeed(observation)
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
-        if 0.0 < self._timeouts.goal_timeout <= now - self._started_at:
+        if 0.0 < timeouts.goal_timeout <= now - self._started_at:
             return self.abort(
-                ErrorCode.TIMEOUT, f"the goal was not reached within {self._timeouts.goal_timeout:g} s (goal_timeout)"
+                ErrorCode.TIMEOUT, f"the goal was not reached within {timeouts.goal_timeout:g} s (goal_timeout)"
             )
-        return self._wait(now, battery) if fresh is None else self._go_on(observation, max(0.0, dt))
-
-    def pause(self) -> None:
-        """The robot stands still, as time does; the next step goes on from there."""
-        self._rest()
-
-    def cancel(self) -> Outcome:
-        """End it because someone asked for it."""
-        return self._finish(Outcome(End.CANCELED, retries=self.retries))
-
-    def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
-        """End it because it cannot go on."""
-        return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
+        return self._wait_for_battery(now, battery) if fresh is None else self._go_on(observation, max(0.0, dt))
 
     @property
     def _progress(self) -> Progress:
         poses = self._plan.poses
         return Progress(self._stage is self._plan.stages[-1], self._finished, poses.filtered_dock, poses.turn)
 
-    def _succeed(self, observation: Observation) -> Outcome:
-        odometry = observation.odometry
-        self._objective.memory.note(self._objective.docks, None if odometry is None else odometry.pose)
-        return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
-
-    def _finish(self, outcome: Outcome) -> Outcome:
-        self._rest()
-        if self.outcome is None:
-            self.outcome = outcome
-        return self.outcome
-
-    def _wait(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
-        if now - self._heard_at > self._timeouts.battery_lost_after:
-            return self.abort(
-                ErrorCode.BATTERY_LOST,
-                f"no battery message for {self._timeouts.battery_lost_after:g} s (battery_lost_after)",
-            )
+    def _wait_for_battery(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
+        stale_after, lost_after = self._timeouts.battery_stale_after, self._timeouts.battery_lost_after
+        if now - self._heard_at > lost_after:
+            return self.abort(ErrorCode.BATTERY_LOST, f"no battery message for {lost_after:g} s (battery_lost_after)")
         message = (
             "no battery message received yet: the robot waits"
             if battery is None
-            else f"no battery message for over {self._timeouts.battery_stale_after:g} s: the robot waits"
+            else f"no battery message for over {stale_after:g} s: the robot waits"
         )
         return Command(Stage.WAIT_FOR_BATTERY, self._rest(), ErrorCode.BATTERY_STALE, message, retries=self.retries)
 
     def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
+        """The battery charges, another server drives to the staging pose, or the plan drives."""
         if self._objective.holds(self._stage):
             self._stage_time += dt if self._objective.flickers else 0.0
             return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
         if self._navigation is not None:
             return self._navigate(self._navigation, observation, dt)
-        self._stage_time += dt
-        try:
-            if self._watch is not None and not self._watch.sees(observation):
-                self._stage_time -= dt  # the time limits of stages are for driving
-                return self._wait_for_odometry(self._watch)
-            self._plan.observe(observation)
-            if self._obstacles is not None and not self._is_clear(self._obstacles, observation, dt):
-                self._stage_time -= dt
-                return self._wait_for_clearance(self._obstacles)
-            self._check_deadline()
-            velocity = self._move(observation, dt)
-        except DockingError as failure:
-            return self._recover(self._objective.reword(failure))
-        if self._watch is not None:
-            self._watch.commanded = velocity
-        if velocity != STANDSTILL:
-            self._objective.memory.moves()
-        return self._command(velocity)
-
-    def _wait_for_odometry(self, watch: MotionWatch) -> Command:
-        if not watch.waiting:
-            return self._command(self._rest())
-        waiting = self._command(self._rest(), Stage.WAIT_FOR_ODOMETRY)
-        return replace(waiting, error_code=ErrorCode.ODOMETRY_LOST, error_msg=watch.waiting)
-
-    def _wait_for_clearance(self, obstacles: ObstacleWatch) -> Command:
-        if not obstacles.reason:
-            return self._command(self._rest())
-        code = ErrorCode.SCAN_LOST if obstacles.lost else ErrorCode.OBSTRUCTED
-        waiting = self._command(self._rest(), Stage.WAIT_FOR_CLEARANCE)
-        return replace(waiting, error_code=code, error_msg=obstacles.reason)
+        return self._follow_plan(observation, dt)
 
     def _navigate(self, navigation: Navigation, observation: Observation, dt: float) -> Command | Outcome:
         """Leave the wheels to the server that drives to the staging pose; then the plan begins."""
         try:
             if self._watch is not None and self._watch.hears(observation) is None and self._watch.waiting:
-                return self._wait_for_odometry(self._watch)
+                return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, self._watch.waiting)
             going = navigation.step(dt)
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
@@ -259,19 +147,53 @@ class Goal:
         self._enter(self._plan.stages[0])
         return self._command(self._rest())
 
-    def _is_clear(self, obstacles: ObstacleWatch, observation: Observation, dt: float) -> bool:
-        seen = observation if self._watch is None else self._watch.ahead(observation)
-        return obstacles.look(seen, self._plan.poses.filtered_dock, dt)
+    def _follow_plan(self, observation: Observation, dt: float) -> Command | Outcome:
+        """Odometry tells where the robot is, the plan where the dock is, and the way is clear: the controller drives.
 
-    def _move(self, observation: Observation, dt: float) -> Velocity:
-        """Let the controller say what to do.
+        The time limits of stages are for driving: while the robot waits, their time stands still.
+        """
+        watch, obstacles = self._watch, self._obstacles
+        try:
+            if watch is not None and not watch.sees(observation):
+                return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, watch.waiting)
+            self._plan.observe(observation)
+            # Where the robot will be when a command that is given now takes effect.
+            ahead = observation if watch is None else watch.ahead(observation)
+            if obstacles is not None and not obstacles.look(ahead, self._plan.poses.filtered_dock, dt):
+                code = ErrorCode.SCAN_LOST if obstacles.lost else ErrorCode.OBSTRUCTED
+                return self._wait(Stage.WAIT_FOR_CLEARANCE, code, obstacles.reason)
+            self._stage_time += dt
+            self._check_deadline()
+            velocity = self._move(observation, ahead, dt)
+        except DockingError as failure:
+            return self._recover(self._objective.reword(failure))
+        if watch is not None:
+            watch.commanded = velocity
+        if velocity != STANDSTILL:
+            self._objective.memory.moves()
+        return self._command(velocity)
+
+    def _check_deadline(self) -> None:
+        """See whether the stage has taken too long.
+
+        Raises:
+            DockingError: It has.
+        """
+        deadline = self._objective.deadline(self._stage, self._finished)
+        if self._plan.poses.explores:
+            self._stage_time = 0.0
+        if self._watch is not None and deadline is not None and self._stage_time > deadline.seconds:
+            raise deadline.error(f"{deadline.message} within {deadline.seconds:g} s ({deadline.parameter})")
+
+    def _move(self, observation: Observation, ahead: Observation, dt: float) -> Velocity:
+        """Let the controller say what to do, and keep the limits.
 
         Raises:
             DockingError: It fails, or says nothing sensible.
         """
         if self._finished:
             return self._rest()
-        step = self._controller.step(observation if self._watch is None else self._watch.ahead(observation), dt)
+        step = self._controller.step(ahead, dt)
         if isinstance(step, Failed):
             raise step.error
         if isinstance(step, Done):
@@ -285,17 +207,17 @@ class Goal:
         velocity = self._pace.next(wish, dt, observation.odometry.pose, self._plan.poses, self._watch.model)
         return self._rest() if self._obstacles is not None and self._obstacles.stops(velocity) else velocity
 
-    def _check_deadline(self) -> None:
-        """See whether the stage has taken too long.
+    # A stage is done, or something has failed.
 
-        Raises:
-            DockingError: It has.
-        """
-        deadline = self._objective.deadline(self._stage, self._finished)
-        if self._plan.poses.explores:
-            self._stage_time = 0.0
-        if self._watch is not None and deadline is not None and self._stage_time > deadline.seconds:
-            raise deadline.error(f"{deadline.message} within {deadline.seconds:g} s ({deadline.parameter})")
+    def _next_stage(self) -> None:
+        stages = self._plan.stages
+        if self._stage is Stage.RETRY:
+            self._failure = None
+            self._enter(stages[0])
+        elif self._stage is stages[-1]:
+            self._finished = True
+        else:
+            self._enter(stages[stages.index(self._stage) + 1])
 
     def _recover(self, failure: DockingError) -> Command | Outcome:
         """Try again where that may help, else give up."""
@@ -316,16 +238,6 @@ class Goal:
         self._enter(Stage.RETRY)
         return self._command(self._rest())
 
-    def _next_stage(self) -> None:
-        stages = self._plan.stages
-        if self._stage is Stage.RETRY:
-            self._failure = None
-            self._enter(stages[0])
-        elif self._stage is stages[-1]:
-            self._finished = True
-        else:
-            self._enter(stages[stages.index(self._stage) + 1])
-
     def _enter(self, stage: Stage) -> None:
         self._stage = stage
         self._stage_time = 0.0
@@ -333,6 +245,33 @@ class Goal:
         self._controller: Behavior = self._plan.controller(stage)
         if self._watch is not None:
             self._watch.restart()
+
+    # The goal ends.
+
+    def _succeed(self, observation: Observation) -> Outcome:
+        odometry = observation.odometry
+        self._objective.memory.note(self._objective.docks, None if odometry is None else odometry.pose)
+        return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
+
+    def cancel(self) -> Outcome:
+        """End it because someone asked for it."""
+        return self._finish(Outcome(End.CANCELED, retries=self.retries))
+
+    def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
+        """End it because it cannot go on."""
+        return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
+
+    def _finish(self, outcome: Outcome) -> Outcome:
+        self._rest()
+        if self.outcome is None:
+            self.outcome = outcome
+        return self.outcome
+
+    # What the robot is told.
+
+    def pause(self) -> None:
+        """The robot stands still, as time does; the next step goes on from there."""
+        self._rest()
 
     def _rest(self) -> Velocity:
         if self._navigation is not None:
@@ -342,6 +281,11 @@ class Goal:
         if self._watch is not None:
             self._watch.rest()
         return STANDSTILL
+
+    def _wait(self, stage: Stage, error_code: ErrorCode, reason: str) -> Command:
+        """Stand still, and say why once it is worth a word."""
+        waiting = self._command(self._rest())
+        return replace(waiting, stage=stage, error_code=error_code, error_msg=reason) if reason else waiting
 
     def _command(self, velocity: Velocity, stage: Stage | None = None) -> Command:
         failure, poses = self._failure, self._plan.poses

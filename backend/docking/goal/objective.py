@@ -1,14 +1,14 @@
 """What a goal is for: when it is reached, what its stages may take, and what is remembered of it."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 from docking.core.battery import BatteryReading
 from docking.core.errors import DockingError, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.goal.dock_memory import DockMemory
-from docking.parameters import Timeouts
+from docking.parameters import ChargingSettings, Timeouts
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Progress:
     turn: float = 0.0
 
 
-class Objective(Protocol):
+class Objective(ABC):
     """Docking or undocking; a new one is made for each goal.
 
     Attributes:
@@ -53,28 +53,26 @@ class Objective(Protocol):
         max_retries: How often to back off and try again.
         memory: What is remembered of the dock from goal to goal.
         docks: Whether the robot is docked when the goal is reached.
-        flickers: Whether the charge comes and goes, so that waiting for it counts towards the time limit, too.
         slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
     """
 
-    @property
-    def timeouts(self) -> Timeouts: ...  # noqa: D102 - see above
+    docks: bool
+    max_retries = 0
+    slowdown_radius = 0.0
 
-    @property
-    def max_retries(self) -> int: ...  # noqa: D102
+    def __init__(self, timeouts: Timeouts, memory: DockMemory | None, charging: ChargingSettings | None) -> None:
+        """Begin.
 
-    @property
-    def memory(self) -> DockMemory: ...  # noqa: D102
+        Args:
+            timeouts: The time limits.
+            memory: What is known from earlier goals; None is nothing.
+            charging: What tells that the battery charges; None is its status.
+        """
+        self.timeouts = timeouts
+        self.memory = memory or DockMemory()
+        self._charging = charging or ChargingSettings()
 
-    @property
-    def docks(self) -> bool: ...  # noqa: D102
-
-    @property
-    def slowdown_radius(self) -> float: ...  # noqa: D102
-
-    @property
-    def flickers(self) -> bool: ...  # noqa: D102
-
+    @abstractmethod
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """The success test; called at each step.
 
@@ -87,11 +85,19 @@ class Objective(Protocol):
             DockingError: The goal can never be reached.
         """
 
-    def holds(self, stage: Stage) -> bool:
-        """Whether the robot is to stand still at this stage, as the goal may be reached in a moment."""
-
+    @abstractmethod
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of a stage; None where it has none."""
 
+    @property
+    def flickers(self) -> bool:
+        """Whether the charge comes and goes, so that waiting for it counts towards the time limit, too."""
+        return False
+
+    def holds(self, stage: Stage) -> bool:
+        """Whether the robot is to stand still at this stage, as the goal may be reached in a moment."""
+        return False
+
     def reword(self, failure: DockingError) -> DockingError:
         """What a failure on the way means for this goal."""
+        return failure

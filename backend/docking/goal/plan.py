@@ -1,5 +1,6 @@
 """What a plan is: the stages of docking by one kind of sensor, and the controller of each."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -32,35 +33,38 @@ class KnownPoses:
     turn: float = 0.0
 
 
-class DockTarget(Protocol):
-    """What the controllers of several stages drive by.
-
-    Attributes:
-        docked: Where base_link is when docked, in odom; None before the dock was seen.
-        seen_at: When the dock was seen last.
-        period: Seconds between two detections, usually; 0 if that is not known.
-        spread: How well the docked pose is known.
-        yaw_bias: The curvature of the way, in rad/m, that odometry does not see.
-        disputed: Whether the last detections agree on another pose than what was known before.
-    """
+class DockTarget(ABC):
+    """What the controllers of several stages drive by."""
 
     @property
-    def docked(self) -> Pose | None: ...  # noqa: D102 - see above
+    @abstractmethod
+    def docked(self) -> Pose | None:
+        """Where base_link is when docked, in odom; None before the dock was seen."""
 
     @property
-    def seen_at(self) -> float: ...  # noqa: D102
+    @abstractmethod
+    def seen_at(self) -> float:
+        """When the dock was seen last."""
 
     @property
-    def period(self) -> float: ...  # noqa: D102
+    def spread(self) -> Spread:
+        """How well the docked pose is known: well enough, unless a plan knows better."""
+        return Spread(0.0, 0.0)
 
     @property
-    def spread(self) -> Spread: ...  # noqa: D102
+    def period(self) -> float:
+        """Seconds between two detections, usually; 0 if that is not known."""
+        return 0.0
 
     @property
-    def yaw_bias(self) -> float: ...  # noqa: D102
+    def yaw_bias(self) -> float:
+        """The curvature of the way, in rad/m, that odometry does not see."""
+        return 0.0
 
     @property
-    def disputed(self) -> bool: ...  # noqa: D102
+    def disputed(self) -> bool:
+        """Whether the last detections agree on another pose than what was known before."""
+        return False
 
 
 class Plan(Protocol):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from docking.core.errors import ErrorCode, Stage
 from docking.goal.admission import Rejection
-from docking.goal.engine import Command, Outcome
+from docking.goal.outcome import Command, Outcome
 
 
 class Level(enum.IntEnum):

@@ -1,24 +1,22 @@
 """Undocking: reached when the robot has backed out and its battery charges no longer."""
 
-from docking.charging import describe_charging, tells_charging
 from docking.core.battery import BatteryReading
 from docking.core.errors import Blocked, DockedUnknown, DockingError, FailedToUndock, Stage
 from docking.core.observation import Observation
+from docking.goal.charging import describe_charging, tells_charging
 from docking.goal.dock_memory import DockMemory
-from docking.goal.objective import Deadline, Progress
+from docking.goal.objective import Deadline, Objective, Progress
 from docking.parameters import ChargingSettings, UndockTimeouts
 
 
-class Undocking:
-    """The objective of an undocking goal; see `Objective`.
+class Undocking(Objective):
+    """The objective of an undocking goal, which leads away from the dock.
 
     A robot whose battery charges is docked. Without that, what earlier goals have left behind counts. Where
     nothing tells, the goal fails: it is no success to be on the dock, and nothing is behind a robot that is not.
     """
 
-    docks = flickers = False
-    max_retries = 0
-    slowdown_radius = 0.0  # it leads away from the dock
+    docks = False
 
     def __init__(
         self,
@@ -36,9 +34,8 @@ class Undocking:
             charging: What tells that the battery charges; None is its status.
             assume_docked: What counts where nothing tells: that it is docked.
         """
-        self.timeouts = timeouts
-        self.memory = memory or DockMemory()
-        self._charging = charging or ChargingSettings()
+        super().__init__(timeouts, memory, charging)
+        self._undocking_timeout = timeouts.undocking_timeout
         self._assume_docked = assume_docked
         self._docked = False  # for certain
 
@@ -70,14 +67,10 @@ class Undocking:
         self._docked = known is not False
         return known is False
 
-    def holds(self, stage: Stage) -> bool:
-        """Never."""
-        return False
-
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of backing out until the battery charges no longer."""
         message = "the battery is still charging" if finished else "the robot did not get away from the dock"
-        return Deadline("undocking_timeout", self.timeouts.undocking_timeout, FailedToUndock, message)
+        return Deadline("undocking_timeout", self._undocking_timeout, FailedToUndock, message)
 
     def reword(self, failure: DockingError) -> DockingError:
         """A robot that is blocked has failed to undock."""

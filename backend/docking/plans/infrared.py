@@ -3,15 +3,14 @@
 import math
 
 from docking.behaviors.approach import Approach
-from docking.behaviors.back_out import BackOut
 from docking.behaviors.combined import Sequence
 from docking.behaviors.explore import Explore
-from docking.behaviors.go_to import GoTo
 from docking.behaviors.moves import bounded
 from docking.behaviors.scan import Scan
 from docking.behaviors.search import Search
 from docking.behaviors.sidestep import Sidestep
 from docking.behaviors.staging import ToStaging
+from docking.behaviors.straight import BackOut, GoTo
 from docking.behaviors.wait_for_charge import WaitForCharge
 from docking.core.errors import FailedToControl, InfraredLost, PushedOff, Stage
 from docking.core.geometry import Pose

@@ -1,20 +1,19 @@
 """What the plans that see the dock have in common: their stages, and the way back from the dock."""
 
 import math
-from abc import abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from docking.behaviors.back_out import BackOut
 from docking.behaviors.combined import Reversed
 from docking.behaviors.explore import Explore
 from docking.behaviors.moves import bounded
 from docking.behaviors.search import Search
+from docking.behaviors.straight import BackOut
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
-from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Behavior
+from docking.goal.plan import DockTarget
 from docking.parameters import DockSettings
 from docking.plans.places import circles, may_be_seen, way_to_front
 
@@ -24,7 +23,7 @@ BLIND_WAY = 0.1
 """How far to back off, in m, where the dock is not known."""
 
 
-class SightedPlan:
+class SightedPlan(DockTarget):
     """Half a plan: the other half knows where the dock is, by one kind of sensor."""
 
     stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
@@ -46,31 +45,6 @@ class SightedPlan:
         self._robot: Pose | None = None
         self._explore: Explore | None = None
         self._circles: Iterator[Pose] | None = None
-
-    @property
-    @abstractmethod
-    def docked(self) -> Pose | None:
-        """Where base_link is when docked, in odom."""
-
-    @property
-    def spread(self) -> Spread:
-        """How well the docked pose is known: well enough, unless a plan knows better."""
-        return Spread(0.0, 0.0)
-
-    @property
-    def period(self) -> float:
-        """Seconds between two detections, usually; 0 if that is not known."""
-        return 0.0
-
-    @property
-    def yaw_bias(self) -> float:
-        """The curvature of the way, in rad/m, that odometry does not see."""
-        return 0.0
-
-    @property
-    def disputed(self) -> bool:
-        """Whether the last detections agree on another pose of the dock: not, unless a plan knows better."""
-        return False
 
     @property
     def staging(self) -> Pose | None:

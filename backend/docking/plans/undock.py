@@ -1,7 +1,7 @@
 """The plan of undocking: straight off the dock, as far as the staging pose."""
 
-from docking.behaviors.back_out import BackOut
 from docking.behaviors.combined import Reversed
+from docking.behaviors.straight import BackOut
 from docking.core.errors import FailedToUndock, Stage
 from docking.core.observation import Observation
 from docking.goal.behavior import Behavior

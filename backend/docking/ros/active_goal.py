@@ -7,7 +7,8 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from docking.goal.dock_memory import DockMemory
-from docking.goal.engine import Goal, Outcome
+from docking.goal.engine import Goal
+from docking.goal.outcome import Outcome
 
 
 @dataclass(eq=False)

@@ -8,7 +8,7 @@ from rclpy.node import Node
 from docking.core.battery import Battery
 from docking.core.errors import ErrorCode, Stage
 from docking.goal.admission import Rejection
-from docking.goal.engine import Command, End, Outcome
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.report import Report, report_on
 from docking.ros.battery_subscriber import BATTERY_TOPIC, BatterySearch
 from docking.ros.diagnostics import Diagnostics

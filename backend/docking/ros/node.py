@@ -17,7 +17,8 @@ from docking.core.battery import Battery
 from docking.core.errors import DockNotInDb, ErrorCode
 from docking.core.observation import STANDSTILL
 from docking.goal.admission import Rejection, admit
-from docking.goal.engine import End, Goal, Outcome
+from docking.goal.engine import Goal
+from docking.goal.outcome import End, Outcome
 from docking.parameters import read_topics
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import battery_message

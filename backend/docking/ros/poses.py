@@ -5,7 +5,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from docking.goal.engine import Command
+from docking.goal.outcome import Command
 from docking.ros.geometry import stamped_pose
 
 TOPICS = ("dock_pose", "filtered_dock_pose", "staging_pose")

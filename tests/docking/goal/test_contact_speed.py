@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from docking.core.geometry import Pose
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, Goal
+from docking.goal.engine import Goal
+from docking.goal.outcome import Command
 from docking.parameters import ControllerName
 from docking.plans.registry import make_plan
 from docking.simulation.faults import Fault

@@ -1,4 +1,4 @@
-"""The objective of docking, by itself: time limits and defaults. tests/docking/test_charging.py has what charges."""
+"""The objective of docking, by itself: time limits and defaults. `test_charging` has what charges."""
 
 from dataclasses import replace
 

@@ -15,7 +15,8 @@ from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
+from docking.goal.outcome import Command, End, Outcome
 from docking.parameters import ControllerName, DockSettings
 from docking.parameters.search import SearchSettings
 from docking.plans.registry import make_plan

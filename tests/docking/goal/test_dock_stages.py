@@ -10,7 +10,8 @@ from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, InfraredReading, Observation, Odometry, Velocity
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
+from docking.goal.outcome import Command, End, Outcome
 from docking.parameters import ControllerName, DockSettings, DockTimeouts, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED

@@ -7,7 +7,7 @@ import pytest
 from docking.core.errors import ErrorCode
 from docking.core.geometry import Pose
 from docking.goal.dock_memory import DockMemory
-from docking.goal.engine import End, Outcome
+from docking.goal.outcome import End, Outcome
 from docking.nodes.dock_server import DockAction
 from docking.parameters import ControllerName, DockSettings
 from docking.simulation.faults import Fault

@@ -19,7 +19,8 @@ from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Behavior, Done, Failed, Step
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.plan import KnownPoses, SingleStage
 from docking.parameters import DockTimeouts, MotionLimits
 

@@ -22,8 +22,9 @@ from docking.core.observation import (
     Velocity,
 )
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
 from docking.goal.motion_watch import DELAY, REPORTED_AFTER
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.undock import Undocking
 from docking.parameters import ControllerName, UndockTimeouts
 from docking.plans.registry import make_plan

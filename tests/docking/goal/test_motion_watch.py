@@ -8,8 +8,8 @@ import pytest
 from docking.core.errors import Blocked, OdometryLost
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
-from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
+from docking.goal.pace import Limiter
 from docking.parameters import MotionLimits
 
 PERIOD = 0.05

@@ -11,8 +11,9 @@ from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
 from docking.goal.behavior import Behavior
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
 from docking.goal.navigation import CannotNavigate, Going, Navigation, RideState
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.plan import KnownPoses
 from docking.parameters import DockTimeouts, MotionLimits, NavigationSettings
 

@@ -13,8 +13,9 @@ from docking.core.errors import ErrorCode, Obstructed, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Scan, Velocity
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import ObstacleWatch, watch_obstacles
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.undock import Undocking
 from docking.parameters import CollisionSettings, ControllerName, Dock, DockDirection, DockSettings, UndockSettings
 from docking.plans.registry import make_plan

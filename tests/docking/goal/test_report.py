@@ -3,7 +3,7 @@ import pytest
 from docking.core.errors import ErrorCode, Stage
 from docking.core.observation import Velocity
 from docking.goal.admission import Rejection
-from docking.goal.engine import Command, End, Outcome
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.report import LEVELS, Level, Report, report_on
 
 

@@ -11,7 +11,8 @@ from docking.core.observation import STANDSTILL, Velocity
 from docking.goal.behavior import Done
 from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.undock import Undocking
 from docking.parameters import ControllerName, Dock, DockDirection, DockSettings, DockTimeouts, UndockTimeouts
 from docking.plans.registry import make_plan

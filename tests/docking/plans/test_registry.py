@@ -8,7 +8,8 @@ from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.core.parameter import Parameter, parameters_of
 from docking.goal.dock import Docking
-from docking.goal.engine import Command, Goal
+from docking.goal.engine import Goal
+from docking.goal.outcome import Command
 from docking.parameters import ControllerName, DockSettings
 from docking.plans.registry import make_plan, sensors_of
 from docking.simulation.dock import DOCKED

@@ -8,8 +8,9 @@ from docking.core.errors import DockedUnknown, ErrorCode, FailedToUndock, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.dock_memory import DockMemory
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.engine import Goal
 from docking.goal.objective import Progress
+from docking.goal.outcome import Command, End, Outcome
 from docking.goal.undock import Undocking
 from docking.parameters import MotionLimits, UndockTimeouts
 from docking.plans.undock import UndockPlan

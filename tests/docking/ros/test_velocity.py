@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from docking.ros.watchdog import Watchdog
+from docking.ros.velocity import Watchdog
 
 TIMEOUT = 0.1
 

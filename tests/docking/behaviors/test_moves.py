@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.behaviors.smooth import steer
+from docking.behaviors.moves import steer
 from docking.core.geometry import Pose, normalize_angle
 from docking.parameters import Gains
 

@@ -2,13 +2,16 @@
 
 import math
 
+from docking.behaviors.moves import drive_to
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
 
 STEERING = 2.0
-"""How hard it holds its direction, in 1/s."""
+"""How hard a robot that backs out holds its direction, in 1/s."""
+REACHED = 0.05
+"""How near to a place it is enough, in m."""
 
 
 class BackOut:
@@ -41,3 +44,26 @@ class BackOut:
         # To the left of the line, a robot that drives backwards gets back to it when it is turned to the left.
         turn = STEERING * (math.atan(2.0 * moved.y) - normalize_angle(moved.theta))
         return Velocity(-speed, turn)
+
+
+class GoTo:
+    """Straight to a place; how the robot is turned there does not matter."""
+
+    def __init__(self, place: Pose, motion: MotionLimits) -> None:
+        """Plan the way.
+
+        Args:
+            place: Where base_link is to be, in odom.
+            motion: What the robot may do.
+        """
+        self._place = place
+        self._motion = motion
+
+    def step(self, observation: Observation, dt: float) -> Velocity | Done:
+        """Drive on; without odometry stand still."""
+        odometry = observation.odometry
+        if odometry is None:
+            return STANDSTILL
+        if odometry.pose.distance_to(self._place) <= REACHED:
+            return Done()
+        return drive_to(odometry.pose, self._place, self._motion)

@@ -1,0 +1,67 @@
+"""What a step of a goal says: how it goes on, or how it has ended."""
+
+import enum
+from dataclasses import dataclass
+
+from docking.core.errors import ErrorCode, Stage
+from docking.core.geometry import Pose
+from docking.core.observation import Velocity
+
+
+@dataclass(frozen=True)
+class Command:
+    """The goal goes on.
+
+    Attributes:
+        stage: What is being done.
+        velocity: What the wheels have to do until the next step.
+        error_code: NONE, or why the goal waits or tries again.
+        error_msg: The same as a sentence.
+        retries: Number of retries.
+        dock_pose: Of base_link when docked, by the last detection alone; in odom, as the next two.
+        filtered_dock_pose: The same by all detections.
+        staging_pose: Of base_link in front of the dock.
+        yields: Whether another server drives the robot, so that no velocity is to be published.
+        note: What is odd about the detections of the dock, as a sentence; empty where nothing is.
+    """
+
+    stage: Stage
+    velocity: Velocity
+    error_code: ErrorCode = ErrorCode.NONE
+    error_msg: str = ""
+    retries: int = 0
+    dock_pose: Pose | None = None
+    filtered_dock_pose: Pose | None = None
+    staging_pose: Pose | None = None
+    yields: bool = False
+    note: str = ""
+
+
+class End(enum.StrEnum):
+    """How a goal can end, in the words of ROS."""
+
+    SUCCEEDED = "SUCCEEDED"
+    CANCELED = "CANCELED"
+    ABORTED = "ABORTED"
+
+    @property
+    def stage(self) -> Stage:
+        """The stage that stands for this end."""
+        return Stage(self.value)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The goal is over, and the wheels stand still.
+
+    Attributes:
+        end: How.
+        error_code: NONE unless it was aborted.
+        error_msg: The same as a sentence.
+        retries: Number of retries.
+    """
+
+    end: End
+    error_code: ErrorCode = ErrorCode.NONE
+    error_msg: str = ""
+    retries: int = 0
