@@ -258,7 +258,7 @@ class Settings(BaseSettings):
     cancel_timeout: Seconds = Field(
         5.0, description="Seconds that an action server may take to answer a cancel request (504)."
     )
-    ping_interval: Seconds = Field(1.0, description="Seconds between two checks of the action server.")
+    ping_interval: Seconds = Field(1.0, description="Seconds between two checks of an action server that answers.")
     stalled_after: Seconds = Field(
         3.0, description="Seconds without a message from the action server after which a running goal is `stalled`."
     )

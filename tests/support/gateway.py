@@ -48,6 +48,22 @@ class Stream:
                 return event
         raise AssertionError(f"no such event; the last ones were {self.seen[-5:]}")
 
+    def once_seen(self, matches: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """The first event that matches, of those that came and those to come.
+
+        What a gateway learns by several topics may come in any order.
+        """
+        return next(filter(matches, self.seen), None) or self.until(matches)
+
+    def until_zero(self) -> None:
+        """Read on until the last velocity is zero, which may come after the result of the goal."""
+        while any((*self._velocity["linear"].values(), *self._velocity["angular"].values())):
+            self.until_type("cmd_vel")
+
+    @property
+    def _velocity(self) -> dict[str, Any]:
+        return next(event["cmd_vel"] for event in reversed(self.seen) if event["type"] == "cmd_vel")
+
     def until_type(self, kind: str, timeout: float = PATIENCE) -> dict[str, Any]:
         return self.until(lambda event: event["type"] == kind, timeout)
 

@@ -11,7 +11,7 @@ from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import ros_observer
 from tests.support.postgresql import binaries, running_postgresql
-from tests.support.waiting import PATIENCE, wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(240)]
 
@@ -147,8 +147,7 @@ def test_a_gateway_that_is_killed_while_it_sends_a_goal_sends_no_other(domain: i
             gateway.wait_until_ready()
             gateway.publish(LOW)
             put(gateway, mode="on")
-            # Pinged this seldom, the server is known to answer a minute later if the first ping came too early.
-            wait_until(lambda: waits_for(gateway) == ["not_idle"], "a low battery", 3 * PATIENCE)
+            wait_until(lambda: waits_for(gateway) == ["not_idle"], "a low battery")
             server.send_signal(signal.SIGSTOP)
             try:
                 (goal,) = wait_until(lambda: goals(gateway), "the goal")

@@ -68,14 +68,13 @@ def test_a_dead_charger_is_the_goals_error(gateway: RunningGateway) -> None:
         assert abs(planned["scene"]["docked"]["x"] + 0.2) < 0.1
         assert abs(planned["scene"]["staging"]["x"] + 0.9) < 0.15
         result = stream.until(lambda e: e["type"] == "result" and e["goal_id"] == goal_id, timeout=120)
+        stream.until_zero()
     assert (result["status"], result["error"]["code"]) == ("aborted", "failed_to_charge")
     goal = gateway.goal(goal_id)
     assert goal["error"] == result["error"]
     assert goal["retries"] == 3
     stages = [event["stage"] for event in stream.seen if event["type"] == "status" and event["goal_id"] == goal_id]
     assert {"NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE", "RETRY"} <= set(stages)
-    velocity = [event["cmd_vel"] for event in stream.seen if event["type"] == "cmd_vel"][-1]
-    assert (velocity["linear"]["x"], velocity["angular"]["z"]) == (0, 0)
 
 
 def test_undocking(gateway: RunningGateway) -> None:

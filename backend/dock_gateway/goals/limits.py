@@ -24,6 +24,7 @@ class GoalLimits:
         lost: Maximum number of lost goals that are tracked.
         ended: Maximum number of ids of ended goals kept, as an action server may go on reporting them for a while.
         gone_grace: How long a server may be off the graph, as during a restart, before its goals are lost.
+        recheck: Time between two checks of a server that is not known to answer, at most: it may just have appeared.
         unanswered_for: How long a server does not answer before another participant is tried: it should be there
             before the outage ends.
         home_after: How long an action is reached through a participant of its own before the common one is tried again.
@@ -44,6 +45,7 @@ class GoalLimits:
     lost: int = 100
     ended: int = 10_000
     gone_grace: float = 2.0
+    recheck: float = 1.0
     unanswered_for: float = 5.0
     home_after: float = 20.0
 

@@ -48,7 +48,7 @@ class ServerWatch:
         on_change: Called when the server's state has changed.
         ping_idle: Whether a server without goals is pinged, too. If not, it counts as answering while it is on the
             graph.
-        limits: How long a server may be off the graph.
+        limits: How long a server may be off the graph, and how soon one that does not answer is checked again.
     """
 
     def __init__(
@@ -61,6 +61,7 @@ class ServerWatch:
         limits: GoalLimits = LIMITS,
     ) -> None:
         self._gone_grace = limits.gone_grace
+        self._recheck = limits.recheck
         self._ping_idle = ping_idle
         self._tracker = tracker
         self._settings = settings
@@ -80,7 +81,8 @@ class ServerWatch:
                 log.warning("cannot monitor the action server: %s", error.detail)
                 self._set(available=False, answering=False, duplicate=self.state.duplicate)
                 self._judge()
-            await asyncio.sleep(self._settings.ping_interval)
+            interval = self._settings.ping_interval
+            await asyncio.sleep(interval if self.state.answering else min(interval, self._recheck))
 
     async def look(self, *, ping: bool = True) -> ServerState:
         """Check the server once."""

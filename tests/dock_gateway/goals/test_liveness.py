@@ -11,7 +11,7 @@ import pytest
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
-from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.core.tasks import PendingFacts, cancel
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
@@ -19,6 +19,7 @@ from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.settings import Settings
 from dock_gateway.storage import MemoryHistory
 from tests.support.calls import FakeCall
+from tests.support.waiting import until
 
 A = "aaaaaaaa-0000-4000-8000-000000000000"
 S = GoalStatus
@@ -57,9 +58,9 @@ class Scene:
         self.states: list[ServerState] = []
         self.watch = ServerWatch(
             self.tracker,
-            Settings(ping_interval=0.01, **settings),
+            Settings(**{"ping_interval": 0.01} | settings),
             self.states.append,
-            limits=GoalLimits(gone_grace=0.05),
+            limits=GoalLimits(gone_grace=0.05, recheck=0.01),
         )
         self.goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
         self.tracker.add(self.goal)
@@ -106,6 +107,24 @@ async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_t
     scene.tracker.on_feedback(A, b"{}", 9)
     await scene.watch.look()
     assert scene.goal.status is S.EXECUTING
+
+
+async def test_a_server_that_did_not_answer_is_asked_again_soon_though_it_is_seldom_asked() -> None:
+    """One that has just appeared may not answer the first ping, and is not on the graph of a gateway that starts."""
+    scene = Scene(ping_interval=1000, stalled_after=2000, lost_after=3000)
+    scene.tracker.last_heard = float("-inf")
+    scene.port.on_graph = scene.port.answers = False
+    watching = asyncio.create_task(scene.watch.run())
+    await asyncio.sleep(0)
+    assert not scene.watch.ready
+    scene.port.on_graph = True
+    await until(lambda: scene.port.pings > 1)
+    scene.port.answers = True
+    await until(lambda: scene.watch.ready)
+    pings = scene.port.pings
+    await asyncio.sleep(0.1)
+    assert scene.port.pings == pings
+    await cancel(watching)
 
 
 async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None:

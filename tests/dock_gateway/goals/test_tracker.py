@@ -13,7 +13,7 @@ from dock_gateway.core.event import Event, message_event, status_event
 from dock_gateway.core.goal import Goal, GoalError
 from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, limits, scene
-from tests.support.waiting import until
+from tests.support.waiting import PATIENCE, until
 
 __all__ = ["scene"]
 
@@ -100,15 +100,15 @@ async def test_lost_and_back(scene: Scene) -> None:
 async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(scene: Scene) -> None:
     goal = scene.send()
     await scene.tracker.wait_terminal(goal, 0.01)
-    waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 10))
+    waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 2 * PATIENCE))
     await asyncio.sleep(0)
     scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
-    await asyncio.wait_for(waiting, 1)
+    await asyncio.wait_for(waiting, PATIENCE)
     other = scene.send(B)
-    waiting = asyncio.create_task(scene.tracker.wait_terminal(other, 10))
+    waiting = asyncio.create_task(scene.tracker.wait_terminal(other, 2 * PATIENCE))
     await asyncio.sleep(0)
     scene.tracker.release_all()
-    await asyncio.wait_for(waiting, 1)
+    await asyncio.wait_for(waiting, PATIENCE)
 
 
 @limits(reserve_for=0.3)

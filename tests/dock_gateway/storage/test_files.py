@@ -16,7 +16,7 @@ from dock_gateway.storage.sql import SqlHistory
 from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, written
 from tests.support.waiting import until
 
-QUICK = 1.0
+QUICK = 5.0
 
 
 @pytest.fixture

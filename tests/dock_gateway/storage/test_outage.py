@@ -3,6 +3,7 @@
 import asyncio
 import itertools
 import shutil
+import threading
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
@@ -16,15 +17,15 @@ import sqlalchemy as sa
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import cancel
-from dock_gateway.storage import GoalFilter, queries
+from dock_gateway.storage import GoalFilter, queries, writer
 from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.sqlite import SqliteDatabase
 from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, written
 from tests.support.postgresql import PostgreSQL
 from tests.support.waiting import until
 
-# 100 ms for the database, and what a busy machine needs for the file
-QUICK = 1.0
+# Seconds that a busy machine may take where 100 ms are waited for the database. A transaction may take 10 s.
+QUICK = 5.0
 BARRED = "the history database does not answer"
 
 Outage = Callable[[], AbstractContextManager[None]]
@@ -111,15 +112,18 @@ async def test_a_history_that_is_slow_or_not_open_says_why(sqlite_url: str, tmp_
     await history.close()
 
 
-async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path: Path) -> None:
+async def test_goals_go_on_and_arrive_later(
+    outage: tuple[str, Outage], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     url, not_answering = outage
     async with open_at(url, tmp_path) as history:
         await history.add(make_goal(0, GoalStatus.PENDING))
         async with happening(not_answering):
             assert await timed(history.add(make_goal(1, GoalStatus.PENDING), "key-1")) < QUICK
             await until(lambda: not history.stats().database_reachable)
+            monkeypatch.setattr(writer, "ANSWER_TIMEOUT", 2 * QUICK)
             times = [await timed(history.add(make_goal(number, GoalStatus.PENDING))) for number in range(2, 12)]
-            assert min(times) < 0.1, "what is known to be away is not waited for"
+            assert min(times) < QUICK, "what is known to be away is not waited for"
             history.record(make_goal(1, GoalStatus.EXECUTING))
             history.record_event(make_event(1))
             history.record_event(make_event(2, droppable=True))
@@ -132,7 +136,7 @@ async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path
             assert goal.status is GoalStatus.EXECUTING
             assert (await history.by_key("key-1") or goal).goal_id == "goal-0001"
             assert len(await history.unfinished()) >= 11
-            assert await timed(history.claim("key-2", "g2", "f")) < 1
+            assert await timed(history.claim("key-2", "g2", "f")) < QUICK
             with pytest.raises(Unavailable):
                 await history.release("key-2", "g2")
             assert await history.claim("key-2", "g3", "f") == ("g2", "f")
@@ -166,10 +170,10 @@ async def test_across_a_restart(outage: tuple[str, Outage], tmp_path: Path) -> N
             history.record(make_goal(2, GoalStatus.EXECUTING))
             history.record_event(make_event(1))
             start = time.perf_counter()
-        assert time.perf_counter() - start < 2.0
+        assert time.perf_counter() - start < QUICK
         start = time.perf_counter()
         async with open_at(url, tmp_path) as history:
-            assert time.perf_counter() - start < 3.5
+            assert time.perf_counter() - start < QUICK
             assert [goal.goal_id for goal in await history.unfinished()] == ["goal-0001", "goal-0002"]
             with pytest.raises(Unavailable):
                 await history.unfinished(complete=True)
@@ -240,6 +244,23 @@ async def test_memory_is_bounded_and_drops_nothing_that_must_be_kept(
         assert count == 501
 
 
+class Gate:
+    """No write of goals and events is carried out while it is closed."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.open = threading.Event()
+        self._write = queries.write
+        monkeypatch.setattr(queries, "write", self)
+
+    def __call__(self, connection: sa.Connection, batch: Any) -> Any:
+        while not self.open.is_set():
+            if connection.dialect.name == "sqlite":  # in a thread
+                self.open.wait()
+            else:  # in the loop, which goes on while the database is busy
+                connection.execute(sa.text("SELECT pg_sleep(0.05)"))
+        return self._write(connection, batch)
+
+
 def slowly(
     work: Callable[[sa.Connection, Any], Any], connection: sa.Connection, what: Any, seconds: float = 1.5
 ) -> Any:
@@ -254,13 +275,13 @@ async def test_a_slow_database_delays_nobody(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_at(database_url, tmp_path, max_waiting=5000) as history:
-        monkeypatch.setattr(queries, "write", partial(slowly, queries.write))
+        gate = Gate(monkeypatch)
         for number in range(3):
-            assert await timed(history.add(make_goal(number))) < QUICK
-            start = time.perf_counter()
+            gate.open.clear()
+            await history.add(make_goal(number))
             for feedback in range(500):
                 history.record_event(make_event(1000 * number + feedback, droppable=True))
-            assert time.perf_counter() - start < 0.5
+            gate.open.set()
             assert len(await pages(history)) == number + 1
         await written(history)
         assert history.stats().dropped == 0
