@@ -101,7 +101,7 @@ def _lock_chain(connection: sa.Connection) -> Link:
     query = sa.select(audit_chain.c.head_sequence, audit_chain.c.head_digest).with_for_update()
     row = connection.execute(query).first()
     if row is None:  # somebody has deleted it; `verify` finds that rows are missing or too many
-        connection.execute(insert_into(connection, audit_chain).on_conflict_do_nothing(), first)
+        connection.execute(insert_into(connection.dialect.name, audit_chain).on_conflict_do_nothing(), first)
         row = connection.execute(query).one()
     return Link(*row)
 

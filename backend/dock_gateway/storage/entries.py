@@ -83,7 +83,7 @@ class SqlEntries(Generic[EntryT]):
             connection.execute(sa.delete(self._table).where(self._table.c[name] == key))
             return
         row: dict[str, Any] = dict(zip(self._table.columns.keys(), (key, *vars(entry).values()), strict=True))
-        insert = insert_into(connection, self._table)
+        insert = insert_into(connection.dialect.name, self._table)
         connection.execute(insert.on_conflict_do_update(index_elements=[name], set_=row), row)
 
 

@@ -6,6 +6,7 @@ Each function takes a connection, as `Database` expects.
 import importlib
 from collections.abc import Collection, Iterable, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import sqlalchemy as sa
@@ -23,12 +24,26 @@ if TYPE_CHECKING:
 _FINAL = [status.value for status in GoalStatus if status.final]
 
 
-def insert_into(connection: sa.Connection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
+def insert_into(dialect_name: str, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
     """Return an insert that supports `ON CONFLICT`."""
     # Only the dialect in use is loaded; the other would add a tenth to the start time.
-    dialect = importlib.import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
+    dialect = importlib.import_module(f"sqlalchemy.dialects.{dialect_name}")
     insert: postgresql.Insert | sqlite.Insert = dialect.insert(table)
     return insert
+
+
+# The statements that a submitted goal waits for are built once: that takes longer than SQLite takes to run them.
+_GOALS_BY_ID = (
+    sa.select(goals).where(goals.c.goal_id.in_(sa.bindparam("goal_ids", expanding=True))).order_by(goals.c.goal_id)
+)
+_LOCKED_GOALS_BY_ID = _GOALS_BY_ID.with_for_update()
+_UPDATE_GOAL = sa.update(goals).where(goals.c.goal_id == sa.bindparam("this_goal"))
+
+
+@cache
+def _insert_new_goals(dialect_name: str) -> "sa.Executable":
+    """Return an insert of the goals that are not stored yet, which returns their ids."""
+    return insert_into(dialect_name, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
 
 
 # ---------------------------------------------------------------------- write
@@ -41,7 +56,7 @@ def write(connection: sa.Connection, batch: Batch) -> None:
             claim(connection, key)
     if batch.events:
         rows = sorted(map(event_row, batch.events), key=lambda row: (str(row["key"]), str(row["id"])))
-        connection.execute(insert_into(connection, events).on_conflict_do_nothing(), rows)
+        connection.execute(insert_into(connection.dialect.name, events).on_conflict_do_nothing(), rows)
     if batch.gaps:
         raise_horizons(connection, batch.gaps)
     if batch.goals:  # last: these locks block other gateways that write the same goals until the commit
@@ -59,24 +74,19 @@ def seal(connection: sa.Connection, batch: Batch) -> dict[str, Event]:
 
 def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
     rows = [goal_row(goal) for _, goal in sorted(news.items())]
-    statement = insert_into(connection, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
-    inserted = set(connection.execute(statement, rows).scalars())
+    inserted = set(connection.execute(_insert_new_goals(connection.dialect.name), rows).scalars())
     if len(inserted) == len(news):
         return
     stored = goals_by_id(connection, news.keys() - inserted, lock=True)
     merged = [merge(stored[goal_id], news[goal_id]) for goal_id in sorted(stored)]
     changes = [row for goal in merged if (row := goal_row(goal)) != goal_row(stored[goal.goal_id])]
     if changes:
-        change = sa.update(goals).where(goals.c.goal_id == sa.bindparam("this_goal"))
-        connection.execute(
-            change.values({name: sa.bindparam(f"new_{name}") for name in changes[0]}),
-            [{f"new_{name}": value for name, value in row.items()} | {"this_goal": row["goal_id"]} for row in changes],
-        )
+        connection.execute(_UPDATE_GOAL, [row | {"this_goal": row["goal_id"]} for row in changes])
 
 
 def claim(connection: sa.Connection, key: Key) -> Key:
     """Bind the key to its goal unless another goal holds it; return the key that is stored."""
-    insert = insert_into(connection, idempotency_keys)
+    insert = insert_into(connection.dialect.name, idempotency_keys)
     row = key_row(key)
     statement = insert.on_conflict_do_update(
         index_elements=["key"], set_=row, where=idempotency_keys.c.expires_at <= datetime.now(UTC)
@@ -93,7 +103,7 @@ def release(connection: sa.Connection, key: str, goal_id: str) -> None:
 
 def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
     """Store the id of the newest missing event of each topic."""
-    insert = insert_into(connection, horizons)
+    insert = insert_into(connection.dialect.name, horizons)
     statement = insert.on_conflict_do_update(
         index_elements=["topic"],
         set_={"event_id": insert.excluded.event_id},
@@ -108,8 +118,8 @@ def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
 
 def goals_by_id(connection: sa.Connection, goal_ids: Iterable[str], *, lock: bool = False) -> dict[str, Goal]:
     """Return the stored goals among these ids."""
-    query = sa.select(goals).where(goals.c.goal_id.in_(list(goal_ids))).order_by(goals.c.goal_id)
-    result = connection.execute(query.with_for_update() if lock else query)
+    query = _LOCKED_GOALS_BY_ID if lock else _GOALS_BY_ID
+    result = connection.execute(query, {"goal_ids": list(goal_ids)})
     return {row["goal_id"]: goal_of(row) for row in result.mappings()}
 
 

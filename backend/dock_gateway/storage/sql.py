@@ -163,7 +163,8 @@ class SqlHistory:
             if self._writer.reachable:
                 try:
                     async with asyncio.timeout(KEY_TIMEOUT):
-                        held = await self._database.write(queries.claim, held)
+                        # Not durable: the goal, which is written next, is, and so is what was written before it.
+                        held = await self._database.write(queries.claim, held, durable=False)
                 except DATABASE_ERRORS as error:
                     self._writer.doubt(error)
             held = self._held(idempotency_key) or held
