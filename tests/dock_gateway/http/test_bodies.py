@@ -1,16 +1,24 @@
-"""What is wrong in a body is said by field, in our words."""
+"""A body is what its schema says, and what is wrong in it is said by field, in our words."""
 
+from collections.abc import Iterator
 from contextlib import suppress
+from copy import deepcopy
 from typing import Any
 
 import orjson
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from jsonschema import Draft202012Validator
+from pydantic import BaseModel
 
+from dock_gateway.access.schema import PasswordBody, TokenBody, UserBody
 from dock_gateway.automation.schema import RuleBody
 from dock_gateway.core.errors import InvalidField
+from dock_gateway.fleet.schema import AcknowledgementBody, Label
+from dock_gateway.goals.schema import NoteBody, TagsBody
 from dock_gateway.http.bodies import MAX_ERRORS, body_schema, read_model
+from dock_gateway.robots.schema import FaultBody, PlaceBody
 from dock_gateway.webhooks.schema import WebhookBody
 
 NAMESPACE = "a ROS namespace such as /robot1, of up to 255 characters"
@@ -51,6 +59,82 @@ def test_each_error_says_where_and_what_is_expected(value: object, error: tuple[
 def test_every_wrong_field_is_named_but_not_without_end() -> None:
     assert [path for path, *_ in errors({})] == ["name", "robots"]
     assert len(errors({**RULE, "robots": {"names": [1] * 400}})) == MAX_ERRORS
+
+
+# Of these, the schema has no example.
+EXAMPLES: dict[type[BaseModel], dict[str, Any]] = {
+    PasswordBody: {"old": "correct horse", "new": "another horse"},
+    AcknowledgementBody: {"by": "Ada"},
+    PlaceBody: {"x": 1.0, "y": 0.0, "theta": 0.5},
+    FaultBody: {"active": True},
+}
+BODIES = [*EXAMPLES, Label, NoteBody, RuleBody, TagsBody, TokenBody, UserBody, WebhookBody]
+# Of every type, and texts that a pattern may forbid.
+VALUES: list[Any] = [
+    None,
+    True,
+    1,
+    1.5,
+    "",
+    [],
+    {},
+    " \t",
+    "a\nb",
+    "a\0",
+    "a\u202eb",
+    "a\u007f",
+    "robot1",
+    "/a b",
+    "/a//b",
+]
+Path = tuple[str | int, ...]
+
+
+def outside(schema: dict[str, Any], value: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
+    """Yield values that the schema may not allow, with their paths below a value that it allows."""
+    yield from ((path, other) for other in VALUES)
+    for option in schema.get("anyOf", [schema]):
+        for limit, step in (("minimum", -1), ("exclusiveMinimum", 0), ("maximum", 1)):
+            yield from [(path, option[limit] + step)] if limit in option else []
+        for limit, step in (("minLength", -1), ("maxLength", 1)):
+            yield from [(path, "a" * (option[limit] + step))] if limit in option else []
+        if isinstance(value, list) and value:
+            yield from [(path, value * (option["maxItems"] + 1))] if "maxItems" in option else []
+            yield from outside(option["items"], value[0], (*path, 0))
+        if isinstance(value, dict) and "properties" in option:
+            yield path, value | {"unknown": 1}
+            for name, inner in option["properties"].items():
+                yield path, {key: other for key, other in value.items() if key != name}
+                if value.get(name) is not None:
+                    yield from outside(inner, value[name], (*path, name))
+
+
+def changed(value: Any, path: Path, other: Any) -> Any:
+    if not path:
+        return other
+    value = deepcopy(value)
+    value[path[0]] = changed(value[path[0]], path[1:], other)
+    return value
+
+
+@pytest.mark.parametrize("model", BODIES, ids=lambda model: model.__name__)
+def test_what_the_schema_does_not_allow_is_refused_where_it_is_wrong(model: type[BaseModel]) -> None:
+    schema = body_schema(model)
+    allowed = Draft202012Validator(schema)
+    seen = 0
+    for example in schema.get("examples") or [EXAMPLES[model]]:
+        assert allowed.is_valid(example)
+        read_model(model, example)
+        for path, other in outside(schema, example):
+            body = changed(example, path, other)
+            if allowed.is_valid(body):
+                continue
+            with pytest.raises(InvalidField) as refused:
+                read_model(model, body)
+            where = ".".join(str(part) for part in path)
+            assert all(each["path"].startswith(where) for each in refused.value.extra["errors"]), (path, other)
+            seen += 1
+    assert seen > 10
 
 
 @given(JSON)

@@ -204,17 +204,6 @@ def denied(client: TestClient, path: str) -> int:
     return code
 
 
-def test_a_page_of_another_site_cannot_use_the_login(site: Site) -> None:
-    with site.client() as client:
-        client.post("/session", json={"token": site.secrets[Role.ADMIN]})
-        foreign = {"Origin": "https://evil.example"}
-        assert client.post("/dock", headers=foreign).json()["code"] == "origin_not_allowed"
-        assert client.post("/session", json={"token": "x"}, headers=foreign).json()["code"] == "origin_not_allowed"
-        with pytest.raises(WebSocketDenialResponse) as denied, connect(client, "/ws", headers=foreign):
-            pass
-        assert denied.value.status_code == 403
-
-
 def test_tokens_over_http(site: Site) -> None:
     with site.client(Role.ADMIN) as admin:
         robots = ["/robot1", "/hall_a/*", "/robot1"]
@@ -247,27 +236,13 @@ def test_tokens_over_http(site: Site) -> None:
 @pytest.mark.parametrize(
     ("body", "path"),
     [
-        ({"role": "viewer"}, "name"),
-        ({"name": "", "role": "viewer"}, "name"),
-        ({"name": "x" * 61, "role": "viewer"}, "name"),
-        ({"name": "x"}, "role"),
-        ({"name": "x", "role": "root"}, "role"),
-        ({"name": "x", "role": ["admin"]}, "role"),
-        ({"name": "x", "role": "viewer", "days": 0}, "days"),
-        ({"name": "x", "role": "viewer", "days": True}, "days"),
-        ({"name": "x", "role": "viewer", "days": 1e9}, "days"),
-        ({"name": "x", "role": "viewer", "robots": "/robot1"}, "robots"),
-        ({"name": "x", "role": "viewer", "robots": ["robot1"]}, "robots.0"),
-        ({"name": "x", "role": "viewer", "robots": ["/a", "/robot?"]}, "robots.1"),
-        ({"name": "x", "role": "viewer", "robots": ["/a"] * 51}, "robots"),
-        ({"name": "x", "role": "viewer", "actions": [7]}, "actions.0"),
-        ({"name": "x", "role": "viewer", "topics": ["/" + "x" * 255]}, "topics.0"),
         ({"name": "x", "role": "admin", "robots": ["/robot1"]}, "robots"),
         ({"name": "x", "role": "admin", "topics": ["/odom"]}, "topics"),
         ({"name": "x", "role": "viewer", "groups": []}, "groups"),
     ],
 )
 def test_what_is_no_token(site: Site, body: object, path: str) -> None:
+    """Beyond what its schema says: see test_bodies.py."""
     with site.client(Role.ADMIN) as admin:
         answer = admin.post("/tokens", json=body)
     assert answer.status_code == 422
@@ -439,32 +414,11 @@ def test_users_over_http(users: Site) -> None:
         assert admin.delete("/users/bob/sessions").json()["code"] == "user_not_found"
 
 
-def test_the_last_admin_cannot_go(users: Site) -> None:
-    users.add_user("root", Role.ADMIN)
-    with users.client() as root:
-        log_in(root, "root")
-        for token in root.get("/tokens").json()["tokens"]:
-            assert root.delete(f"/tokens/{token['id']}").status_code == 204
-        for method, body in (
-            ("DELETE", None),
-            ("PUT", {"role": "admin", "disabled": True}),
-            ("PUT", {"role": "supervisor"}),
-        ):
-            refused = root.request(method, "/users/root", json=body)
-            assert (refused.status_code, refused.json()["code"]) == (409, "last_admin")
-        assert root.put("/users/root", json={"role": "admin", "password": "x" * 12}).status_code == 200
-
-
 @pytest.mark.parametrize(
     ("name", "body", "path"),
     [
-        ("bob", {"role": "viewer", "password": "x" * 11}, "password"),
-        ("bob", {"role": "viewer", "password": "x" * 201}, "password"),
         ("bob", {"role": "viewer", "password": None}, "password"),
-        ("bob", {"role": "viewer", "disabled": 1}, "disabled"),
-        ("bob", {"role": "root"}, "role"),
         ("bob", {"role": "admin", "robots": ["/robot1"]}, "robots"),
-        ("bob", {"role": "viewer", "name": "eve"}, "name"),
         ("Bob", {"role": "viewer"}, "user"),
         ("-bob", {"role": "viewer"}, "user"),
         ("b%20b", {"role": "viewer"}, "user"),
@@ -472,6 +426,7 @@ def test_the_last_admin_cannot_go(users: Site) -> None:
     ],
 )
 def test_what_is_no_user(users: Site, name: str, body: object, path: str) -> None:
+    """Beyond what its schema says: see test_bodies.py."""
     with users.client(Role.ADMIN) as admin:
         answer = admin.put(f"/users/{name}", json=body)
     assert answer.status_code == 422

@@ -117,10 +117,6 @@ def test_there_is_a_limit(client: Client) -> None:
     ("webhook", "path"),
     [
         ([], ""),
-        (HOOK | {"token": "a"}, "token"),
-        ({"url": HOOK["url"]}, "name"),
-        ({"name": "a"}, "url"),
-        (HOOK | {"url": 1}, "url"),
         (HOOK | {"url": ""}, "url"),
         (HOOK | {"url": "hooks.example.com"}, "url"),
         (HOOK | {"url": "ftp://hooks.example.com"}, "url"),
@@ -139,17 +135,12 @@ def test_there_is_a_limit(client: Client) -> None:
         (HOOK | {"url": "unix:///var/run/docker.sock"}, "url"),
         (HOOK | {"url": "//a/"}, "url"),
         (HOOK | {"url": "http+unix://a/"}, "url"),
-        (HOOK | {"url": "http://a/" + "a" * 2000}, "url"),
         (HOOK | {"secret": "short"}, "secret"),
-        (HOOK | {"secret": 1}, "secret"),
-        (HOOK | {"enabled": "yes"}, "enabled"),
-        (HOOK | {"severities": []}, "severities"),
-        (HOOK | {"severities": ["info"]}, "severities.0"),
         (HOOK | {"robots": {}}, "robots"),
-        (HOOK | {"by": ""}, "by"),
     ],
 )
 def test_what_is_no_webhook(client: Client, webhook: object, path: str) -> None:
+    """Beyond what its schema says: see test_bodies.py."""
     problem = client.put(webhook, 422)
     assert [error["path"] for error in problem["errors"]] == [path]
     assert client.send("GET", "") == {"webhooks": []}
