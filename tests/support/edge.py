@@ -11,7 +11,7 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from dock_gateway.cli.server import Server
-from dock_gateway.http.edge.certificates import load_certificates
+from dock_gateway.http.edge.certificates import Certificates, load_certificates
 from dock_gateway.http.edge.forwarded import ForwardedHeaders
 from dock_gateway.http.edge.options import edge_options
 from dock_gateway.http.edge.security import SecurityHeaders
@@ -26,6 +26,7 @@ class Edge:
 
     port: int
     scheme: str = "http"
+    certificates: Certificates | None = None
 
     @property
     def url(self) -> str:
@@ -67,11 +68,12 @@ async def serving(app: ASGIApp, **settings: object) -> AsyncIterator[Edge]:
     outermost = ForwardedHeaders(SecurityHeaders(app, tls=checked.tls), checked.trusted_proxies)
     config = uvicorn.Config(outermost, port=0, lifespan="off", log_config=None, server_header=False, **options)
     config.load()
-    server = Server(config, load_certificates(checked))
+    certificates = load_certificates(checked)
+    server = Server(config, certificates)
     server.lifespan = config.lifespan_class(config)
     await server.startup()
     try:
-        yield Edge(server.servers[0].sockets[0].getsockname()[1], "https" if checked.tls else "http")
+        yield Edge(server.servers[0].sockets[0].getsockname()[1], "https" if checked.tls else "http", certificates)
     finally:
         server.force_exit = True
         await server.shutdown()

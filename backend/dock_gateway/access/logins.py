@@ -43,9 +43,18 @@ class Logins:
         history: Stores them.
         sso: An identity provider, where people and services log in as well.
         where: The database, for the log.
+        sync_interval: Seconds between two looks at what other gateways have changed.
     """
 
-    def __init__(self, history: History, sso: SingleSignOn | None = None, where: str = "") -> None:
+    def __init__(
+        self,
+        history: History,
+        sso: SingleSignOn | None = None,
+        where: str = "",
+        *,
+        sync_interval: float = SYNC_INTERVAL,
+    ) -> None:
+        self._sync_interval = sync_interval
         self.tokens = Tokens(SharedBook(history.tokens, "token", MAX_TOKENS), where)
         self._where = where
         self._users = Users(SharedBook(history.users, "user", MAX_USERS))
@@ -74,7 +83,7 @@ class Logins:
 
     async def _run(self) -> None:
         while True:
-            await asyncio.sleep(SYNC_INTERVAL)
+            await asyncio.sleep(self._sync_interval)
             await self.look()
 
     async def look(self) -> None:

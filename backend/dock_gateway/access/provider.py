@@ -61,10 +61,14 @@ class Provider:
     Args:
         settings: Of them, those of the provider.
         clock: Returns seconds that never go back.
+        timeout: Seconds for one request with its whole answer.
     """
 
-    def __init__(self, settings: Settings, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, settings: Settings, clock: Callable[[], float] = time.monotonic, *, timeout: float = TIMEOUT
+    ) -> None:
         assert settings.oidc_issuer is not None
+        self._timeout = timeout
         self.issuer = settings.oidc_issuer
         self.endpoints: Endpoints | None = None
         self.keys = Keys()
@@ -192,7 +196,7 @@ class Provider:
         content = bytearray()
         try:
             async with (
-                asyncio.timeout(TIMEOUT),
+                asyncio.timeout(self._timeout),
                 self._http.stream(method, url, headers=headers, data=data, auth=auth) as answer,
             ):
                 async for part in answer.aiter_raw():  # not unpacked: a small answer can be large then

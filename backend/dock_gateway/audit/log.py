@@ -6,6 +6,7 @@ import uuid
 from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import islice
 
 import orjson
@@ -18,17 +19,36 @@ from dock_gateway.storage import AuditSpool, AuditStore
 
 log = logging.getLogger("dock_gateway.audit")
 
-MAX_WAITING = 10_000  # entries in memory; more are lost, and counted
 BATCH = 500  # entries per transaction
-BATCH_INTERVAL = 0.2  # seconds to collect a batch, unless an answer waits for it
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # seconds before the first retry, and at most
-ANSWER_TIMEOUT = 0.5  # seconds that an answer waits until its entry is stored
 CLOSE_TIMEOUT = 1.0  # seconds for the history, and as many for the spool
-# Entries of one user, and of all clients without a valid login, in a period of seconds. More are counted, so that they
-# neither fill a disk nor displace what was recorded earlier.
-MAX_OF_USER, MAX_UNKNOWN, PERIOD = 600, 30, 60.0
 # All clients without a valid login.
 UNKNOWN = ""
+
+
+@dataclass(frozen=True)
+class AuditLimits:
+    """How much the audit log takes, and how long it waits. Times are in seconds.
+
+    Attributes:
+        waiting: Entries in memory; more are lost, and counted.
+        batch_interval: Time to collect a batch, unless an answer waits for it.
+        answer_timeout: How long an answer waits until its entry is stored.
+        period: In such a time, of each user and of all clients without a valid login so many entries are recorded; more
+            are counted, so that they neither fill a disk nor displace what was recorded earlier.
+        of_user: Entries of one user in a period.
+        unknown: Entries of all clients without a valid login in a period.
+    """
+
+    waiting: int = 10_000
+    batch_interval: float = 0.2
+    answer_timeout: float = 0.5
+    period: float = 60.0
+    of_user: int = 600
+    unknown: int = 30
+
+
+LIMITS = AuditLimits()
 
 
 class AuditLog:
@@ -41,9 +61,11 @@ class AuditLog:
     Args:
         store: Stores them.
         spool: Keeps them on disk meanwhile; None: nowhere.
+        limits: How much it takes.
     """
 
-    def __init__(self, store: AuditStore, spool: AuditSpool | None = None) -> None:
+    def __init__(self, store: AuditStore, spool: AuditSpool | None = None, limits: AuditLimits = LIMITS) -> None:
+        self._limits = limits
         self.lost = 0  # entries since the start
         self._store = store
         self._spool = spool
@@ -82,8 +104,8 @@ class AuditLog:
         user = UNKNOWN if entry.role is None else entry.principal
         self._requests[user] += 1
         if self._period is None:
-            self._period = asyncio.get_running_loop().call_later(PERIOD, self._end_period)
-        if self._requests[user] <= _most(user):
+            self._period = asyncio.get_running_loop().call_later(self._limits.period, self._end_period)
+        if self._requests[user] <= self._most(user):
             self._put(entry)
 
     async def store(self, entry: AuditEntry) -> None:
@@ -98,19 +120,22 @@ class AuditLog:
         self._urgent.set()
         try:
             with suppress(TimeoutError):
-                async with asyncio.timeout(ANSWER_TIMEOUT):
+                async with asyncio.timeout(self._limits.answer_timeout):
                     await ticket
         finally:
             del self._tickets[entry.entry_id]
 
     def _put(self, entry: AuditEntry) -> None:
-        if len(self._waiting) >= MAX_WAITING:
+        if len(self._waiting) >= self._limits.waiting:
             self.lost += 1
             self._unreported += 1
-            log.warning("an entry is lost, as %d wait for the history: %s", MAX_WAITING, _text(entry))
+            log.warning("an entry is lost, as %d wait for the history: %s", len(self._waiting), _text(entry))
             return
         self._waiting[entry.entry_id] = entry
         self._wake.set()
+
+    def _most(self, user: str | None) -> int:
+        return self._limits.unknown if user == UNKNOWN else self._limits.of_user
 
     def _end_period(self) -> None:
         """Record how many requests of each user have no entry of their own."""
@@ -118,7 +143,7 @@ class AuditLog:
             self._period.cancel()
         self._period = None
         for user, count in self._requests.items():
-            if (more := count - _most(user)) > 0:
+            if (more := count - self._most(user)) > 0:
                 unknown = user == UNKNOWN
                 whose = "without a valid token" if unknown else f"of {user or 'users without a name'}"
                 status, code = (401, "not_authenticated") if unknown else (429, "too_many_requests")
@@ -135,7 +160,7 @@ class AuditLog:
             else:
                 await self._wake.wait()
                 with suppress(TimeoutError):
-                    async with asyncio.timeout(BATCH_INTERVAL):
+                    async with asyncio.timeout(self._limits.batch_interval):
                         await self._urgent.wait()
             if await self._flush():
                 pause = 0.0
@@ -235,10 +260,6 @@ class AuditLog:
         if self._spool is not None:
             with suppress(OSError):
                 await self._spool.close()
-
-
-def _most(user: str | None) -> int:
-    return MAX_UNKNOWN if user == UNKNOWN else MAX_OF_USER
 
 
 def _remark(what: str, subject: str, status: int, code: str) -> AuditEntry:

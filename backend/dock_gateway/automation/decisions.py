@@ -17,9 +17,6 @@ from dock_gateway.storage.shared_entries import SharedEntries
 
 log = logging.getLogger(__name__)
 
-# Maximum number of decisions that are kept, besides those that still count; the oldest are deleted.
-MAX_KEPT = 1000
-
 
 class DecisionLog:
     """Stores decisions, and publishes each once it is final, whichever gateway made it.
@@ -27,10 +24,12 @@ class DecisionLog:
     Args:
         hub: Receives events.
         store: Stores them.
+        most: Maximum number of decisions that are kept, besides those that still count; the oldest are deleted.
     """
 
-    def __init__(self, hub: Hub, store: Entries[Decision]) -> None:
+    def __init__(self, hub: Hub, store: Entries[Decision], most: int = 1000) -> None:
         self._hub = hub
+        self._most = most
         self._entries = SharedEntries(store)
         self._published: set[str] | None = None  # None until they have been read once
 
@@ -78,7 +77,7 @@ class DecisionLog:
         _log(decision)
         self._publish(identity)
         ended = sorted((each.at, key) for key, each in self.all().items() if not each.open)
-        for _, oldest in ended[:-MAX_KEPT]:
+        for _, oldest in ended[: -self._most]:
             self._entries.put(oldest, None)
 
     def close_series(self, identities: list[str]) -> None:

@@ -60,7 +60,11 @@ class AutomaticDocking:
         rules: SharedBook[Rule],
         decisions: DecisionLog,
         shared: Callable[[], Collection[str]] = frozenset,
+        interval: float = INTERVAL,
+        sync_every: int = SYNC_EVERY,
     ) -> None:
+        self._interval = interval
+        self._sync_every = sync_every
         self._fleet = fleet
         self._actions = actions
         self._history = history
@@ -154,10 +158,10 @@ class AutomaticDocking:
                 await self._look()
             except Exception:
                 log.exception("while looking which robots should dock")
-            await asyncio.sleep(INTERVAL)
+            await asyncio.sleep(self._interval)
 
     async def _look(self) -> None:
-        if self._looks % SYNC_EVERY == 0:
+        if self._looks % self._sync_every == 0:
             answers = await self._rules.sync()
             if answers and (self._active or self._looks == 0 or self.decisions.unsaved or self.decisions.given_up()):
                 answers = await self.decisions.sync()

@@ -23,9 +23,6 @@ from dock_gateway.settings import Settings
 
 # Seconds that the parts have to end by themselves.
 END_TIMEOUT = 2.3
-# Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings are wrong.
-START_WINDOW = 5.0
-MAX_BACKOFF = 10.0
 PR_SET_PDEATHSIG = 1
 
 Programs = dict[str, tuple[str, tuple[str, ...]]]
@@ -39,10 +36,17 @@ TUTORIAL: Programs = {"the action server": ("connect_to_charging_dock_server", (
 
 
 class Part:
-    """One supervised process, restarted when it dies."""
+    """One supervised process, restarted when it dies.
 
-    def __init__(self, name: str, command: Sequence[str]) -> None:
+    Args:
+        name: Its name in messages.
+        command: Starts it.
+        longest: The longest delay before it is started again, in seconds.
+    """
+
+    def __init__(self, name: str, command: Sequence[str], longest: float) -> None:
         self.name = name
+        self._longest = longest
         self._command = command
         self._backoff = 1.0
         self._restart_at: float | None = None
@@ -61,7 +65,7 @@ class Part:
             if now >= self._restart_at:
                 self.start()
         elif (code := self.process.poll()) is not None:
-            self._backoff = 1.0 if now - self.started_at > 4 * self._backoff else min(2 * self._backoff, MAX_BACKOFF)
+            self._backoff = 1.0 if now - self.started_at > 4 * self._backoff else min(2 * self._backoff, self._longest)
             click.echo(
                 f"dock-gateway: {self.name} ended ({code}); starting it again in {self._backoff:g} s",
                 err=True,
@@ -111,14 +115,24 @@ async def _announce(url: str) -> None:
     click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n", bold=True)
 
 
-async def _supervise(commands: Mapping[str, Sequence[str]], url: str) -> bool:
-    """Run the parts until a signal arrives. Return False if the gateway, the first part, could not be started."""
+async def supervise(
+    commands: Mapping[str, Sequence[str]], url: str, *, start_window: float = 5.0, longest_delay: float = 10.0
+) -> bool:
+    """Run the parts until a signal arrives. Return False if the gateway, the first part, could not be started.
+
+    Args:
+        commands: Start the parts.
+        url: Where the gateway will be.
+        start_window: Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings
+            are wrong.
+        longest_delay: Maximum seconds before a part that has died is started again.
+    """
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             asyncio.get_running_loop().add_signal_handler(number, ended.set)
-    parts = [Part(name, command) for name, command in commands.items()]
-    started_by = time.monotonic() + START_WINDOW
+    parts = [Part(name, command, longest_delay) for name, command in commands.items()]
+    started_by = time.monotonic() + start_window
     announcing = asyncio.create_task(_announce(url))
     try:
         while not ended.is_set():
@@ -210,5 +224,5 @@ def up(no_sim: bool, **options: str | None) -> None:
     commands = robot_commands(TUTORIAL if no_sim else SIMULATED, settings)
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments]
-    if not asyncio.run(_supervise({"the gateway": gateway} | commands, own_url(settings))):
+    if not asyncio.run(supervise({"the gateway": gateway} | commands, own_url(settings))):
         raise click.ClickException("the gateway could not be started; see the messages above")

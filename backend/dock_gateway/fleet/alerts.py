@@ -37,6 +37,8 @@ class AlertBoard:
         incident: Returns the incident of the history, or None.
         given_up: Returns, by robot, the decisions of automatic docking to give up.
         findings: Returns what is wrong on the ROS graph, once for each kind and robot.
+        sync_interval: Seconds between two reads of what other gateways have acknowledged.
+        settled_after: See `SETTLED_AFTER`.
     """
 
     def __init__(
@@ -48,6 +50,8 @@ class AlertBoard:
         incident: Callable[[], Incident | None] = lambda: None,
         given_up: Callable[[], Mapping[str, Decision]] = dict,
         findings: Callable[[], Iterable[Finding]] = tuple,
+        sync_interval: float = SYNC_INTERVAL,
+        settled_after: float = SETTLED_AFTER,
     ) -> None:
         self._hub = hub
         self._acknowledgements = acknowledgements
@@ -55,6 +59,8 @@ class AlertBoard:
         self._incident = incident
         self._given_up = given_up
         self._findings = findings
+        self._sync_interval = sync_interval
+        self._settled_after = settled_after
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
         self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
@@ -156,7 +162,7 @@ class AlertBoard:
         return self._document(alert)
 
     async def _sync(self) -> None:
-        settled_at = time.monotonic() + SETTLED_AFTER
+        settled_at = time.monotonic() + self._settled_after
         settled = False
         while True:
             try:
@@ -167,7 +173,7 @@ class AlertBoard:
                         self._forget_others()
             except Exception:
                 log.exception("while reading the acknowledgements")
-            await asyncio.sleep(SYNC_INTERVAL)
+            await asyncio.sleep(self._sync_interval)
 
     def _forget_others(self) -> None:
         for alert_id in self._acknowledgements.keys() - self._alerts.keys():

@@ -21,9 +21,14 @@ Scene = dict[str, Any]
 
 
 class GoalPoses:
-    """Decides which poses of one goal are stored."""
+    """Decides which poses of one goal are stored.
 
-    def __init__(self) -> None:
+    Args:
+        thin_after: See `THIN_AFTER`.
+    """
+
+    def __init__(self, thin_after: int = THIN_AFTER) -> None:
+        self._thin_after = thin_after
         self._count = 0
         self._slot = 0
         self._last: Scene | None = None
@@ -33,7 +38,7 @@ class GoalPoses:
 
         Stamps are multiples of the interval, so that gateways that share a history store a pose once.
         """
-        interval = INTERVAL_NS << (self._count // THIN_AFTER)
+        interval = INTERVAL_NS << (self._count // self._thin_after)
         slot = source_ns // interval * interval
         if slot <= self._slot or (self._last is not None and not differs(self._last, scene)):
             return None

@@ -3,6 +3,7 @@
 import asyncio
 import hashlib
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from dock_gateway.core.errors import NotFound
@@ -31,10 +32,12 @@ class GraphCache:
 
     Args:
         bridge: Runs calls on the ROS thread.
+        clock: Returns seconds that never go back.
     """
 
-    def __init__(self, bridge: Bridge) -> None:
+    def __init__(self, bridge: Bridge, clock: Callable[[], float] = time.monotonic) -> None:
         self._bridge = bridge
+        self._clock = clock
         self._looking: asyncio.Task[View] | None = None
         self._began = 0.0
 
@@ -44,7 +47,7 @@ class GraphCache:
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
-        now = time.monotonic()
+        now = self._clock()
         if self._looking is None or (self._looking.done() and now - self._began >= INTERVAL):
             self._looking, self._began = asyncio.create_task(self._look()), now
         view = await asyncio.shield(self._looking)  # shared with other requests

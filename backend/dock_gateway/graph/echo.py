@@ -60,9 +60,11 @@ class Echo:
         bridge: Runs calls on the ROS thread.
         graph: Knows the endpoints of the topic.
         topic: The current state of the topic.
+        tick: See `TICK`.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
+        self._tick = tick
         self._bridge = bridge
         self._graph = graph
         self._topic = topic
@@ -111,20 +113,20 @@ class Echo:
         return Heard() if self._port is None else self._port.heard
 
     async def _run(self) -> None:
-        tick = time.monotonic() + TICK
+        tick = time.monotonic() + self._tick
         while True:
             try:
                 await self._wait(min(tick, self._next_due()))
                 await self._show()
                 if time.monotonic() >= tick:
-                    tick = time.monotonic() + TICK
+                    tick = time.monotonic() + self._tick
                     self._tell_rate()
                     await self._look_again()
             except GatewayError as error:
                 log.warning("cannot subscribe to %s: %s", self._topic.name, error.detail)
             except Exception:
                 log.exception("while reading %s", self._topic.name)
-                await asyncio.sleep(TICK)
+                await asyncio.sleep(self._tick)
 
     async def _wait(self, until: float) -> None:
         try:

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.echo import Echo, Viewer
+from dock_gateway.graph.echo import TICK, Echo, Viewer
 from dock_gateway.ros.bridge import Bridge
 
 log = logging.getLogger(__name__)
@@ -22,9 +22,11 @@ class EchoRegistry:
     Args:
         bridge: Runs calls on the ROS thread.
         graph: Knows the endpoints of a topic.
+        tick: Seconds between two rate events and two checks of a topic.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, tick: float = TICK) -> None:
+        self._tick = tick
         self._bridge = bridge
         self._graph = graph
         self._echoes: dict[str, Echo] = {}
@@ -57,7 +59,7 @@ class EchoRegistry:
         found = await self._graph.topic(topic)
         if len(self._echoes) >= MAX_TOPICS:
             raise TooManyRequests(f"{MAX_TOPICS} topics are already being watched")
-        echo = Echo(self._bridge, self._graph, found)
+        echo = Echo(self._bridge, self._graph, found, self._tick)
         await echo.open()
         self._echoes[topic] = echo
         log.info("subscribed to %s", topic)

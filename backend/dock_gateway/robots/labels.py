@@ -13,7 +13,6 @@ from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)
 
-MAX_LABELS = 2000
 NO_LABEL = RobotLabel(None, ())
 
 
@@ -23,11 +22,22 @@ class Labels:
     Args:
         store: Stores them.
         robots: Returns the namespaces of the robots that are known now.
+        most: Maximum number of labels.
+        sync_interval: Seconds between two reads of what other gateways have changed.
     """
 
-    def __init__(self, store: Entries[RobotLabel], robots: Callable[[], Collection[str]]) -> None:
+    def __init__(
+        self,
+        store: Entries[RobotLabel],
+        robots: Callable[[], Collection[str]],
+        *,
+        most: int = 2000,
+        sync_interval: float = SYNC_INTERVAL,
+    ) -> None:
         self._entries = SharedEntries(store)
         self._robots = robots
+        self._most = most
+        self._sync_interval = sync_interval
         self._task: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
@@ -59,8 +69,8 @@ class Labels:
 
         def check(labels: Mapping[str, RobotLabel]) -> None:
             others = {name: other for name, other in labels.items() if name != robot}
-            if label != NO_LABEL and len(others) >= MAX_LABELS:
-                raise Conflict(f"there are {MAX_LABELS} labels; remove one first", code="too_many_labels")
+            if label != NO_LABEL and len(others) >= self._most:
+                raise Conflict(f"there are {self._most} labels; remove one first", code="too_many_labels")
             if label.display_name is not None:
                 _require_free(label.display_name, others, (known | others.keys()) - {robot})
 
@@ -69,7 +79,7 @@ class Labels:
 
     async def _sync(self) -> None:
         while True:
-            await asyncio.sleep(SYNC_INTERVAL)
+            await asyncio.sleep(self._sync_interval)
             try:
                 await self._entries.sync()
             except Exception:

@@ -15,8 +15,6 @@ FINAL = frozenset(status for status in GoalStatus if status.final)
 SUCCEEDED = frozenset({GoalStatus.SUCCEEDED})
 # Number of goals of an action to read; an action server that was running before us may report them again.
 READ = 10
-# Seconds before the history is queried again if it does not answer.
-RETRY_INTERVAL = 1.0
 
 
 class LastGoals:
@@ -24,10 +22,12 @@ class LastGoals:
 
     Args:
         history: Stores goals.
+        retry_interval: Seconds before the history is queried again if it does not answer.
     """
 
-    def __init__(self, history: History) -> None:
+    def __init__(self, history: History, retry_interval: float = 1.0) -> None:
         self._history = history
+        self._retry_interval = retry_interval
         self._watched: set[str] = set()
         self._last: dict[str, Goal] = {}
         self._succeeded: dict[str, Goal] = {}
@@ -63,7 +63,7 @@ class LastGoals:
             name = await self._unread.get()
             if not await self._look_up(name):
                 self._unread.put_nowait(name)
-                await asyncio.sleep(RETRY_INTERVAL)
+                await asyncio.sleep(self._retry_interval)
 
     async def _look_up(self, name: str) -> bool:
         try:

@@ -1,4 +1,4 @@
-"""Topics of robots that are subscribed to only while they are wanted, and `LINGER` seconds longer."""
+"""Topics of robots that are subscribed to only while they are wanted, and a few seconds longer."""
 
 import asyncio
 import logging
@@ -43,9 +43,13 @@ class OnDemand:
         demand: Knows which are wanted.
         topic: The kind: a name of `?include=`, or what the demand calls it.
         make: Makes the port of a robot.
+        linger: See `LINGER`.
     """
 
-    def __init__(self, bridge: Bridge, demand: Demand, topic: str, make: Callable[[str], Port]) -> None:
+    def __init__(
+        self, bridge: Bridge, demand: Demand, topic: str, make: Callable[[str], Port], *, linger: float = LINGER
+    ) -> None:
+        self._linger = linger
         self._bridge = bridge
         self._demand = demand
         self._topic = topic
@@ -66,10 +70,10 @@ class OnDemand:
             await self._change(self._open, self._wanted - self._ports.keys())
             now = time.monotonic()
             unwanted = {robot: unwanted.get(robot, now) for robot in self._ports.keys() - self._wanted}
-            await self._change(self._close, {robot for robot, since in unwanted.items() if now - since >= LINGER})
+            await self._change(self._close, {robot for robot, since in unwanted.items() if now - since >= self._linger})
             settled = self._ports.keys() == self._wanted
             with suppress(TimeoutError):
-                async with asyncio.timeout(None if settled else LINGER):
+                async with asyncio.timeout(None if settled else self._linger):
                     await self._changed.wait()
 
     async def _change(self, change: Callable[[str], Awaitable[None]], robots: set[str]) -> None:

@@ -58,9 +58,19 @@ class Simulators:
         bridge: Runs calls on the ROS thread.
         hub: Receives events.
         robots: The robots. Reports of other namespaces are not taken.
+        gone_after: See `GONE_AFTER`.
     """
 
-    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, robots: RobotRegistry) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        bridge: Bridge,
+        hub: Hub,
+        robots: RobotRegistry,
+        *,
+        gone_after: float = GONE_AFTER,
+    ) -> None:
+        self._gone_after = gone_after
         self._settings = settings
         self._bridge = bridge
         self._hub = hub
@@ -94,7 +104,7 @@ class Simulators:
             for namespace, simulator in list(self._simulators.items()):
                 if namespace not in self._robots:
                     self._simulators.pop(namespace).port.close()
-                elif simulator.available and time.monotonic() - simulator.heard_at > GONE_AFTER:
+                elif simulator.available and time.monotonic() - simulator.heard_at > self._gone_after:
                     log.info("the simulator of %s left the ROS graph", namespace)
                     simulator.available = False
                     self._publish(namespace)

@@ -98,18 +98,23 @@ def count_subscribers(node: Node, topic: str) -> int:
 class Survey:
     """A survey of the whole graph in steps, between which the ROS thread does other work.
 
+    Args:
+        node: Of the graph.
+        piece: Seconds that one step takes.
+
     Attributes:
         seen: What has been found so far.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, piece: float = PIECE) -> None:
+        self._piece = piece
         self.seen = Seen()
         self._node = node
         self._steps = self._look()
 
     def proceed(self) -> bool:
         """Run one step; return whether the survey is complete. Call it on the ROS thread."""
-        until = time.perf_counter() + PIECE
+        until = time.perf_counter() + self._piece
         return all(time.perf_counter() < until for _ in self._steps)
 
     def _look(self) -> Iterator[None]:

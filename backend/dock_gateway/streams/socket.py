@@ -46,9 +46,6 @@ log = logging.getLogger(__name__)
 router = APIRouter()
 
 MAX_SUBSCRIPTIONS = 32
-MAX_COMMANDS = 64
-# Stops in addition to MAX_COMMANDS. They are never refused: beyond this, the socket is not read until one is answered.
-MAX_STOPS = 64
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
@@ -76,9 +73,28 @@ class Subscription:
 
 
 class Session:
-    """One connection of `/ws`."""
+    """One connection of `/ws`.
 
-    def __init__(self, websocket: WebSocket, gateway: Gateway, principal: Principal) -> None:
+    Args:
+        websocket: The connection.
+        gateway: Carries out the commands.
+        principal: Who sends them.
+        max_commands: Maximum number of commands in progress; more are refused.
+        max_stops: Stops in addition to them. They are never refused: beyond this, the socket is not read until one is
+            answered.
+    """
+
+    def __init__(
+        self,
+        websocket: WebSocket,
+        gateway: Gateway,
+        principal: Principal,
+        *,
+        max_commands: int = 64,
+        max_stops: int = 64,
+    ) -> None:
+        self._max_commands = max_commands
+        self._max_stops = max_stops
         self._websocket = websocket
         self._gateway = gateway
         self._principal = principal
@@ -111,10 +127,12 @@ class Session:
             received = await self._websocket.receive()
             if received["type"] == "websocket.disconnect":
                 return
-            if len(self._commands) >= MAX_COMMANDS and not _is_stop(received):
-                await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are already in progress"))
+            if len(self._commands) >= self._max_commands and not _is_stop(received):
+                await self._answer_error(
+                    None, TooManyRequests(f"{self._max_commands} commands are already in progress")
+                )
                 continue
-            while len(self._commands) >= MAX_COMMANDS + MAX_STOPS:
+            while len(self._commands) >= self._max_commands + self._max_stops:
                 await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
             task = asyncio.create_task(self._handle(received))
             self._commands.add(task)

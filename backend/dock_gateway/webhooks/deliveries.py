@@ -1,6 +1,6 @@
 """The rules of delivering: what is sent next, when again, and what is kept. Pure: no task, no clock, no socket."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
@@ -55,14 +55,16 @@ def due(deliveries: Mapping[str, Delivery], now: datetime) -> Iterator[tuple[str
         waiting.add(about)
 
 
-def after_attempt(delivery: Delivery, answer: Answer, now: datetime) -> Delivery:
+def after_attempt(
+    delivery: Delivery, answer: Answer, now: datetime, retry_after: Sequence[float] = RETRY_AFTER
+) -> Delivery:
     """Return a delivery as it is after an attempt. A test is not sent again, nor what an address refuses for good."""
     attempts = delivery.attempts + 1
     again = (
         answer.error is not None
         and answer.status_code != GONE
         and delivery.event_type is not EventType.TEST
-        and attempts <= len(RETRY_AFTER)
+        and attempts <= len(retry_after)
     )
     if answer.error is None:
         state = DeliveryState.DELIVERED
@@ -72,7 +74,7 @@ def after_attempt(delivery: Delivery, answer: Answer, now: datetime) -> Delivery
         delivery,
         state=state,
         attempts=attempts,
-        next_at=now + timedelta(seconds=RETRY_AFTER[attempts - 1]) if again else None,
+        next_at=now + timedelta(seconds=retry_after[attempts - 1]) if again else None,
         tried_at=now,
         status_code=answer.status_code,
         error=answer.error,

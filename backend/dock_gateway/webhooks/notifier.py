@@ -38,6 +38,10 @@ class Notifier:
         labels: The names and groups of the robots.
         webhooks: The webhooks, by id.
         outbox: Sends to them.
+        settled_after: Seconds after the start after which an alert that has not recurred counts as ended.
+        interval: See `INTERVAL`.
+        read_every: See `READ_EVERY`.
+        tidy_every: See `TIDY_EVERY`.
     """
 
     def __init__(
@@ -47,13 +51,20 @@ class Notifier:
         *,
         webhooks: SharedBook[Webhook],
         outbox: Outbox,
+        settled_after: float = SETTLED_AFTER,
+        interval: float = INTERVAL,
+        read_every: int = READ_EVERY,
+        tidy_every: int = TIDY_EVERY,
     ) -> None:
+        self._interval = interval
+        self._read_every = read_every
+        self._tidy_every = tidy_every
         self._alerts = alerts
         self._labels = labels
         self._webhooks = webhooks
         self._outbox = outbox
         self._started, self._settled = utc_now(), False
-        self._settled_at = time.monotonic() + SETTLED_AFTER
+        self._settled_at = time.monotonic() + settled_after
         self._looks = 0
         self._raised: dict[tuple[str, str], Document] = {}  # alerts that were sent, by webhook and alert
         self._news: deque[tuple[EventType, str, str, Document]] = deque()  # to be stored, then sent
@@ -175,11 +186,13 @@ class Notifier:
                 await self._look()
             except Exception:
                 log.exception("while looking which alerts to send")
-            await asyncio.sleep(INTERVAL)
+            await asyncio.sleep(self._interval)
 
     async def _look(self) -> None:
-        if self._looks % READ_EVERY == 0 and await self._webhooks.sync() and self._looks % TIDY_EVERY == 0:
-            await self._outbox.tidy()
+        if self._looks % self._read_every == 0:
+            answers = await self._webhooks.sync()
+            if answers and self._looks % self._tidy_every == 0:
+                await self._outbox.tidy()
         self._looks += 1
         self._compare()
         while self._news:

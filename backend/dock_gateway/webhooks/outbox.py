@@ -3,7 +3,7 @@
 import logging
 import uuid
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Any
 
@@ -15,7 +15,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
-from dock_gateway.webhooks.deliveries import after_attempt, due, find_open, open_alerts, surplus
+from dock_gateway.webhooks.deliveries import RETRY_AFTER, after_attempt, due, find_open, open_alerts, surplus
 from dock_gateway.webhooks.sender import Sender, sign
 
 log = logging.getLogger(__name__)
@@ -32,12 +32,23 @@ class Outbox:
     Args:
         webhooks: The webhooks, by id.
         deliveries: What was and is to be sent, by id.
+        retry_after: Seconds from each failed attempt to the next one; after the last, the delivery is given up.
+        overdue: See `OVERDUE`.
 
     Attributes:
         attempts: Number of attempts to send, by the state of the delivery after it.
     """
 
-    def __init__(self, webhooks: SharedBook[Webhook], deliveries: SharedEntries[Delivery]) -> None:
+    def __init__(
+        self,
+        webhooks: SharedBook[Webhook],
+        deliveries: SharedEntries[Delivery],
+        *,
+        retry_after: Sequence[float] = RETRY_AFTER,
+        overdue: timedelta = OVERDUE,
+    ) -> None:
+        self._retry_after = retry_after
+        self._overdue_after = overdue
         self.attempts: Counter[DeliveryState] = Counter()
         self._webhooks = webhooks
         self._deliveries = deliveries
@@ -126,7 +137,7 @@ class Outbox:
             self._tasks.spawn(self._send(webhook_id))
 
     def _overdue(self) -> set[str]:
-        return {identity for identity, _ in due(self._deliveries.all(), utc_now() - OVERDUE)}
+        return {identity for identity, _ in due(self._deliveries.all(), utc_now() - self._overdue_after)}
 
     def _due(self) -> list[tuple[str, Delivery]]:
         return [(identity, each) for identity, each in due(self._deliveries.all(), utc_now()) if identity in self._mine]
@@ -145,7 +156,7 @@ class Outbox:
     async def _attempt(self, webhook: Webhook, identity: str, delivery: Delivery) -> Delivery:
         headers = sign(webhook.secret, identity, utc_now(), delivery.body)
         answer = await self._sender.send(webhook.url, headers, delivery.body)
-        tried = after_attempt(delivery, answer, utc_now())
+        tried = after_attempt(delivery, answer, utc_now(), self._retry_after)
         self.attempts[tried.state] += 1
         if self._webhooks.get(delivery.webhook_id) is not None:
             self._deliveries.put(identity, tried)

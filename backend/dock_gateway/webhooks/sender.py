@@ -60,23 +60,28 @@ def sign(secret: str, identity: str, at: datetime, body: Json) -> Mapping[str, s
 
 
 class Sender:
-    """Sends events over HTTP. Redirects are not followed, the body of an answer is not read, and no cookie is kept."""
+    """Sends events over HTTP. Redirects are not followed, the body of an answer is not read, and no cookie is kept.
 
-    def __init__(self) -> None:
+    Args:
+        timeout: Seconds that an attempt may take.
+    """
+
+    def __init__(self, timeout: float = TIMEOUT) -> None:
+        self._timeout = timeout
         self._http: httpx2.AsyncClient | None = None
 
     async def send(self, url: str, headers: Mapping[str, str], body: Json) -> Answer:
         """Send an event, and return what came of it. Never raises."""
         try:
             if self._http is None:  # loads the machine's certificates, which takes time
-                self._http = await asyncio.to_thread(_client)
+                self._http = await asyncio.to_thread(_client, self._timeout)
             async with (
-                asyncio.timeout(TIMEOUT),
+                asyncio.timeout(self._timeout),
                 self._http.stream("POST", url, content=body, headers=dict(headers)) as answer,
             ):
                 status = answer.status_code
         except TimeoutError:
-            return Answer(None, f"no answer within {TIMEOUT:g} s")
+            return Answer(None, f"no answer within {self._timeout:g} s")
         except (httpx2.HTTPError, httpx2.InvalidURL, OSError, ValueError) as error:
             return Answer(None, f"no connection: {error or type(error).__name__}"[:200])
         if HTTPStatus(200) <= status < HTTPStatus(300):
@@ -89,7 +94,7 @@ class Sender:
             await self._http.aclose()
 
 
-def _client() -> httpx2.AsyncClient:
+def _client(timeout: float) -> httpx2.AsyncClient:
     headers = {"Content-Type": "application/json", "User-Agent": f"dock-gateway/{__version__}"}
     cookies = CookieJar(DefaultCookiePolicy(allowed_domains=()))  # accepts none
-    return httpx2.AsyncClient(headers=headers, cookies=cookies, timeout=TIMEOUT, follow_redirects=False)
+    return httpx2.AsyncClient(headers=headers, cookies=cookies, timeout=timeout, follow_redirects=False)

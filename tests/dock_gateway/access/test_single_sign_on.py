@@ -51,11 +51,12 @@ class Site:
         self.fake = fake
         self.history: History = MemoryHistory(10)
         self.now = 1_000_000.0
+        self.timeout = 30.0
 
     @asynccontextmanager
     async def gateway(self, **settings: Any) -> AsyncIterator[Logins]:
         configured = Settings(**{**SETTINGS, **settings})
-        provider = Provider(configured, lambda: self.now)
+        provider = Provider(configured, lambda: self.now, timeout=self.timeout)
         sso = SingleSignOn(configured, provider, lambda: self.now)
         logins = Logins(self.history, sso)
         yield logins
@@ -573,19 +574,18 @@ EVIL: dict[str, tuple[str, httpx2.Response]] = {
 
 
 @pytest.mark.parametrize("evil", EVIL)
-async def test_answers_that_cannot_be_used(
-    site: Site, logins: Logins, fake: FakeProvider, evil: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(provider_module, "TIMEOUT", 0.3 if evil == "slow keys" else 30.0)
-    token = fake.access_token()
-    service = await identify(logins, token)
-    path, answer = EVIL[evil]
-    fake.answers[path] = answer
-    site.now += RECENT
-    with pytest.raises(Unavailable) as refused:
-        await begin(logins)
-    assert refused.value.code == "provider_unavailable"
-    assert await identify(logins, token) == service  # with the keys of before
+async def test_answers_that_cannot_be_used(site: Site, fake: FakeProvider, evil: str) -> None:
+    site.timeout = 0.3 if evil == "slow keys" else 30.0
+    async with site.gateway() as logins:
+        token = fake.access_token()
+        service = await identify(logins, token)
+        path, answer = EVIL[evil]
+        fake.answers[path] = answer
+        site.now += RECENT
+        with pytest.raises(Unavailable) as refused:
+            await begin(logins)
+        assert refused.value.code == "provider_unavailable"
+        assert await identify(logins, token) == service  # with the keys of before
 
 
 @pytest.mark.parametrize("name", ["authorization_endpoint", "token_endpoint", "jwks_uri", "end_session_endpoint"])

@@ -9,8 +9,7 @@ from pathlib import Path
 import orjson
 import pytest
 
-from dock_gateway.audit import log as module
-from dock_gateway.audit.log import MAX_UNKNOWN, AuditLog
+from dock_gateway.audit.log import LIMITS, AuditLimits, AuditLog
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.storage import AuditSpool
@@ -49,8 +48,8 @@ def store() -> Store:
 
 
 @asynccontextmanager
-async def opened(store: Store, folder: Path | None = None) -> AsyncIterator[AuditLog]:
-    audit = AuditLog(store, None if folder is None else AuditSpool(folder))
+async def opened(store: Store, folder: Path | None = None, limits: AuditLimits = LIMITS) -> AsyncIterator[AuditLog]:
+    audit = AuditLog(store, None if folder is None else AuditSpool(folder), limits)
     await audit.open()
     try:
         yield audit
@@ -82,11 +81,9 @@ async def test_an_answer_goes_out_after_its_entry_is_stored(store: Store) -> Non
     assert store.durable == [True, False]
 
 
-async def test_it_is_stored_at_once(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_it_is_stored_at_once(store: Store) -> None:
     """It does not wait for a batch to fill."""
-    monkeypatch.setattr(module, "BATCH_INTERVAL", 1000.0)
-    monkeypatch.setattr(module, "ANSWER_TIMEOUT", 1000.0)
-    async with opened(store) as audit:
+    async with opened(store, limits=AuditLimits(batch_interval=1000.0, answer_timeout=1000.0)) as audit:
         audit.record(make_entry(1))
         async with asyncio.timeout(PATIENCE):
             await audit.store(make_entry(2))
@@ -128,12 +125,9 @@ async def test_an_error_of_the_store_ends_nothing(
     assert await store.stored() == [make_entry(1)]
 
 
-async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(
-    store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "MAX_WAITING", 10)
+async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(store: Store) -> None:
     store.away = True
-    async with opened(store) as audit:
+    async with opened(store, limits=AuditLimits(waiting=10)) as audit:
         for number in range(17):
             audit.record(make_entry(number))
         assert (len(audit), audit.lost) == (10, 7)
@@ -144,30 +138,25 @@ async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(
     assert (remark.what, remark.subject, remark.outcome) == ("entries_lost", "7 entries", "failed")
 
 
-async def test_a_flood_without_a_token_is_counted(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "PERIOD", 0.5)
-    async with opened(store) as audit:
+async def test_a_flood_without_a_token_is_counted(store: Store) -> None:
+    async with opened(store, limits=AuditLimits(period=0.5)) as audit:
         for number in range(100_000):
             audit.record(make_entry(number, principal=None, role=None, token_id=None, status=401))
-            assert len(audit) <= MAX_UNKNOWN
+            assert len(audit) <= LIMITS.unknown
         audit.record(make_entry(100_000))  # of somebody who is known
-        await until(lambda: len(store._rows) == MAX_UNKNOWN + 2)
+        await until(lambda: len(store._rows) == LIMITS.unknown + 2)
         stored = await store.stored()
-        assert stored[MAX_UNKNOWN] == make_entry(100_000)
+        assert stored[LIMITS.unknown] == make_entry(100_000)
         assert (stored[-1].what, stored[-1].subject) == (
             "more_requests",
-            f"{100_000 - MAX_UNKNOWN} more requests without a valid token",
+            f"{100_000 - LIMITS.unknown} more requests without a valid token",
         )
         audit.record(make_entry(7, role=None))  # in the next period
-        await until(lambda: len(store._rows) == MAX_UNKNOWN + 3)
+        await until(lambda: len(store._rows) == LIMITS.unknown + 3)
 
 
-async def test_one_user_who_floods_is_counted_and_others_are_recorded(
-    store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "PERIOD", 0.5)
-    monkeypatch.setattr(module, "MAX_OF_USER", 5)
-    async with opened(store) as audit:
+async def test_one_user_who_floods_is_counted_and_others_are_recorded(store: Store) -> None:
+    async with opened(store, limits=AuditLimits(period=0.5, of_user=5)) as audit:
         for number in range(50):
             audit.record(make_entry(number, principal="eve"))
         audit.record(make_entry(50))
@@ -184,10 +173,10 @@ async def test_one_user_who_floods_is_counted_and_others_are_recorded(
 
 async def test_closing_stores_what_waits(store: Store) -> None:
     async with opened(store) as audit:
-        for number in range(MAX_UNKNOWN + 2):
+        for number in range(LIMITS.unknown + 2):
             audit.record(make_entry(number, role=None))
     stored = await store.stored()
-    assert len(stored) == MAX_UNKNOWN + 1
+    assert len(stored) == LIMITS.unknown + 1
     assert stored[-1].subject == "2 more requests without a valid token"
 
 

@@ -9,7 +9,6 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.automation import decisions as decisions_module
 from dock_gateway.automation import docking as docking_module
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
@@ -101,14 +100,16 @@ class Site:
         )
         return activity
 
-    def gateway(self) -> AutomaticDocking:
+    def gateway(self, sync_every: int = 2) -> AutomaticDocking:
         gateway = AutomaticDocking(
             cast("Fleet", self.robot),
             cast("ActionRegistry", self.robot),
             cast("History", self.history),
             activity=self.activity(),
-            rules=SharedBook(self.rules, "rule", docking_module.MAX_RULES),
+            rules=SharedBook(self.rules, "rule", 50),
             decisions=DecisionLog(self.hub, self.stored),
+            interval=0.01,
+            sync_every=sync_every,
         )
         self.gateways.append(gateway)
         return gateway
@@ -123,8 +124,7 @@ class Site:
 
 
 @pytest.fixture
-async def site(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Site]:
-    monkeypatch.setattr(docking_module, "INTERVAL", 0.01)
+async def site() -> AsyncIterator[Site]:
     site = Site()
     yield site
     for gateway in site.gateways:
@@ -200,7 +200,7 @@ async def test_what_changes_while_the_decision_is_stored_counts(site: Site, monk
         await claim(log, identity, decision)
         site.robot.stop["latched"] = True
 
-    monkeypatch.setattr(decisions_module.DecisionLog, "claim", stopped_meanwhile)
+    monkeypatch.setattr(DecisionLog, "claim", stopped_meanwhile)
     await site.gateway().replace("low", AT_ONCE)
     (decision,) = await site.decided()
     assert (decision.outcome, decision.code) == (Outcome.HELD, "stop_latched")
@@ -277,10 +277,9 @@ async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_t
     assert [decision.outcome for decision in await site.decided(2)] == [Outcome.DRY_RUN, Outcome.SENT]
 
 
-async def test_the_oldest_decisions_are_deleted(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(decisions_module, "MAX_KEPT", 2)
+async def test_the_oldest_decisions_are_deleted(site: Site) -> None:
     old = utc_now() - timedelta(hours=1)
-    log = DecisionLog(site.hub, site.stored)
+    log = DecisionLog(site.hub, site.stored, most=2)
     for minute in range(4):
         at = old + timedelta(minutes=minute)
         log.finish(str(minute), Decision("low", "Low", ROBOT, at, Outcome.SENT, *[None] * 6, open=False))
@@ -290,11 +289,10 @@ async def test_the_oldest_decisions_are_deleted(site: Site, monkeypatch: pytest.
     assert [decision["id"] for decision in found] == ["3"]
 
 
-async def test_an_old_decision_that_counts_is_kept(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_an_old_decision_that_counts_is_kept(site: Site) -> None:
     """Otherwise the rule would send a robot again that it has given up, and the alert about that would end."""
-    monkeypatch.setattr(decisions_module, "MAX_KEPT", 2)
     old = utc_now() - timedelta(days=1)
-    log = DecisionLog(site.hub, site.stored)
+    log = DecisionLog(site.hub, site.stored, most=2)
     log.finish("gave up", Decision("low", "Low", ROBOT, old, Outcome.GAVE_UP, *[None] * 6, open=True))
     for day in range(3):
         at = old + timedelta(hours=1 + day)

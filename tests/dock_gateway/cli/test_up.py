@@ -10,8 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli import up as up_module
-from dock_gateway.cli.up import SIMULATED, TUTORIAL, own_url, robot_commands, stay_on_this_machine
+from dock_gateway.cli.up import SIMULATED, TUTORIAL, own_url, robot_commands, stay_on_this_machine, supervise
 from dock_gateway.settings import Settings
 from tests.support.waiting import until
 
@@ -82,20 +81,18 @@ time.sleep({1: 1.5, 2: 0}.get(len(starts.read_text()), 60))
 """
 
 
-async def test_a_gateway_that_has_run_is_started_again_and_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(up_module, "START_WINDOW", 1.0)
-    monkeypatch.setattr(up_module, "MAX_BACKOFF", 0.1)
+async def test_a_gateway_that_has_run_is_started_again_and_again(tmp_path: Path) -> None:
     starts = tmp_path / "starts"
     starts.touch()
     command = [sys.executable, "-c", GATEWAY, str(starts)]
-    supervising = asyncio.create_task(up_module._supervise({"the gateway": command}, "http://127.0.0.1:1"))
+    supervising = asyncio.create_task(
+        supervise({"the gateway": command}, "http://127.0.0.1:1", start_window=1.0, longest_delay=0.1)
+    )
     await until(lambda: supervising.done() or starts.read_text() == "xxx")
     assert not supervising.done()
     os.kill(os.getpid(), signal.SIGTERM)
     assert await supervising
 
 
-async def test_a_gateway_that_cannot_start_ends_everything(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert not await up_module._supervise({"the gateway": [sys.executable, "-c", ""]}, "http://127.0.0.1:1")
+async def test_a_gateway_that_cannot_start_ends_everything() -> None:
+    assert not await supervise({"the gateway": [sys.executable, "-c", ""]}, "http://127.0.0.1:1")

@@ -11,7 +11,6 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub, Subscriber
-from dock_gateway.fleet import alerts as alerts_module
 from dock_gateway.fleet.alert_rules import AlertKind, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.storage import Acknowledgement
@@ -30,14 +29,14 @@ class Scene:
         self.boards: list[AlertBoard] = []
         self.reader = self.hub.subscribe(EventFilter(frozenset({"robots"})))
 
-    def board(self) -> AlertBoard:
-        self.boards.append(AlertBoard(self.hub, SharedEntries(self.store), low_battery=0.2))
+    def board(self, **timing: float) -> AlertBoard:
+        entries = SharedEntries(self.store)
+        self.boards.append(AlertBoard(self.hub, entries, low_battery=0.2, sync_interval=0.01, **timing))
         return self.boards[-1]
 
 
 @pytest.fixture
-async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    monkeypatch.setattr(alerts_module, "SYNC_INTERVAL", 0.01)
+async def scene() -> AsyncIterator[Scene]:
     scene = Scene()
     yield scene
     for board in scene.boards:
@@ -112,11 +111,10 @@ async def test_another_gateway_hears_of_it(scene: Scene) -> None:
     await until_acknowledged(one, None)
 
 
-async def test_after_a_restart_it_holds_where_the_alert_does(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_after_a_restart_it_holds_where_the_alert_does(scene: Scene) -> None:
     await scene.store.write(ID, Acknowledgement("Ada", utc_now()))
     await scene.store.write("over", Acknowledgement("Bob", utc_now()))
-    monkeypatch.setattr(alerts_module, "SETTLED_AFTER", 0.2)
-    board = scene.board()
+    board = scene.board(settled_after=0.2)
     await asyncio.sleep(0.05)
     assert len(await scene.store.read()) == 2
     board.look(LOW, [])

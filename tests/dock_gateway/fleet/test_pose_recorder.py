@@ -8,7 +8,6 @@ import pytest
 
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.fleet import pose_recorder
 from dock_gateway.fleet.pose_recorder import INTERVAL_NS, GoalPoses, PoseRecorder, differs
 from dock_gateway.robots.registry import Robot
 from tests.support.history import START_NS, make_goal
@@ -54,9 +53,8 @@ def test_two_gateways_use_the_same_stamps() -> None:
     assert stamps == [SLOT, SLOT]
 
 
-def test_a_long_goal_is_stored_more_thinly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pose_recorder, "THIN_AFTER", 10)
-    poses = GoalPoses()
+def test_a_long_goal_is_stored_more_thinly() -> None:
+    poses = GoalPoses(thin_after=10)
     times = [number * INTERVAL_NS for number in range(1, 1000)]
     stored = [each for each in times if poses.take(scene(each / INTERVAL_NS), each) is not None]
     assert len(stored) < 80

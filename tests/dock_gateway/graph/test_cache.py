@@ -10,9 +10,8 @@ from rclpy.node import NodeNameNonExistentError
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from dock_gateway.core.errors import NotFound, Unavailable
-from dock_gateway.graph import cache as module
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.ros import graph
+from dock_gateway.ros.graph import Survey
 
 
 class FakeNode:
@@ -65,6 +64,7 @@ class FakeBridge:
         self.node = FakeNode()
         self.calls = 0
         self.down = False
+        self.now = 100.0
 
     async def call(self, function: Callable[[], Any], **_: object) -> Any:
         if self.down:
@@ -79,26 +79,19 @@ def bridge() -> FakeBridge:
     return FakeBridge()
 
 
-@pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    now = SimpleNamespace(now=100.0)
-    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: now.now))
-    return now
-
-
 def looking(bridge: FakeBridge) -> GraphCache:
-    return GraphCache(bridge)  # type: ignore[arg-type]
+    return GraphCache(bridge, lambda: bridge.now)  # type: ignore[arg-type]
 
 
-async def test_one_look_serves_everybody_for_a_second(bridge: FakeBridge, clock: SimpleNamespace) -> None:
+async def test_one_look_serves_everybody_for_a_second(bridge: FakeBridge) -> None:
     cache = looking(bridge)
     assert bridge.calls == 0
     views = await asyncio.gather(*(cache.graph() for _ in range(20)))
     assert bridge.node.looks == 1
     assert all(view is views[0] for view in views)
-    clock.now += 0.9
+    bridge.now += 0.9
     assert await cache.graph() is views[0]
-    clock.now += 0.2
+    bridge.now += 0.2
     again = await cache.graph()
     assert bridge.node.looks == 2
     assert (again.tag, again.body) == (views[0].tag, views[0].body)
@@ -114,27 +107,23 @@ async def test_one_who_leaves_does_not_take_the_look_from_the_others(bridge: Fak
     assert leaving.cancelled()
 
 
-async def test_it_recovers(bridge: FakeBridge, clock: SimpleNamespace) -> None:
+async def test_it_recovers(bridge: FakeBridge) -> None:
     cache = looking(bridge)
     bridge.down = True
     with pytest.raises(Unavailable):
         await cache.graph()
     bridge.down = False
-    clock.now += 1.1
+    bridge.now += 1.1
     assert (await cache.graph()).body
 
 
-async def test_the_ros_thread_is_left_to_others_in_between(bridge: FakeBridge, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(graph, "PIECE", 0.0)
-    await looking(bridge).graph()
-    assert bridge.calls >= 6  # a piece for each topic and each node
-
-
-def test_a_survey_sees_everything() -> None:
+def test_a_survey_sees_everything_and_leaves_the_ros_thread_to_others_in_between() -> None:
     node = FakeNode()
-    survey = graph.Survey(node)  # type: ignore[arg-type]
+    survey = Survey(node, piece=0.0)  # type: ignore[arg-type]
+    pieces = 1
     while not survey.proceed():
-        pass
+        pieces += 1
+    assert pieces >= 6  # one for each topic and each node
     seen = survey.seen
     assert seen.nodes == {"/driver": 1, "/robot1/twin": 2, "/leaving": 1}
     assert [publisher.node for publisher in seen.topics["/battery"].publishers] == ["/driver", None]

@@ -128,7 +128,6 @@ class Viewing:
 def fakes(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(module, "EchoPort", FakePort)
     monkeypatch.setattr(module, "EchoType", FakeType)
-    monkeypatch.setattr(module, "TICK", 0.05)
     FakePort.ports.clear()
     FakeType.read_count = 0
     yield
@@ -142,7 +141,7 @@ def graph() -> FakeGraph:
 
 @pytest.fixture
 def echoes(graph: FakeGraph) -> EchoRegistry:
-    return EchoRegistry(FakeBridge(), graph)  # type: ignore[arg-type]
+    return EchoRegistry(FakeBridge(), graph, tick=0.05)  # type: ignore[arg-type]
 
 
 async def test_the_topic_comes_first_then_messages_then_rates(echoes: EchoRegistry) -> None:

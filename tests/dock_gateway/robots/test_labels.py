@@ -1,11 +1,11 @@
 """Display names and groups: whose a name is, what other gateways see, and what an outage leaves as it is."""
 
 from collections.abc import AsyncIterator
+from typing import Any
 
 import pytest
 
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.robots import labels as labels_module
 from dock_gateway.robots.labels import NO_LABEL, Labels
 from dock_gateway.storage import RobotLabel
 from tests.support.entries import SharedStore
@@ -22,16 +22,15 @@ class Site:
         self.robots = ["/", "/robot1", "/robot2"]
         self.gateways: list[Labels] = []
 
-    async def gateway(self) -> Labels:
-        labels = Labels(self.store, lambda: self.robots)
+    async def gateway(self, **limits: Any) -> Labels:
+        labels = Labels(self.store, lambda: self.robots, **{"sync_interval": 0.01} | limits)
         self.gateways.append(labels)
         await labels.open()
         return labels
 
 
 @pytest.fixture
-async def site(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Site]:
-    monkeypatch.setattr(labels_module, "SYNC_INTERVAL", 0.01)
+async def site() -> AsyncIterator[Site]:
     site = Site()
     yield site
     for gateway in site.gateways:
@@ -65,9 +64,8 @@ async def test_a_display_name_belongs_to_one_robot(site: Site, name: str) -> Non
     assert await site.store.read() == {"/not/there/yet": LEFT, "/robot1": RobotLabel(None, ("hall 2",))}
 
 
-async def test_a_name_that_another_gateway_has_just_given_is_taken(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(labels_module, "SYNC_INTERVAL", 3600.0)
-    one, other = await site.gateway(), await site.gateway()
+async def test_a_name_that_another_gateway_has_just_given_is_taken(site: Site) -> None:
+    one, other = [await site.gateway(sync_interval=3600.0) for _ in range(2)]
     await one.replace("/robot1", LEFT)
     with pytest.raises(Conflict):
         await other.replace("/robot2", LEFT)
@@ -98,9 +96,8 @@ async def test_without_the_history_nothing_changes(site: Site) -> None:
     await until(lambda: late.of("/robot1") == LEFT)
 
 
-async def test_there_are_not_endlessly_many(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(labels_module, "MAX_LABELS", 1)
-    labels = await site.gateway()
+async def test_there_are_not_endlessly_many(site: Site) -> None:
+    labels = await site.gateway(most=1)
     await labels.replace("/robot1", LEFT)
     with pytest.raises(Conflict) as refused:
         await labels.replace("/robot2", RobotLabel("Right forklift", ()))

@@ -8,8 +8,7 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.robots import last_goals as module
-from dock_gateway.robots.last_goals import LastGoals, latest
+from dock_gateway.robots.last_goals import READ, LastGoals, latest
 from dock_gateway.storage import GoalFilter, MemoryHistory
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
@@ -35,14 +34,13 @@ class AwayHistory(MemoryHistory):
 
 
 @pytest.fixture
-def history(monkeypatch: pytest.MonkeyPatch) -> AwayHistory:
-    monkeypatch.setattr(module, "RETRY_INTERVAL", 0.01)
+def history() -> AwayHistory:
     return AwayHistory(100)
 
 
 @pytest.fixture
 async def last_goals(history: AwayHistory) -> AsyncIterator[LastGoals]:
-    last_goals = LastGoals(history)
+    last_goals = LastGoals(history, retry_interval=0.01)
     last_goals.watch(DOCK, UNDOCK)
     yield last_goals
     await last_goals.close()
@@ -60,7 +58,7 @@ async def test_what_ended_before_is_in_the_history_once_that_answers(
     history: AwayHistory, last_goals: LastGoals
 ) -> None:
     history.record(ended(DOCK, 1))
-    for minute in range(5, 5 + module.READ):
+    for minute in range(5, 5 + READ):
         history.record(ended(DOCK, minute, GoalStatus.ABORTED))
     history.record(ended(UNDOCK, 2, GoalStatus.CANCELED))
     await asyncio.sleep(0.02)

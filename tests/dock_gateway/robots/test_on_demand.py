@@ -8,7 +8,6 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.robots import on_demand
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.ros.bridge import Bridge
 from tests.support.waiting import until
@@ -59,10 +58,9 @@ class Ports:
 
 
 @pytest.fixture
-async def parts(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[tuple[Wanted, Ports]]:
-    monkeypatch.setattr(on_demand, "LINGER", LINGER)
+async def parts() -> AsyncIterator[tuple[Wanted, Ports]]:
     wanted, ports = Wanted(), Ports()
-    topics = OnDemand(cast("Bridge", ports), wanted, "scene", ports.make)
+    topics = OnDemand(cast("Bridge", ports), wanted, "scene", ports.make, linger=LINGER)
     yield wanted, ports
     await topics.close()
 

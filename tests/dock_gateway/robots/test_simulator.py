@@ -33,11 +33,15 @@ def robots() -> set[str]:
 
 
 @pytest.fixture
-async def simulators(robots: Any, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Simulators]:
+async def simulators(
+    robots: Any, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> AsyncIterator[Simulators]:
     Port.closed = []
     monkeypatch.setattr(module, "SimulatorPort", Port)
     bridge: Any = None
-    simulators = Simulators(Settings(), bridge, Hub(queue_limit=10, max_subscribers=10), robots)
+    simulators = Simulators(
+        Settings(), bridge, Hub(queue_limit=10, max_subscribers=10), robots, **getattr(request, "param", {})
+    )
     yield simulators
     await simulators.close()
 
@@ -63,10 +67,8 @@ async def test_the_simulator_of_a_robot_that_is_gone_leaves_its_topics(
         simulators.get("/robot1")
 
 
-async def test_one_that_is_silent_stays_known_but_is_not_available(
-    simulators: Simulators, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "GONE_AFTER", 0.0)
+@pytest.mark.parametrize("simulators", [{"gone_after": 0.0}], indirect=True)
+async def test_one_that_is_silent_stays_known_but_is_not_available(simulators: Simulators) -> None:
     simulators.on_report("/robot1", REPORT)
     await until(lambda: simulators.find("/robot1") is None)
     known = simulators.document("/robot1")

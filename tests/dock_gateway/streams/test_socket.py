@@ -21,6 +21,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams import socket as socket_module
+from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import Session
 from tests.support.audit import audit_parts
 from tests.support.stopping import fake_fleet
@@ -63,13 +64,13 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     async def stop(*_: object) -> dict[str, Any]:
         return {"canceling": []}
 
-    monkeypatch.setattr(socket_module, "COMMANDS", {"send_goal": hang, "stop": stop})
-    monkeypatch.setattr(socket_module, "MAX_COMMANDS", 2)
+    for name, command in {"send_goal": hang, "stop": stop}.items():
+        monkeypatch.setitem(COMMANDS, name, command)
     goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
     settings = Settings(subscriber_timeout=1.0)
     gateway = SimpleNamespace(settings=settings, quotas=Quotas(settings), logins=Logins(MemoryHistory(1)))
-    session = Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
+    session = Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY, max_commands=2)
     await session._read()
     await asyncio.sleep(0.01)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
@@ -155,15 +156,13 @@ async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups:
     assert [told.get("op") or told.get("type") or told["code"] for told in websocket.told] == ["ack", "closing", 1012]
 
 
-async def test_stops_are_never_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(socket_module, "MAX_COMMANDS", 1)
-    monkeypatch.setattr(socket_module, "MAX_STOPS", 1)
+async def test_stops_are_never_refused(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
         fleet.gateway.logins = Logins(MemoryHistory(1))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
-        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
+        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY, max_commands=1, max_stops=1)
         reading = asyncio.create_task(session._read())
         await until(lambda: len(websocket.told) == 20)
         reading.cancel()

@@ -15,9 +15,6 @@ from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.robots.labels import Labels
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
-from dock_gateway.webhooks import deliveries as rules
-from dock_gateway.webhooks import notifier as notifier_module
-from dock_gateway.webhooks import outbox as outbox_module
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox
 from dock_gateway.webhooks.sender import sign
@@ -58,14 +55,23 @@ class Site:
         self.gateways: list[Notifier] = []
         self.alerts: list[list[dict[str, Any]]] = []
 
-    def gateway(self, *alerts: dict[str, Any], board: AlertBoard | None = None) -> Notifier:
+    def gateway(
+        self,
+        *alerts: dict[str, Any],
+        board: AlertBoard | None = None,
+        retry_after: tuple[float, ...] = (0.05, 0.05),
+        overdue: float = 30.0,
+        **timing: Any,
+    ) -> Notifier:
         seen = list(alerts)
         webhooks = SharedBook(self.webhooks, "webhook", 2)
+        deliveries = SharedEntries(self.deliveries)
         notifier = Notifier(
             board or cast("AlertBoard", SimpleNamespace(documents=lambda: list(seen), on_change=[])),
             cast("Labels", SimpleNamespace(of=lambda robot: LABELS.get(robot, RobotLabel(None, ())))),
             webhooks=webhooks,
-            outbox=Outbox(webhooks, SharedEntries(self.deliveries)),
+            outbox=Outbox(webhooks, deliveries, retry_after=retry_after, overdue=timedelta(seconds=overdue)),
+            **{"interval": 0.01, "read_every": 1, "tidy_every": 1} | timing,
         )
         self.gateways.append(notifier)
         self.alerts.append(seen)
@@ -94,10 +100,7 @@ def receiver() -> Iterator[Receiver]:
 
 
 @pytest.fixture
-async def site(receiver: Receiver, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Site]:
-    for name, value in (("INTERVAL", 0.01), ("READ_EVERY", 1), ("TIDY_EVERY", 1)):
-        monkeypatch.setattr(notifier_module, name, value)
-    monkeypatch.setattr(rules, "RETRY_AFTER", (0.05, 0.05))
+async def site(receiver: Receiver) -> AsyncIterator[Site]:
     site = Site(receiver.url)
     yield site
     await site.close()
@@ -201,9 +204,7 @@ async def test_a_gateway_that_does_not_see_an_alert_does_not_end_it(site: Site, 
     assert receiver.seen() == [(RAISED, "stop")]
 
 
-async def test_after_a_restart_an_alert_is_neither_repeated_nor_forgotten(
-    site: Site, receiver: Receiver, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_after_a_restart_an_alert_is_neither_repeated_nor_forgotten(site: Site, receiver: Receiver) -> None:
     gateway = site.gateway(STOP, LOW)
     await gateway.replace("hook", site.hook())
     await until(lambda: len(receiver.bodies) == 2)
@@ -212,39 +213,29 @@ async def test_after_a_restart_an_alert_is_neither_repeated_nor_forgotten(
     await until(lambda: len(receiver.bodies) == 3)  # it is not answered before the gateway ends
     await gateway.close()
     receiver.release.set()
-    monkeypatch.setattr(notifier_module, "SETTLED_AFTER", 0.2)
-    monkeypatch.setattr(outbox_module, "OVERDUE", timedelta(0))
-    site.gateway(STOP)  # the others ended meanwhile
+    site.gateway(STOP, settled_after=0.2, overdue=0.0)  # the others ended meanwhile
     await until(lambda: len(receiver.bodies) == 6)
     assert receiver.seen()[2] == receiver.seen()[3] == (RAISED, "lost")
     assert receiver.headers[2]["webhook-id"] == receiver.headers[3]["webhook-id"]
     assert sorted(receiver.seen()[4:]) == [(CLEARED, "lost"), (CLEARED, "low")]
 
 
-async def test_what_a_gateway_left_is_taken_over_by_another(
-    site: Site, receiver: Receiver, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_what_a_gateway_left_is_taken_over_by_another(site: Site, receiver: Receiver) -> None:
     receiver.answers.append(500)
-    monkeypatch.setattr(rules, "RETRY_AFTER", (0.3, 0.3))
-    gateway = site.gateway(STOP)
+    gateway = site.gateway(STOP, retry_after=(0.3, 0.3))
     await gateway.replace("hook", site.hook())
     while (await gateway.documents())[0]["last_delivery"] is None:
         await looks(1)
     await gateway.close()
-    monkeypatch.setattr(outbox_module, "OVERDUE", timedelta(seconds=0.3))
-    site.gateway(STOP)
+    site.gateway(STOP, overdue=0.3)
     await until(lambda: len(receiver.bodies) == 2)
     assert receiver.bodies[0] == receiver.bodies[1]
 
 
-async def test_what_another_gateway_has_sent_is_not_taken_over(
-    site: Site, receiver: Receiver, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_what_another_gateway_has_sent_is_not_taken_over(site: Site, receiver: Receiver) -> None:
     """A gateway that looked while the other one was sending does not take that for its end."""
-    monkeypatch.setattr(notifier_module, "TIDY_EVERY", 1_000_000)
-    monkeypatch.setattr(outbox_module, "OVERDUE", timedelta(seconds=0.5))
     receiver.release.clear()
-    first, second = site.gateway(STOP), site.gateway(STOP)
+    first, second = [site.gateway(STOP, tidy_every=1_000_000, overdue=0.5) for _ in range(2)]
     await first.replace("hook", site.hook())
     await until(lambda: len(receiver.bodies) == 1)
     assert [each["state"] for each in await second.deliveries("hook", 10)] == ["pending"]

@@ -10,7 +10,6 @@ from itertools import chain, repeat
 
 import pytest
 
-from dock_gateway.webhooks import sender as sender_module
 from dock_gateway.webhooks.sender import Sender, is_secret, new_secret, sign
 from tests.support.webhooks import Receiver, running_receiver
 
@@ -22,8 +21,8 @@ def receiver() -> Iterator[Receiver]:
 
 
 @pytest.fixture
-async def sender() -> AsyncIterator[Sender]:
-    sender = Sender()
+async def sender(request: pytest.FixtureRequest) -> AsyncIterator[Sender]:
+    sender = Sender(**getattr(request, "param", {}))
     yield sender
     await sender.close()
 
@@ -72,14 +71,15 @@ async def test_an_event_is_sent_once_and_redirects_are_not_followed(sender: Send
     assert first["user-agent"].startswith("dock-gateway/")
 
 
-async def test_what_does_not_answer_is_an_error(
-    sender: Sender, receiver: Receiver, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_what_does_not_answer_is_an_error(sender: Sender, receiver: Receiver) -> None:
     assert (await sender.send("http://127.0.0.1:1/", {}, b"")).error is not None
     for address in ("http://no-such-host.invalid/", "https" + receiver.url[4:]):
         answer = await sender.send(address, {}, b"{}")
         assert (answer.status_code, (answer.error or "")[:15]) == (None, "no connection: ")
-    monkeypatch.setattr(sender_module, "TIMEOUT", 0.3)
+
+
+@pytest.mark.parametrize("sender", [{"timeout": 0.3}], indirect=True)
+async def test_what_answers_too_late_is_an_error(sender: Sender, receiver: Receiver) -> None:
     receiver.release = threading.Event()
     answer = await sender.send(receiver.url, {}, b"{}")
     assert (answer.status_code, answer.error) == (None, "no answer within 0.3 s")
@@ -127,19 +127,17 @@ async def answering(*pieces: bytes, pause: float = 0.0) -> AsyncIterator[tuple[s
         ([b"HTTP/1.1 200 OK\r\nX: a\nb\r\n\r\n", b"x"], 200),
     ],
 )
-async def test_an_answer_takes_neither_memory_nor_time(
-    sender: Sender, monkeypatch: pytest.MonkeyPatch, pieces: list[bytes], status: int | None
-) -> None:
+@pytest.mark.parametrize("sender", [{"timeout": 2.0}], indirect=True)
+async def test_an_answer_takes_neither_memory_nor_time(sender: Sender, pieces: list[bytes], status: int | None) -> None:
     """Only the status is read, whatever follows, for ever."""
-    monkeypatch.setattr(sender_module, "TIMEOUT", 2.0)
     async with answering(*pieces) as (url, heads):
         answer = await asyncio.wait_for(sender.send(url, {}, b"{}"), 10)
         assert answer.status_code == status or (answer.status_code is None and answer.error is not None)
         assert len(heads) == 1
 
 
-async def test_an_answer_that_comes_byte_by_byte_is_given_up(sender: Sender, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sender_module, "TIMEOUT", 0.5)
+@pytest.mark.parametrize("sender", [{"timeout": 0.5}], indirect=True)
+async def test_an_answer_that_comes_byte_by_byte_is_given_up(sender: Sender) -> None:
     async with answering(b"H", b"T", b"T", b"P", b"/", pause=0.1) as (url, _):
         assert (await asyncio.wait_for(sender.send(url, {}, b"{}"), 10)).status_code is None
 

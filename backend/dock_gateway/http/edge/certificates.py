@@ -9,9 +9,6 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks at the files.
-INTERVAL = 2.0
-
 # Modification time, size and inode of each file.
 Version = tuple[tuple[int, int, int], ...]
 
@@ -27,12 +24,14 @@ class Certificates:
         cert: PEM file with the certificate and its intermediates.
         key: PEM file with its private key.
         client_ca: PEM file with the authorities of client certificates; None: clients need none.
+        interval: Seconds between two looks at the files.
 
     Raises:
         CertificateError: A file cannot be used.
     """
 
-    def __init__(self, cert: Path, key: Path, client_ca: Path | None = None) -> None:
+    def __init__(self, cert: Path, key: Path, client_ca: Path | None = None, *, interval: float = 2.0) -> None:
+        self._interval = interval
         self._cert = cert
         self._key = key
         self._client_ca = client_ca
@@ -42,7 +41,7 @@ class Certificates:
     async def watch(self) -> None:
         """Load the files again whenever they change, until cancelled."""
         while True:
-            await asyncio.sleep(INTERVAL)
+            await asyncio.sleep(self._interval)
             await asyncio.to_thread(self.refresh)
 
     def refresh(self) -> None:

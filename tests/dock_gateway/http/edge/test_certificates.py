@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from cryptography.hazmat.primitives import serialization
 
-from dock_gateway.http.edge import certificates as edge_certificates
 from dock_gateway.http.edge.certificates import CertificateError, Certificates, load_certificates
 from dock_gateway.settings import Settings
 from tests.support.certificates import Authority, Pair
@@ -108,9 +107,8 @@ def test_a_broken_new_pair_is_logged_once_and_the_old_one_remains(
     assert certificates.context is not before
 
 
-async def test_files_are_watched(pair: Pair, authority: Authority, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(edge_certificates, "INTERVAL", 0.01)
-    certificates = Certificates(pair.cert, pair.key)
+async def test_files_are_watched(pair: Pair, authority: Authority) -> None:
+    certificates = Certificates(pair.cert, pair.key, interval=0.01)
     before = certificates.context
     watching = asyncio.create_task(certificates.watch())
     authority.issue("new", into=pair)

@@ -16,7 +16,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from dock_gateway.http.edge import connection, http
+from dock_gateway.http.edge import http
 from dock_gateway.http.edge.security import SECURITY_HEADERS
 from tests.support.edge import HOST, serving
 
@@ -163,9 +163,7 @@ async def test_a_connection_goes_on_after_a_body_that_was_not_read() -> None:
 
 
 @pytest.mark.parametrize("close", [b"", b"Connection: close\r\n"])
-async def test_a_body_without_end_after_the_answer(close: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (connection, http):
-        monkeypatch.setattr(module, "LINGER_BYTES", 1_000_000)
+async def test_a_body_without_end_after_the_answer(close: bytes) -> None:
     head = b"POST /refuse HTTP/1.1\r\nContent-Length: 100000000000\r\n" + close + HOST + b"\r\n"
     async with serving(app) as edge, edge.connect() as (reader, writer):
         writer.write(head)

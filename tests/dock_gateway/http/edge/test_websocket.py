@@ -147,18 +147,21 @@ async def test_a_message_that_is_finished_in_time() -> None:
         assert await client.recv() == "c"
 
 
-async def test_all_clients_together_send_too_much(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(connection, "UNFINISHED_BODIES", 1)
-    async with serving(app, max_body_bytes=100_000) as edge, raw_websocket(edge) as (reader, writer):
-        writer.write(Frame(Opcode.TEXT, b"x" * 90_000, fin=False).serialize(mask=True))
-        async with raw_websocket(edge) as (other, other_writer), connect(edge.websocket) as small:
-            other_writer.write(Frame(Opcode.TEXT, b"x" * 90_000, fin=False).serialize(mask=True))
-            done, _ = await asyncio.wait(
-                [asyncio.create_task(closed(one)) for one in (reader, other)], return_when=asyncio.FIRST_COMPLETED
-            )
-            assert [task.result() for task in done] == [1013]
-            await small.send("hello")
-            assert await small.recv() == "hello"
+async def test_all_clients_together_send_too_much() -> None:
+    async with AsyncExitStack() as stack:
+        edge = await stack.enter_async_context(serving(app, max_body_bytes=100_000))
+        readers = []
+        for _ in range(connection.UNFINISHED_BODIES + 1):
+            reader, writer = await stack.enter_async_context(raw_websocket(edge))
+            writer.write(Frame(Opcode.TEXT, b"x" * 90_000, fin=False).serialize(mask=True))
+            readers.append(reader)
+        small = await stack.enter_async_context(connect(edge.websocket))
+        done, _ = await asyncio.wait(
+            [asyncio.create_task(closed(one)) for one in readers], return_when=asyncio.FIRST_COMPLETED
+        )
+        assert [task.result() for task in done] == [1013]
+        await small.send("hello")
+        assert await small.recv() == "hello"
 
 
 async def test_pongs_that_are_not_read_are_not_kept() -> None:
