@@ -1,4 +1,3 @@
-import { readFileSync } from "node:fs";
 import { QueryObserver } from "@tanstack/react-query";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
@@ -10,7 +9,7 @@ import "../src/access/UsersPage";
 import { takeFailure } from "../src/access/provider";
 import { ownName, setOwnName } from "../src/access/who";
 import type { Person, Token, User } from "../src/api/access";
-import { NEEDED, whyForbidden } from "../src/api/permissions";
+import { whyForbidden } from "../src/api/permissions";
 import { createQueryClient, pauseWhileUnseen } from "../src/api/queryClient";
 import { ANYBODY, type Role, Session, type SessionState, session } from "../src/api/session";
 import { whyNot } from "../src/operations/operation";
@@ -113,15 +112,6 @@ function answering(tokens: Token[] = [], users: User[] = [], people: Person[] = 
 beforeEach(() => session.set(ANYBODY));
 
 describe("permissions", () => {
-  it("are those of the gateway", () => {
-    const { paths } = JSON.parse(readFileSync("openapi.json", "utf8"));
-    const roles = Object.keys(NEEDED).map((command) => {
-      const [method = "", path = ""] = command.split(" ");
-      return [command, paths[path][method.toLowerCase()]["x-role"]];
-    });
-    expect(Object.fromEntries(roles)).toEqual(NEEDED);
-  });
-
   it("say what role something needs", () => {
     expect(whyForbidden("DELETE /stop")).toBeNull();
     session.set(as("operator"));

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.http.operation import find_operation
+from dock_gateway.http.operation import Scope, find_operation
 from dock_gateway.ros.messages.codec import codec
 
 SECURITY_SCHEMES = {
@@ -99,7 +99,10 @@ def _build(app: FastAPI, unions: list[Union], further: Models, *, authentication
 
 
 def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
-    """Add to each operation the role that it needs, as `x-role`; or, where there is security, that it needs none."""
+    """Add to each operation the role that it needs, as `x-role`; or, where there is security, that it needs none.
+
+    `x-every-robot` is true where it is about every robot: access that is limited to some does not suffice.
+    """
     for route in iter_route_contexts(app.routes):
         operations = document["paths"].get(str(route.path_format), {})
         for operation in (operations.get(method.lower()) for method in route.methods or ()):
@@ -108,6 +111,8 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
             needed = find_operation(route)
             if needed is not None and needed.role is not None:
                 operation["x-role"] = needed.role
+                if needed.scope is Scope.EVERY:
+                    operation["x-every-robot"] = True
             elif "security" in document:
                 operation["security"] = []
 

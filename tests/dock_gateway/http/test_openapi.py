@@ -168,6 +168,11 @@ def test_operations_name_the_role_that_they_need(document: dict[str, Any]) -> No
     }
 
 
+def test_operations_that_are_about_every_robot_say_so(document: dict[str, Any]) -> None:
+    assert document["paths"]["/webhooks"]["get"]["x-every-robot"] is True
+    assert "x-every-robot" not in document["paths"]["/robots"]["get"]
+
+
 def test_names_and_ids_have_patterns(document: dict[str, Any]) -> None:
     for path, item in document["paths"].items():
         for operation in item.values():
