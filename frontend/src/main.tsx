@@ -5,7 +5,7 @@ import { QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { BrowserRouter } from "react-router";
-import { takeFailure } from "./access/provider";
+import { takeFailure } from "./access/ProviderLogin";
 import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
 import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";

@@ -1,10 +1,9 @@
 import { screen, waitFor } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { type AuditRecord, auditExportUrl } from "../src/api/audit";
+import { type AuditRecord, auditExportUrl } from "../src/api/history";
 import { ANYBODY, session } from "../src/api/session";
 import "../src/audit/AuditPage";
-import { NO_FILTER, readFilter, toQuery, writeFilter } from "../src/audit/filter";
-import { whatWords } from "../src/audit/words";
+import { NO_FILTER, readFilter, toQuery, whatWords, writeFilter } from "../src/audit/filter";
 import { fakeGateway, renderPage } from "./page";
 
 const GOAL = "7d9c1c9e-0000-4000-8000-00000000000a";

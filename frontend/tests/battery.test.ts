@@ -2,8 +2,8 @@ import { describe, expect, it } from "vitest";
 import type { GraphTopic } from "../src/api/graph";
 import type { BatteryHistory, BatteryState } from "../src/api/types";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
+import { whoPublishes } from "../src/battery/PublisherCard";
 import { describe as describeQuantity, fromHistory, gapLimit, join } from "../src/battery/points";
-import { whoPublishes } from "../src/battery/publishers";
 import { formatSpread, formatValue, marks, rangeOf } from "../src/battery/quantities";
 import {
   formatCells,
@@ -14,8 +14,7 @@ import {
   statusWords,
   summarize,
 } from "../src/battery/words";
-import { BatterySeries, noPoints, WINDOW_S } from "../src/store/batterySeries";
-import { believed } from "../src/store/believed";
+import { BatterySeries, believed, noPoints, WINDOW_S } from "../src/store/batterySeries";
 import { at, battery } from "./events";
 
 const [low, charging] = PRESETS;

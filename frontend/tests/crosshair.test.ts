@@ -1,5 +1,5 @@
 import { expect, it, vi } from "vitest";
-import { momentIn, momentText, playFrom, stepOf } from "../src/goals/replay";
+import { momentIn, momentText, playFrom, stepOf } from "../src/goals/Replay";
 import { Crosshair, lastUpTo } from "../src/ui/crosshair";
 
 it("a crosshair is where the pointer is, else where it is held", () => {

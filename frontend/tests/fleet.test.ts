@@ -1,6 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { reduceFleet, withStop } from "../src/fleet/reducer";
-import { initialFleet } from "../src/fleet/state";
+import { initialFleet, reduceFleet, withStop } from "../src/fleet/store";
 import { alert, at, latched, released, robot, snapshot } from "./events";
 
 const NOW = Date.parse(at(0));

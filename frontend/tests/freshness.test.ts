@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { freshnessOf } from "../src/store/freshness";
+import { freshnessOf } from "../src/store/context";
 
 it.each([
   ["live", true, 999],

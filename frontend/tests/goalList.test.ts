@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { goalExportUrl, goalsExportUrl } from "../src/api/goals";
 import type { AnyGoal, AnyGoalPage } from "../src/api/types";
 import { isFiltered, matches, NO_FILTER, readFilter, toQuery, writeFilter } from "../src/goals/filter";
-import { mergeGoalList } from "../src/goals/list";
+import { mergeGoalList } from "../src/goals/useGoalList";
 import { at, goal, START } from "./events";
 
 const read = (text: string) => readFilter(new URLSearchParams(text));

@@ -3,12 +3,10 @@ import type { Graph } from "../src/api/graph";
 import { type Elements, elementsOf } from "../src/graph/elements";
 import { filterGraph } from "../src/graph/filter";
 import { flowEdges, flowNodes } from "../src/graph/flow";
-import { levelPath } from "../src/graph/LinkArrow";
-import { layOut, type Place, type Places } from "../src/graph/layout";
-import { layOutNew } from "../src/graph/layoutNew";
-import { linesOf, sizeOf } from "../src/graph/size";
-import { stepFrom } from "../src/graph/steps";
+import { layOut, layOutNew, type Place, type Places, stepFrom } from "../src/graph/layout";
+import { levelPath } from "../src/graph/VertexBox";
 import { DEFAULT_VIEW } from "../src/graph/view";
+import { linesOf, sizeOf } from "../src/graph/words";
 import { endpoint, fleetGraph, node, topic } from "./graph";
 
 const EMPTY: Graph = { nodes: [], topics: [], services: [], actions: [] };

@@ -1,6 +1,6 @@
 import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { Letters, SECOND_WITHIN_MS } from "../src/layout/letters";
+import { Letters, SECOND_WITHIN_MS } from "../src/layout/ShortcutsButton";
 import { robot } from "./events";
 import { fakeGateway, renderPage } from "./page";
 

@@ -1,9 +1,8 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { GatewayEvent, Scene } from "../src/api/types";
-import { FleetScenes } from "../src/pages/map/fleetScenes";
-import { placement } from "../src/pages/map/placement";
-import { FleetStage } from "../src/pages/map/stage";
+import { placement } from "../src/pages/map/MapPage";
+import { FleetScenes, FleetStage } from "../src/pages/map/stage";
 import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
 import { toScreen } from "../src/scene/view";

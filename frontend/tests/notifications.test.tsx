@@ -3,13 +3,13 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { Alert } from "../src/api/types";
 import type { Delivery, Webhook, WebhookBody } from "../src/api/webhooks";
 import { Naming } from "../src/fleet/names";
-import { ALL_ROBOTS } from "../src/fleet/robotChoice";
+import { ALL_ROBOTS } from "../src/fleet/RobotFields";
 import { isWanted } from "../src/notifications/Announcements";
-import { bodyOf, draftOf, errorsOf, switched } from "../src/notifications/draft";
+import { bodyOf, draftOf, errorsOf, switched } from "../src/notifications/WebhookForm";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
 import "../src/notifications/NotificationsPage";
-import { preferences, setPreferences } from "../src/notifications/preferences";
-import { outcomeWords, testWords } from "../src/notifications/words";
+import { preferences, setPreferences } from "../src/notifications/announce";
+import { outcomeWords, testWords } from "../src/notifications/useWebhooks";
 import { fakeGateway, renderPage } from "./page";
 
 const LOW: Alert = {
@@ -181,7 +181,7 @@ describe("this browser", () => {
     const read = async (text: string) => {
       localStorage.setItem("dock-gateway-announcements", text);
       vi.resetModules();
-      return (await import("../src/notifications/preferences")).preferences();
+      return (await import("../src/notifications/announce")).preferences();
     };
     expect(await read(localStorage.getItem("dock-gateway-announcements") ?? "")).toEqual(preferences());
     for (const damaged of ["", "[", "null", "7", '{"sound":"yes","robots":[]}'])

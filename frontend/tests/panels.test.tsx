@@ -5,7 +5,7 @@ import type { GatewayEvent } from "../src/api/types";
 import { BatteryCard } from "../src/battery/BatteryCard";
 import { PublisherCard } from "../src/battery/PublisherCard";
 import { DockingCard } from "../src/docking/DockingCard";
-import { GoalsCard } from "../src/goals/GoalsCard";
+import { GoalsCard } from "../src/goals/GoalsTable";
 import { CurlCard } from "../src/pages/robot/DeveloperPanels";
 import { SceneCard } from "../src/scene/SceneCard";
 import { SimulatorCard } from "../src/simulator/SimulatorCard";

@@ -17,8 +17,7 @@ import {
 } from "../src/scene/view";
 import { describePose, describeScene } from "../src/scene/words";
 import { between, compose, normalizeAngle, toRadians } from "../src/store/geometry";
-import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
-import { JUMP_M, MAX_POINTS, Trail } from "../src/store/trail";
+import { FADE_MS, JUMP_M, MAX_POINTS, SceneBuffer, Trail } from "../src/store/sceneBuffer";
 import { emptyScene } from "./events";
 
 const size = { width: 600, height: 400 };

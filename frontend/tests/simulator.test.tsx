@@ -2,7 +2,7 @@ import { act, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { EventOf } from "../src/api/types";
-import { SCENE_STALE_MS } from "../src/store/freshness";
+import { SCENE_STALE_MS } from "../src/store/context";
 import { at, sceneEvent, simulator } from "./events";
 import { fakeGateway, isDisabled, renderPage } from "./page";
 

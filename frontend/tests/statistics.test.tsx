@@ -1,8 +1,8 @@
 import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 import type { GoalCounts, GoalGroup, Statistics } from "../src/api/types";
+import { goalsLink, percent } from "../src/statistics/cells";
 import { readView, toQuery, writeView } from "../src/statistics/view";
-import { goalsLink, percent } from "../src/statistics/words";
 import { dayOf } from "../src/ui/time";
 import { zoneName } from "../src/ui/zone";
 import { fakeGateway, renderPage } from "./page";

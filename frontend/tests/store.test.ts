@@ -2,8 +2,8 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { GatewayEvent } from "../src/api/types";
 import { BEAT_MS } from "../src/clock/beat";
-import { RENDER_INTERVAL_MS } from "../src/store/shown";
 import { Store } from "../src/store/store";
+import { RENDER_INTERVAL_MS } from "../src/store/streamStore";
 import { at, batteryEvent, feedback, goal, result, START, snapshot, status } from "./events";
 
 /** Until the first frame after the next beat. */

@@ -1,8 +1,7 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { newBuild } from "../src/pages/wall/newBuild";
 import { gridFor } from "../src/pages/wall/Tile";
-import { PAGE_MS } from "../src/pages/wall/WallPage";
+import { newBuild, PAGE_MS } from "../src/pages/wall/WallPage";
 import { alert, at, goal, latched, robot } from "./events";
 import { fakeGateway, pressEscape, renderPage } from "./page";
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { describeVelocity } from "../src/docking/VelocityLine";
 import { rate } from "../src/goal/facts";
+import { describeVelocity } from "../src/scene/SceneCard";
 import { formatDuration, formatTime } from "../src/ui/time";
 import { at, cmdVel } from "./events";
 

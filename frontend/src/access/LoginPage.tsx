@@ -1,5 +1,5 @@
 import { Paper, Stack, Text, Title } from "@mantine/core";
-import { usePageTitle } from "../ui/PageTitle";
+import { usePageTitle } from "../ui/Section";
 import classes from "./access.module.css";
 import LoginForm from "./LoginForm";
 

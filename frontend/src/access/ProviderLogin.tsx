@@ -1,6 +1,5 @@
 import { Alert, Anchor, Button, Stack, Text } from "@mantine/core";
 import type { Provider } from "../api/session";
-import { failureWords, loginAddress } from "./provider";
 
 /** Leads to the identity provider, where people log in. */
 export function ProviderLogin({ provider: { name, logout_url } }: { provider: Provider }) {
@@ -29,4 +28,39 @@ export function ProviderLogin({ provider: { name, logout_url } }: { provider: Pr
       </Text>
     </Stack>
   );
+}
+
+/** Where a login with the identity provider begins; it leads back to this page. */
+function loginAddress({ pathname, search }: Location): string {
+  return `/session/oidc?${new URLSearchParams({ page: pathname + search })}`;
+}
+
+const PARAMETER = "login_error";
+let failure: string | null = null;
+
+/** Takes out of the address why a login with the identity provider has failed; to be called before the page is shown. */
+export function takeFailure({ location, history }: Window): void {
+  const url = new URL(location.href);
+  failure = url.searchParams.get(PARAMETER);
+  if (failure === null) return;
+  url.searchParams.delete(PARAMETER);
+  history.replaceState(history.state, "", url);
+}
+
+/** Why the login before this page has failed, in a sentence; null where none has. */
+function failureWords(provider: string): string | null {
+  switch (failure) {
+    case null:
+      return null;
+    case "no_role":
+      return `${provider} knows you, but you have no role here. Ask an admin for one.`;
+    case "provider_unavailable":
+      return `${provider} does not answer. Try again in a minute, or log in with a password or a token.`;
+    case "history_unavailable":
+      return "The gateway's database does not answer. Try again in a minute.";
+    case "too_many_logins":
+      return "There were too many failed logins. Try again in some minutes.";
+    default:
+      return "The login was canceled, took too long, or was begun in another tab as well. Try again.";
+  }
 }

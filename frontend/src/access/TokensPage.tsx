@@ -3,21 +3,20 @@ import type { UseMutationResult } from "@tanstack/react-query";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
 import type { CommandError } from "../api/errors";
-import { useForbidden } from "../api/permissions";
+import { useForbidden } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Trouble } from "../ui/errors";
 import { Fact } from "../ui/Fact";
-import { PageTitle } from "../ui/PageTitle";
 import { ReasonButton } from "../ui/ReasonButton";
+import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { AccountItem } from "./AccountItem";
 import classes from "./access.module.css";
+import { TokenForm } from "./accountForms";
+import { AccountItem, useTokens } from "./accounts";
 import { OpenNotice } from "./OpenNotice";
-import { TokenForm } from "./TokenForm";
-import { useTokens } from "./useAccounts";
 import { loginName } from "./who";
 
 /** The tokens of those who use the gateway; for admins. */
@@ -122,7 +121,7 @@ interface RevokeDialogProps {
 }
 
 /** Asks before a token is revoked, and says what ends with it. */
-export function RevokeDialog({ token, revoke, onClose }: RevokeDialogProps) {
+function RevokeDialog({ token, revoke, onClose }: RevokeDialogProps) {
   return (
     <RemovalDialog
       title={`Revoke the token of ${token?.name}?`}
@@ -154,7 +153,7 @@ interface TokenItemProps {
 }
 
 /** A token: whose it is, what they may do, and until when. */
-export function TokenItem({ token, reason, onRevoke }: TokenItemProps) {
+function TokenItem({ token, reason, onRevoke }: TokenItemProps) {
   const { name, expires_at, used_at, valid } = token;
   return (
     <AccountItem

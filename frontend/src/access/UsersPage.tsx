@@ -2,20 +2,18 @@ import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
 import type { Person, User } from "../api/access";
-import { useForbidden } from "../api/permissions";
-import { useSession } from "../api/session";
+import { useForbidden, useSession } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Trouble } from "../ui/errors";
 import { Fact } from "../ui/Fact";
-import { PageTitle } from "../ui/PageTitle";
 import { ReasonButton } from "../ui/ReasonButton";
+import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { AccountItem, sessionWords } from "./AccountItem";
+import { UserForm } from "./accountForms";
+import { AccountItem, sessionWords, usePeople, useUsers } from "./accounts";
 import { OpenNotice } from "./OpenNotice";
-import { UserForm } from "./UserForm";
-import { usePeople, useUsers } from "./useAccounts";
 import { loginName } from "./who";
 
 /** Those who log in with a name and a password, or with the identity provider; for admins. */
@@ -110,7 +108,7 @@ export default function UsersPage() {
 }
 
 /** Who is logged in with the identity provider; for admins. Nothing can be changed but that. */
-export function PeopleList({ provider, reason }: { provider: string; reason: string | null }) {
+function PeopleList({ provider, reason }: { provider: string; reason: string | null }) {
   const { people, error, refetch, logOut } = usePeople();
   const endSessions = ({ name }: Person) =>
     logOut.mutate(name, {
@@ -173,7 +171,7 @@ interface UserItemProps {
 }
 
 /** A user: what they may do, and where they are logged in. */
-export function UserItem({ user, reason, onEdit, onLogOut, onRemove }: UserItemProps) {
+function UserItem({ user, reason, onEdit, onLogOut, onRemove }: UserItemProps) {
   const { name, logged_in_at, disabled, sessions } = user;
   return (
     <AccountItem

@@ -7,16 +7,15 @@ import type { ActionInfo, AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { isTerminal } from "../store/goals";
 import { CommandErrorAlert } from "../ui/errors";
-import { usePageTitle } from "../ui/PageTitle";
-import { Section } from "../ui/Section";
+import { Section, usePageTitle } from "../ui/Section";
 import { sentence } from "../ui/text";
 import { ServerBadge } from "./ActionsTable";
+import { useActions, useSchemas } from "./actions";
 import classes from "./actions.module.css";
 import { shapeOf } from "./form/shapes";
 import { GoalForm } from "./GoalForm";
 import { GoalWatch } from "./GoalWatch";
 import { RecentGoals, useGoalsOf } from "./RecentGoals";
-import { useActions, useSchemas } from "./useActions";
 import { startingMessage, useDraft } from "./useDraft";
 
 /** One action, by the name in the address: a goal to send, to watch and to cancel. */

@@ -3,11 +3,9 @@ import { useSearchParams } from "react-router";
 import type { ActionInfo } from "../api/types";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
-import { PageTitle } from "../ui/PageTitle";
-import { Section } from "../ui/Section";
+import { PageTitle, Section } from "../ui/Section";
 import { ActionsTable } from "./ActionsTable";
-import { useActions } from "./useActions";
-import { sendLine } from "./words";
+import { sendLine, useActions } from "./actions";
 
 /** With fewer than this nobody has to search. */
 const MANY = 6;
@@ -86,7 +84,7 @@ function Skeletons() {
 }
 
 /** The next step where there is no action to try. */
-export function TryFibonacci() {
+function TryFibonacci() {
   const { origin } = window.location;
   return (
     <Section title="An action to try">

@@ -3,21 +3,22 @@ import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
 import type { ActionSchemas } from "../api/actions";
 import { createGoalsApi } from "../api/goals";
+import type { JsonSchema } from "../api/jsonSchema";
 import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { FleetStore } from "../fleet/store";
-import { FeedbackCount, GoalDuration, GoalStatusBadge } from "../goal/facts";
-import { GoalExplanation } from "../goal/GoalExplanation";
-import { whyNotCancel } from "../goal/reasons";
+import { FeedbackCount, GoalDuration, GoalExplanation, GoalStatusBadge } from "../goal/facts";
+import { whyNotCancel } from "../goal/words";
 import { isTerminal } from "../store/goals";
 import { openStream, streamUrl } from "../stream/stream";
 import { CommandErrorAlert } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";
+import { MessageTree } from "../ui/MessageTree";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { MessageView } from "./MessageView";
+import classes from "./actions.module.css";
 
 /** A goal of the action as it goes: the one that was sent from here, or the newest. */
 export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas: ActionSchemas }) {
@@ -120,14 +121,14 @@ function Messages({ goal, schemas }: { goal: AnyGoal; schemas: ActionSchemas }) 
   );
 }
 
-export interface Followed {
+interface Followed {
   goal: AnyGoal | null;
   /** When its latest feedback messages came (ms), oldest first. */
   arrivals: readonly number[];
 }
 
 /** A goal with its feedback as it comes: five times a second at most, where all goals have it more rarely. */
-export function useGoal(goalId: string | null): Followed {
+function useGoal(goalId: string | null): Followed {
   const [store, setStore] = useState<FleetStore | null>(null);
   useEffect(() => {
     if (goalId === null) return;
@@ -150,4 +151,76 @@ export function useGoal(goalId: string | null): Followed {
     goal: (goals?.get(goalId) ?? fleet.get(goalId) ?? null) as AnyGoal | null,
     arrivals: store?.get("arrivals").get(goalId) ?? [],
   };
+}
+
+interface MessageViewProps {
+  title: string;
+  message: Record<string, unknown>;
+  schema: JsonSchema;
+  /** Whether more of it is to come. */
+  growing: boolean;
+}
+
+/** A feedback or a result: whole numbers in a row as a sequence, the rest as a tree. */
+function MessageView({ title, message, schema, growing }: MessageViewProps) {
+  const entries = Object.entries(message);
+  const rest = Object.fromEntries(entries.filter(([, value]) => !isSequence(value)));
+  return (
+    <>
+      {entries.map(
+        ([name, value]) =>
+          isSequence(value) && <Sequence key={name} name={name} numbers={value} growing={growing} />,
+      )}
+      {(Object.keys(rest).length > 0 || entries.length === 0) && (
+        <div>
+          <Text size="sm" mb={4}>
+            {title}
+          </Text>
+          <MessageTree value={rest} schema={schema} label={title} />
+        </div>
+      )}
+    </>
+  );
+}
+
+function isSequence(value: unknown): value is number[] {
+  return Array.isArray(value) && value.length > 0 && value.every(Number.isInteger);
+}
+
+/** Numbers that are shown; the newest of them. */
+const MAX_SHOWN = 60;
+
+/** An array of numbers that grows: the newest marked, where it still does. */
+function Sequence({
+  name,
+  numbers,
+  growing,
+}: {
+  name: string;
+  numbers: readonly number[];
+  growing: boolean;
+}) {
+  const earlier = Math.max(0, numbers.length - MAX_SHOWN);
+  return (
+    <div>
+      <Text size="sm" mb={4}>
+        {name}{" "}
+        <Text span c="dimmed" inherit>
+          · {numbers.length} {numbers.length === 1 ? "number" : "numbers"}
+          {earlier > 0 && `, the first ${earlier} not shown`}
+        </Text>
+      </Text>
+      <ol
+        className={classes.sequence}
+        aria-label={name}
+        data-growing={growing || undefined}
+        start={earlier + 1}
+      >
+        {numbers.slice(earlier).map((number, index) => (
+          // biome-ignore lint/suspicious/noArrayIndexKey: a number is known by its place alone
+          <li key={earlier + index}>{number.toLocaleString()}</li>
+        ))}
+      </ol>
+    </div>
+  );
 }

@@ -8,10 +8,10 @@ import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { newestFirst } from "../store/goals";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
+import { useActionsApi } from "./actions";
 import classes from "./actions.module.css";
 import { spaced, withoutDefaults } from "./form/draft";
 import type { MessageShape } from "./form/shapes";
-import { useActionsApi } from "./useActions";
 
 const SHOWN = 10;
 

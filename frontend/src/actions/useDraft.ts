@@ -11,8 +11,7 @@ import {
   withField,
   withText,
 } from "./form/draft";
-import type { MessageShape } from "./form/shapes";
-import type { Path, Value } from "./form/values";
+import type { MessageShape, Path, Value } from "./form/shapes";
 import type { FieldError } from "./form/write";
 
 const DRAFT = "draft";

@@ -1,9 +1,19 @@
-import { Button, Group, Paper, Text, Title } from "@mantine/core";
-import { memo, useId, useMemo, useState } from "react";
+import { Anchor, Button, Group, Paper, Stack, Text, TextInput, Title } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { type FormEvent, memo, useId, useMemo, useState } from "react";
+import { Link } from "react-router";
+import { MAX_NAME, ownName, setOwnName } from "../access/who";
+import { createAlerts } from "../api/client";
 import type { Alert } from "../api/types";
-import { useFleetTopic, useNaming } from "../fleet/context";
-import { AlertItem } from "./AlertItem";
+import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
+import { robotPath } from "../fleet/names";
+import { Dialog } from "../ui/Dialog";
+import { CommandErrorAlert } from "../ui/errors";
+import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
+import { Time } from "../ui/Time";
 import classes from "./alerts.module.css";
+import { SeverityMark } from "./marks";
 import { alertsOf, openAlerts, urgentFirst } from "./order";
 
 /** So many are shown before somebody asks for the others. */
@@ -72,4 +82,173 @@ function outsideWords(outside: readonly Alert[]): string {
   const hidden =
     outside.length === 1 ? "1 alert of another robot is" : `${outside.length} alerts of other robots are`;
   return `${hidden} hidden by the group filter${critical > 0 ? `, ${critical} critical` : ""}.`;
+}
+
+/** One alert: what it is, what to do, and who has seen it. */
+const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
+  const naming = useNaming();
+  const { id, robot, severity, title, detail, since, goal_id, acknowledged } = alert;
+  const what = robot === null ? title : `${title}: ${naming.fullNameOf(robot)}`;
+  return (
+    <li
+      className={classes.alert}
+      data-severity={severity}
+      data-acknowledged={acknowledged !== null || undefined}
+    >
+      <SeverityMark mark={acknowledged === null ? severity : "acknowledged"} />
+      <div className={classes.words}>
+        <Text fw={600}>
+          {title}
+          {robot !== null && (
+            <>
+              {": "}
+              <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
+                {naming.fullNameOf(robot)}
+              </Anchor>
+            </>
+          )}
+        </Text>
+        <Text size="sm">{detail}</Text>
+        <Text size="sm" c="dimmed">
+          {severity === "critical" ? "Critical" : "Warning"}, since <Time value={since} />
+          {goal_id !== null && (
+            <>
+              {". "}
+              <Anchor component={Link} to={`/ui/goals/${goal_id}`} underline="always">
+                See the goal
+              </Anchor>
+            </>
+          )}
+        </Text>
+      </div>
+      {acknowledged === null ? (
+        <AcknowledgeButton id={id} what={what} />
+      ) : (
+        <Acknowledged id={id} what={what} {...acknowledged} />
+      )}
+    </li>
+  );
+});
+
+interface AcknowledgedProps {
+  id: string;
+  what: string;
+  by: string;
+  at: string;
+}
+
+function Acknowledged({ id, what, by, at }: AcknowledgedProps) {
+  const { http, store } = useFleet();
+  const withdraw = useCommand(async () => store.setAlert(await createAlerts(http).withdraw(id)));
+  const reason = useWhyNotAnswer(withdraw.isPending);
+  return (
+    <>
+      <Group gap="xs" className={classes.answer}>
+        <Text size="sm" role="status">
+          Acknowledged by <strong>{by}</strong> at <Time value={at} />
+        </Text>
+        <ReasonButton
+          variant="subtle"
+          size="compact-sm"
+          reason={reason}
+          aria-label={`Withdraw: ${what}`}
+          onClick={() => withdraw.mutate()}
+        >
+          Withdraw
+        </ReasonButton>
+      </Group>
+      {withdraw.error !== null && (
+        <div className={classes.failed}>
+          <CommandErrorAlert command="Withdraw" error={withdraw.error} onClose={withdraw.reset} />
+        </div>
+      )}
+    </>
+  );
+}
+
+/** Acknowledges an alert with the name that was given on this computer; asks for one where there is none. */
+function AcknowledgeButton({ id, what }: { id: string; what: string }) {
+  const { http, store } = useFleet();
+  const [asking, ask] = useDisclosure(false);
+  const acknowledge = useCommand(async (by: string) =>
+    store.setAlert(await createAlerts(http).acknowledge(id, by)),
+  );
+  const reason = useWhyNotAnswer(acknowledge.isPending);
+  const press = () => {
+    const name = ownName().trim();
+    if (name === "") ask.open();
+    else acknowledge.mutate(name);
+  };
+  return (
+    <>
+      <ReasonButton
+        variant="default"
+        size="compact-sm"
+        className={classes.answer ?? ""}
+        reason={reason}
+        {...(reason === null ? { title: "Says to everybody that you have seen it" } : {})}
+        aria-label={`Acknowledge: ${what}`}
+        onClick={press}
+      >
+        Acknowledge
+      </ReasonButton>
+      {acknowledge.error !== null && (
+        <div className={classes.failed}>
+          <CommandErrorAlert command="Acknowledge" error={acknowledge.error} onClose={acknowledge.reset} />
+        </div>
+      )}
+      <Dialog opened={asking} onClose={ask.close} title="Acknowledge as">
+        <NameForm
+          onName={(name) => {
+            setOwnName(name);
+            ask.close();
+            acknowledge.mutate(name);
+          }}
+        />
+      </Dialog>
+    </>
+  );
+}
+
+/** Why an alert can neither be acknowledged nor the acknowledgement be withdrawn now; null where it can. */
+function useWhyNotAnswer(sending: boolean): string | null {
+  const reason = useWhyNot("PUT /alerts/{alert_id}/acknowledgement");
+  return reason ?? (sending ? "The gateway has not answered yet." : null);
+}
+
+function NameForm({ onName }: { onName: (name: string) => void }) {
+  const [name, setName] = useState("");
+  const given = name.trim();
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (given !== "") onName(given);
+  };
+  return (
+    <form onSubmit={submit}>
+      <Stack gap="md">
+        <Text size="sm">
+          Everybody who has this dashboard open reads that you have seen the alert and look after it. It stays
+          in the list until what it is about is over.
+        </Text>
+        <TextInput
+          label="Your name"
+          description="It is kept in this browser, for the next time and for Stop."
+          autoComplete="name"
+          maxLength={MAX_NAME}
+          value={name}
+          onChange={(event) => setName(event.currentTarget.value)}
+          data-autofocus
+        />
+        <Group justify="flex-end">
+          <Button
+            type="submit"
+            disabled={given === ""}
+            title={given === "" ? "Type your name first." : undefined}
+          >
+            Acknowledge
+          </Button>
+        </Group>
+      </Stack>
+    </form>
+  );
 }

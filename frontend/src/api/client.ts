@@ -116,7 +116,7 @@ export function createAlerts(http: Http) {
   };
 }
 
-export type RobotLabel = components["schemas"]["Label"];
+type RobotLabel = components["schemas"]["Label"];
 
 /** Replaces the display name and the groups of a robot; throws a CommandError where it fails. */
 export function putLabel(http: Http, label: RobotLabel): Promise<RobotLabel> {

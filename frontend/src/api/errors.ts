@@ -19,7 +19,7 @@ export class CommandError extends Error {
 }
 
 /** What is wrong with a field of what was sent. */
-export interface FieldProblem {
+interface FieldProblem {
   path: string;
   expected?: string;
   detail: string;

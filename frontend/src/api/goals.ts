@@ -112,7 +112,7 @@ type StatusEvent = Extract<Schemas["GoalHistory"]["events"][number], { type: "st
 const MAX_PAGES = 5;
 
 /** The statuses of a goal with its stages, oldest first. */
-export interface Statuses {
+interface Statuses {
   events: StatusEvent[];
   /** False where the history does not reach back to the goal's beginning. */
   complete: boolean;

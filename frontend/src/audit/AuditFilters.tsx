@@ -3,8 +3,17 @@ import { type KeyboardEvent, useEffect, useState } from "react";
 import { useFleet, useRobotOptions } from "../fleet/context";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./audit.module.css";
-import { type AuditFilter, GOAL_ID, NO_FILTER, OUTCOMES, type Outcome, writeFilter } from "./filter";
-import { OUTCOME_WORDS, WHAT_WORDS, whatWords } from "./words";
+import {
+  type AuditFilter,
+  GOAL_ID,
+  NO_FILTER,
+  OUTCOME_WORDS,
+  OUTCOMES,
+  type Outcome,
+  WHAT_WORDS,
+  whatWords,
+  writeFilter,
+} from "./filter";
 
 interface AuditFiltersProps {
   filter: AuditFilter;

@@ -1,4 +1,5 @@
-import type { AuditQuery, AuditRecord } from "../api/audit";
+import type { AuditQuery, AuditRecord } from "../api/history";
+import { sentence } from "../ui/text";
 import { ANY_TIME, readTimeRange, type TimeRange, timeQuery, writeTimeRange } from "../ui/timeRange";
 
 export type Outcome = AuditRecord["outcome"];
@@ -54,3 +55,53 @@ function named({ principal, what, robot, goalId, outcome }: AuditFilter): Record
   const values = { principal, what, robot, goal_id: goalId, outcome: outcome ?? "" };
   return Object.fromEntries(Object.entries(values).filter(([, value]) => value !== ""));
 }
+
+/** What is recorded, in a few words: requests by their operation, commands of `/ws`, and remarks of the gateway. */
+export const WHAT_WORDS: Readonly<Record<string, string>> = {
+  stop: "Stop",
+  release_stop: "Release the stop",
+  dock: "Dock",
+  undock: "Undock",
+  send_goal: "Send a goal",
+  send_action_goal: "Send a goal",
+  cancel_goal: "Cancel a goal",
+  cancel_any_goal: "Cancel a goal",
+  cancel_undock_goal: "Cancel undocking",
+  cancel_action_goal: "Cancel a goal of an action",
+  log_in: "Log in",
+  issue_ticket: "Get a ticket for a WebSocket",
+  log_out: "Log out",
+  create_token: "Create a token",
+  revoke_token: "Revoke a token",
+  acknowledge: "Acknowledge an alert",
+  withdraw_acknowledgement: "Withdraw an acknowledgement",
+  add_note: "Add a note",
+  delete_note: "Delete a note",
+  replace_tags: "Change tags",
+  label_robot: "Name a robot",
+  replace_rule: "Change a docking rule",
+  remove_rule: "Remove a docking rule",
+  replace_webhook: "Change a webhook",
+  remove_webhook: "Remove a webhook",
+  test_webhook: "Test a webhook",
+  publish_battery: "Publish a battery state",
+  start_publisher: "Publish battery states",
+  stop_publisher: "Stop publishing battery states",
+  stop_publishing: "Stop publishing battery states",
+  calibrate_dock: "Calibrate a dock",
+  reset_simulator: "Reset the simulator",
+  place_robot: "Place the simulated robot",
+  switch_fault: "Switch a simulated fault",
+  export_goals: "Export goals",
+  export_goal: "Export a goal",
+  list_audit: "Read the audit log",
+  export_audit: "Export the audit log",
+  more_requests: "Requests without a valid token",
+  entries_lost: "Records lost",
+};
+
+export function whatWords(what: string): string {
+  return WHAT_WORDS[what] ?? sentence(what.replaceAll("_", " "));
+}
+
+export const OUTCOME_WORDS: Record<Outcome, string> = { done: "Done", refused: "Refused", failed: "Failed" };

@@ -1,7 +1,7 @@
 import { useInfiniteQuery } from "@tanstack/react-query";
-import { type AuditPage, type AuditRecord, listAudit } from "../api/audit";
 import { type CommandError, toCommandError } from "../api/errors";
-import { useForbidden } from "../api/permissions";
+import { type AuditPage, type AuditRecord, listAudit } from "../api/history";
+import { useForbidden } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { useZone } from "../ui/zone";
 import { type AuditFilter, toQuery, writeFilter } from "./filter";

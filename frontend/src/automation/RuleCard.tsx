@@ -1,16 +1,19 @@
-import { SegmentedControl } from "@mantine/core";
+import { Anchor, Button, Group, List, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { ownName } from "../access/who";
+import { useState } from "react";
+import { Link } from "react-router";
+import { NameInput, ownName, setOwnName, useOwnName } from "../access/who";
 import type { Rule, RuleMode } from "../api/automation";
 import { useNaming, useWhyNot } from "../fleet/context";
-import { robotsWords } from "../fleet/robotChoice";
+import { robotPath } from "../fleet/names";
+import { robotsWords } from "../fleet/RobotFields";
+import { Dialog } from "../ui/Dialog";
 import { EntryCard } from "../ui/EntryCard";
 import { CommandErrorAlert } from "../ui/errors";
+import classes from "./automation.module.css";
 import { withMode } from "./draft";
-import { RobotWaits } from "./RobotWaits";
-import { SwitchOn } from "./SwitchOn";
-import { useRuleCommands } from "./useAutomation";
-import { conditionWords, MODES } from "./words";
+import { useRuleCommands } from "./rules";
+import { conditionWords, MODES, WAITS } from "./words";
 
 const MODE_OPTIONS = Object.entries(MODES).map(([value, label]) => ({ value, label }));
 
@@ -60,4 +63,96 @@ export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
       />
     </EntryCard>
   );
+}
+
+/** The robots that a rule applies to now, and what it waits for. */
+function RobotWaits({ rule }: { rule: Rule }) {
+  const naming = useNaming();
+  const count = rule.applies_to.length;
+  if (count === 0) {
+    return (
+      <Text size="sm" c="dimmed">
+        Applies to no robot now
+      </Text>
+    );
+  }
+  return (
+    <details className={classes.waits}>
+      <summary>Applies to {count === 1 ? "one robot" : `${count} robots`} now</summary>
+      <ul>
+        {rule.applies_to.map(({ robot, waits_for }) => (
+          <li key={robot}>
+            <Anchor component={Link} to={robotPath(robot)} size="sm" underline="always">
+              {naming.fullNameOf(robot)}
+            </Anchor>
+            {rule.mode !== "off" && (
+              <Text span size="sm" c="dimmed">
+                {WAITS[waits_for]}
+              </Text>
+            )}
+          </li>
+        ))}
+      </ul>
+    </details>
+  );
+}
+
+interface SwitchOnProps {
+  rule: Rule;
+  opened: boolean;
+  onClose: () => void;
+  onSwitch: (by: string | null) => void;
+}
+
+/** Asks before robots move by themselves, with the names of those that this is about. */
+function SwitchOn({ rule, opened, onClose, onSwitch }: SwitchOnProps) {
+  return (
+    <Dialog opened={opened} onClose={onClose} title={`Switch on ${rule.name}?`}>
+      {opened && <Question rule={rule} onClose={onClose} onSwitch={onSwitch} />}
+    </Dialog>
+  );
+}
+
+function Question({ rule, onClose, onSwitch }: Omit<SwitchOnProps, "opened">) {
+  const naming = useNaming();
+  const [name, setName] = useState(useOwnName());
+  const robots = rule.applies_to.map(({ robot }) => naming.fullNameOf(robot));
+  return (
+    <Stack gap="md">
+      <Text size="sm">{willDrive(robots.length)}</Text>
+      {robots.length > 0 && (
+        <List size="sm" className={classes.names ?? ""}>
+          {robots.map((robot) => (
+            <List.Item key={robot}>{robot}</List.Item>
+          ))}
+        </List>
+      )}
+      <Text size="sm" fw={600}>
+        {conditionWords(rule)}
+      </Text>
+      <Text size="sm">Check that the ways to the docks are clear.</Text>
+      <NameInput value={name} description="Shown with the rule." onChange={setName} />
+      <Group justify="flex-end" gap="sm">
+        <Button variant="default" onClick={onClose} data-autofocus>
+          Cancel
+        </Button>
+        <Button
+          onClick={() => {
+            setOwnName(name.trim());
+            onSwitch(name.trim() || null);
+          }}
+        >
+          Switch on
+        </Button>
+      </Group>
+    </Stack>
+  );
+}
+
+function willDrive(robots: number): string {
+  if (robots === 0)
+    return "It applies to no robot now. Robots that it applies to later dock without being asked.";
+  return robots === 1
+    ? "This robot will drive to its dock without being asked:"
+    : `These ${robots} robots will drive to their docks without being asked:`;
 }

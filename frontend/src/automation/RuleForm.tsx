@@ -1,17 +1,36 @@
-import { Alert, SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
-import { type FormEvent, useState } from "react";
-import { NameInput } from "../access/NameInput";
-import { ownName, setOwnName } from "../access/who";
+import {
+  Alert,
+  Checkbox,
+  Group,
+  NumberInput,
+  SegmentedControl,
+  Select,
+  SimpleGrid,
+  Stack,
+  TagsInput,
+  Text,
+  TextInput,
+} from "@mantine/core";
+import { type FormEvent, useMemo, useState } from "react";
+import { NameInput, ownName, setOwnName } from "../access/who";
 import type { Rule } from "../api/automation";
 import { useFleetTopic, useNaming } from "../fleet/context";
-import { RobotFields } from "../fleet/RobotFields";
-import { isCovered } from "../fleet/robotChoice";
+import { isCovered, RobotFields } from "../fleet/RobotFields";
 import { SaveBar } from "../ui/Dialog";
 import { newId } from "../ui/text";
-import { BatteryFields } from "./BatteryFields";
-import { bodyOf, type Draft, draftOf, errorsOf, MAX_NAME } from "./draft";
-import { ScheduleFields } from "./ScheduleFields";
-import { useRuleCommands } from "./useAutomation";
+import {
+  bodyOf,
+  type Draft,
+  type DraftErrors,
+  draftOf,
+  errorsOf,
+  MAX_IDLE_S,
+  MAX_NAME,
+  MAX_TIMES,
+  MIN_IDLE_S,
+} from "./draft";
+import { useRuleCommands } from "./rules";
+import { dayWords, WEEKDAYS } from "./words";
 
 interface RuleFormProps {
   /** Null for a new one. */
@@ -98,5 +117,83 @@ function Covered({ draft }: { draft: Draft }) {
     <Text size="sm" c="dimmed" aria-live="polite">
       {robots.length === 0 ? "Applies to no robot now" : `Applies now to ${names}`}
     </Text>
+  );
+}
+
+interface FieldsProps {
+  draft: Draft;
+  errors: DraftErrors;
+  onChange: (part: Partial<Draft>) => void;
+}
+
+/** How low the battery has to be, and for how long the robot idle. */
+function BatteryFields({ draft, errors, onChange }: FieldsProps) {
+  return (
+    <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="sm">
+      <NumberInput
+        label="Battery below"
+        suffix=" %"
+        min={0.1}
+        max={100}
+        step={5}
+        decimalScale={1}
+        value={draft.below}
+        error={errors.below}
+        onChange={(below) => onChange({ below })}
+      />
+      <NumberInput
+        label="And idle for"
+        suffix=" s"
+        min={MIN_IDLE_S}
+        max={MAX_IDLE_S}
+        step={10}
+        allowDecimal={false}
+        value={draft.idleSeconds}
+        error={errors.idleSeconds}
+        onChange={(idleSeconds) => onChange({ idleSeconds })}
+      />
+    </SimpleGrid>
+  );
+}
+
+/** At which times, on which days, and in which time zone. */
+function ScheduleFields({ draft, errors, onChange }: FieldsProps) {
+  const zones = useMemo(
+    () => [...new Set([draft.timeZone, "UTC", ...Intl.supportedValuesOf("timeZone")])].sort(),
+    [draft.timeZone],
+  );
+  return (
+    <Stack gap="sm">
+      <TagsInput
+        label="Times"
+        description="HH:MM; Enter adds one."
+        maxTags={MAX_TIMES}
+        value={draft.times}
+        error={errors.times}
+        onChange={(times) => onChange({ times })}
+        acceptValueOnBlur
+      />
+      <Checkbox.Group
+        label="Days"
+        value={draft.weekdays}
+        error={errors.weekdays}
+        onChange={(weekdays) => onChange({ weekdays })}
+      >
+        <Group gap="sm" mt={4}>
+          {WEEKDAYS.map((day) => (
+            <Checkbox key={day} value={day} label={dayWords(day)} />
+          ))}
+        </Group>
+      </Checkbox.Group>
+      <Select
+        label="Time zone"
+        searchable
+        allowDeselect={false}
+        limit={100}
+        data={zones}
+        value={draft.timeZone}
+        onChange={(zone) => zone !== null && onChange({ timeZone: zone })}
+      />
+    </Stack>
   );
 }

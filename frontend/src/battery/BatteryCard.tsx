@@ -4,22 +4,23 @@ import { Suspense, useId, useState } from "react";
 import type { BatteryState } from "../api/types";
 import { useAtTime } from "../clock/clock";
 import { FreshnessBadge } from "../fleet/badges";
-import { useServices, useTopicPart } from "../store/context";
-import { useFreshness } from "../store/freshness";
-import { RENDER_INTERVAL_MS } from "../store/shown";
+import { useFreshness, useServices, useTopicPart } from "../store/context";
+import { RENDER_INTERVAL_MS } from "../store/streamStore";
 import { Fact, FactList } from "../ui/Fact";
 import { lazyPart } from "../ui/lazyPart";
 import { Section } from "../ui/Section";
 import { formatDuration } from "../ui/time";
 import plotClasses from "./BatteryPlots.module.css";
 import classes from "./battery.module.css";
-import { ChargeBar, chargeOf } from "./ChargeBar";
 import {
+  CHARGING,
+  FULL,
   formatCells,
   formatPercentage,
   formatQuantity,
   HEALTH_WORDS,
   implausibleWords,
+  isLow,
   statusWords,
   TECHNOLOGY_WORDS,
 } from "./words";
@@ -234,5 +235,39 @@ export function BatteryPlotsCard() {
         <BatteryPlots />
       </Suspense>
     </Section>
+  );
+}
+
+export type Charge = "charging" | "low" | "ok";
+
+/**
+ * What the colour of a battery's bar says.
+ *
+ * @param charging What the gateway knows beyond the status; null where that is nothing.
+ */
+export function chargeOf(
+  state: { percentage: number | null; power_supply_status: number },
+  lowBelow: number,
+  charging: boolean | null = null,
+): Charge {
+  const status = state.power_supply_status;
+  if (charging || status === CHARGING || status === FULL) return "charging";
+  return isLow(state, lowBelow) ? "low" : "ok";
+}
+
+interface ChargeBarProps {
+  /** In percent; null where it is not measured. */
+  filled: number | null;
+  charge: Charge;
+  /** It is not how the battery is now. */
+  old?: boolean;
+}
+
+/** How full a battery is. Its words are beside it. */
+export function ChargeBar({ filled, charge, old = false }: ChargeBarProps) {
+  return (
+    <span className={classes.bar} data-charge={charge} data-old={old || undefined} aria-hidden="true">
+      {filled !== null && <span style={{ inlineSize: `${filled}%` }} />}
+    </span>
   );
 }

@@ -56,7 +56,7 @@ interface CellsFieldProps extends FieldsProps {
 }
 
 /** A value for each cell of a battery; an empty one is not measured. */
-export function CellsField({ form, onChange, field, label, step }: CellsFieldProps) {
+function CellsField({ form, onChange, field, label, step }: CellsFieldProps) {
   const cells = form[field];
   const change = (next: NumberInputValue[]) => onChange({ [field]: next });
   return (

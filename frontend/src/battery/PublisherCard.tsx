@@ -1,8 +1,12 @@
-import { Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
+import { Alert, Badge, Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
+import { useQuery } from "@tanstack/react-query";
 import { Suspense, useId, useState } from "react";
-import { useForbidden } from "../api/permissions";
-import { useLive, useServices, useTopicPart } from "../store/context";
+import { findTopic, type GraphTopic, gatewayNode } from "../api/graph";
+import { useForbidden } from "../api/session";
+import type { Publisher } from "../api/types";
+import { useFleet, useFleetPart } from "../fleet/context";
+import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -11,7 +15,6 @@ import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { MainFields } from "./BatteryFields";
 import { type BatteryForm, type NumberInputValue, PRESETS, sameForm, toMessage, toNumber } from "./form";
-import { PublisherStatus } from "./PublisherStatus";
 import { summarize } from "./words";
 
 /** Comes when it is asked for. */
@@ -162,4 +165,128 @@ export function PublisherCard() {
       <CommandErrorAlert command="Stop publishing" error={stop.error} onClose={stop.reset} />
     </Section>
   );
+}
+
+/** What the gateway publishes now, and who else does. */
+function PublisherStatus() {
+  const publisher = useTopic("publisher");
+  const publishers = usePublishers();
+  const live = useLive();
+  if (!live) return <Text size="sm">What is being published is not known while disconnected.</Text>;
+  const active = publisher?.active === true;
+  return (
+    <>
+      <Group gap="xs" data-testid="publisher-status">
+        {active && <Badge color="blue">publishing</Badge>}
+        <Text size="sm" className="tabular">
+          {active ? <Active publisher={publisher} /> : "Not publishing."}{" "}
+          {publishers !== null && <Simulated publishers={publishers} active={active} />}
+        </Text>
+      </Group>
+      {publishers !== null && <Others publishers={publishers} active={active} />}
+    </>
+  );
+}
+
+function Active({ publisher }: { publisher: Publisher }) {
+  return (
+    <>
+      This gateway publishes {publisher.state === null ? "a state" : summarize(publisher.state)} at{" "}
+      {publisher.rate_hz} Hz: {publisher.published_count}{" "}
+      {publisher.published_count === 1 ? "message" : "messages"}
+      {publisher.started_at !== null && (
+        <>
+          {" "}
+          since <Time value={publisher.started_at} />
+        </>
+      )}
+      .
+    </>
+  );
+}
+
+function Simulated({ publishers: { simulators }, active }: { publishers: Publishers; active: boolean }) {
+  if (simulators.length === 0) return null;
+  const name = simulators.join(", ");
+  return active
+    ? `The simulator (${name}) keeps silent until you stop.`
+    : `The simulator (${name}) publishes its battery. What you publish here takes its place, until you stop.`;
+}
+
+/** A warning where what is published here is not all that the robot hears. */
+function Others({ publishers: { topic, others }, active }: { publishers: Publishers; active: boolean }) {
+  if (others.length === 0) return null;
+  const name = others.join(", ");
+  return (
+    <Alert
+      color="orange"
+      title={active ? `${name} publishes too` : `${name} publishes this battery`}
+      data-testid="other-publishers"
+    >
+      <Text size="sm">
+        On {topic}. {active ? "What you publish mixes" : "What you publish here would mix"} with its messages,
+        and whoever listens, as the docking server does, hears both by turns: the robot may move, or stand
+        still, on a state that is not its own.
+      </Text>
+    </Alert>
+  );
+}
+
+/** The graph is asked again so often. */
+const RENEW_MS = 5000;
+
+interface Publishers {
+  topic: string;
+  /** Neither this gateway nor a simulator: battery drivers, and `ros2 topic pub`. */
+  others: string[];
+  /** The simulator's, where it is one. */
+  simulators: string[];
+}
+
+/** Who can publish on the battery's topic, by the names of their nodes. */
+export function whoPublishes(topic: GraphTopic, gateway: string | null, simulated: boolean): Publishers {
+  const names = topic.publishers.map(({ node }) => node).filter((node) => node !== gateway || node === null);
+  const isSimulator = (node: string | null) => simulated && node?.endsWith("/dock_simulator") === true;
+  return {
+    topic: topic.name,
+    others: distinct(names.filter((node) => !isSimulator(node)).map(describeNode)),
+    simulators: distinct(names.filter(isSimulator).map(describeNode)),
+  };
+}
+
+function describeNode(node: string | null): string {
+  if (node === null) return "a DDS program that is no ROS node";
+  return /\/_ros2cli_\d+$/.test(node) ? "ros2 topic pub" : node;
+}
+
+function distinct(names: readonly string[]): string[] {
+  return [...new Set(names)].sort();
+}
+
+/** Who can publish this robot's battery now; null as long as nobody knows. */
+function usePublishers(): Publishers | null {
+  const { http } = useFleet();
+  const { robot } = useServices();
+  const live = useLive();
+  const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
+  const name = useFleetPart(
+    "robots",
+    (robots) =>
+      [...robots.values()].find((each) => (robot === null ? each.default : each.name === robot))
+        ?.battery_topic,
+  );
+  const own = useQuery({
+    queryKey: ["gateway-node"],
+    queryFn: () => gatewayNode(http),
+    enabled: live,
+    staleTime: Number.POSITIVE_INFINITY,
+  });
+  const topic = useQuery({
+    queryKey: ["topic", name],
+    queryFn: () => findTopic(http, name ?? ""),
+    enabled: live && name !== undefined,
+    refetchInterval: RENEW_MS,
+  });
+  if (!live || topic.data === undefined || own.data === undefined) return null;
+  return whoPublishes(topic.data, own.data, simulated);
 }

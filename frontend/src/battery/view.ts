@@ -7,7 +7,7 @@ export interface View {
   endS: number | null;
 }
 
-export const LIVE_SPAN_S = 300;
+const LIVE_SPAN_S = 300;
 export const LIVE: View = { spanS: LIVE_SPAN_S, endS: null };
 
 const MIN_SPAN_S = 2;

@@ -2,7 +2,7 @@ import { createContext, useCallback, useContext, useEffect, useRef, useSyncExter
 import { onBeat, steadyNow } from "./beat";
 
 /** Tells now in the gateway's time (ms), which its timestamps are compared with. */
-export interface Clock {
+interface Clock {
   gatewayNow(): number;
 }
 

@@ -1,7 +1,7 @@
 import { Button, Code, Group, Stack, Table, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
-import { useForbidden } from "../api/permissions";
+import { useForbidden } from "../api/session";
 import type { Calibration } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/context";
 import { currentGoal } from "../goal/words";

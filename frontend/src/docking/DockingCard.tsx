@@ -1,13 +1,14 @@
-import { Stack, Text } from "@mantine/core";
+import { Badge, Stack, Text, Tooltip, VisuallyHidden } from "@mantine/core";
+import type { ActionServer } from "../api/types";
 import { useFleetPart } from "../fleet/context";
 import { defaultRobot } from "../fleet/names";
 import { currentGoal } from "../goal/words";
-import { useServices, useTopic } from "../store/context";
+import { useLive, useServices, useTopic } from "../store/context";
 import { isTerminal } from "../store/goals";
 import { Command } from "../ui/CopyButton";
 import { Section } from "../ui/Section";
-import { ActionServerStatus } from "./ActionServerStatus";
 import { DockingControls } from "./DockingControls";
+import { foreignName, whatToStart } from "./families";
 import { GoalPanel } from "./GoalPanel";
 
 /** What the robot can be asked to do, and the goal that runs. */
@@ -45,7 +46,7 @@ function NoGoal() {
 }
 
 /** How the robot gets a docking server that is in another namespace: the lines to set. */
-export function JoinHint() {
+function JoinHint() {
   const { robot } = useServices();
   const join = useFleetPart("robots", (robots) => robots.get(robot ?? defaultRobot(robots))?.join ?? null);
   if (join === null) return null;
@@ -60,4 +61,64 @@ export function JoinHint() {
       ))}
     </Stack>
   );
+}
+
+/** Whether the docking server can be reached; that it answers, as it should, is said to screen readers alone. */
+function ActionServerStatus() {
+  const server = useTopic("actionServer");
+  const live = useLive();
+  const foreign = server === null ? null : foreignName(server);
+  const trouble = describe(live ? server : null);
+  return (
+    <div role="status" data-testid="action-server">
+      {trouble === null ? (
+        <>
+          {foreign !== null && (
+            <Tooltip label={`${server?.action_name} (${server?.action_type})`} multiline maw={320}>
+              <Badge color="gray" variant="light" data-testid="docking-family">
+                {foreign}
+              </Badge>
+            </Tooltip>
+          )}
+          <VisuallyHidden>action server answering</VisuallyHidden>
+        </>
+      ) : (
+        <Tooltip label={trouble.hint} multiline maw={280}>
+          <Badge color={trouble.color}>{trouble.label}</Badge>
+        </Tooltip>
+      )}
+    </div>
+  );
+}
+
+/** What is wrong with it; null where nothing is. */
+function describe(server: ActionServer | null): { label: string; color: string; hint: string } | null {
+  if (server === null) {
+    return {
+      label: "action server unknown",
+      color: "gray.7",
+      hint: "Known again when the gateway is connected.",
+    };
+  }
+  if (!server.available) {
+    return {
+      label: "action server not there",
+      color: "red",
+      hint: `No action server for ${server.action_name}. Start ${whatToStart("dock", server)}.`,
+    };
+  }
+  if (server.duplicate) {
+    return {
+      label: "two action servers",
+      color: "red",
+      hint: `More than one action server serves ${server.action_name}: each of them would move the robot.`,
+    };
+  }
+  return server.answering
+    ? null
+    : {
+        label: "action server silent",
+        color: "orange",
+        hint: `${server.action_name} is on the graph but does not answer. It may be frozen.`,
+      };
 }

@@ -1,21 +1,20 @@
 import { Group, NativeSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
+import { useQuery } from "@tanstack/react-query";
 import { useId, useState } from "react";
-import type { Verb } from "../api/types";
+import type { ActionServer, Verb } from "../api/types";
 import { CHARGING, FULL } from "../battery/words";
 import { useNaming } from "../fleet/context";
-import { whyNotCancel } from "../goal/reasons";
-import { RobotStopButton, useStoppableAlone } from "../stop/RobotStop";
+import { whyNotCancel } from "../goal/words";
+import { RobotStopButton, useStoppableAlone } from "../stop/StopButton";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import type { GoalCourse } from "../store/goals";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import classes from "./docking.module.css";
-import { takesBatteryGoal } from "./families";
+import { takesBatteryGoal, whyNotSend } from "./families";
 import { MoveDialog, useAsking } from "./MoveDialog";
-import { whyNotSend } from "./reasons";
-import { useDocks } from "./useDocks";
 
 /** Dock, Undock, Cancel, and a Stop of this robot alone where there are others; each says why where it cannot be used. */
 export function DockingControls({ running }: { running: GoalCourse | null }) {
@@ -139,4 +138,34 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
       />
     </Stack>
   );
+}
+
+const REFETCH_MS = 30_000;
+
+interface Docks {
+  /** The names of all docks, the default one first; none where the docking server knows no docks by name. */
+  all: string[];
+  /** The dock that a goal without a name is for; null where that is not known. */
+  standard: string | null;
+  /** The dock to drive to; undefined where there are none. */
+  chosen: string | undefined;
+  choose: (name: string) => void;
+}
+
+/** The docks of a robot, and the one that is chosen: the default one unless the user has chosen another. */
+function useDocks(server: ActionServer | null): Docks {
+  const { gateway, robot } = useServices();
+  const live = useLive();
+  const [wanted, choose] = useState<string | null>(null);
+  const { data } = useQuery({
+    queryKey: ["docks", robot, server?.action_name],
+    queryFn: gateway.docks,
+    refetchInterval: REFETCH_MS,
+    enabled: live && server?.available === true,
+  });
+  const names = data?.docks.map((dock) => dock.dock_id) ?? [];
+  const standard = data?.default ?? null;
+  const first = names.find((name) => name === standard) ?? names[0];
+  const all = first === undefined ? [] : [first, ...names.filter((name) => name !== first)];
+  return { all, standard, chosen: all.find((name) => name === wanted) ?? first, choose };
 }

@@ -51,7 +51,7 @@ export function MoveDialog({ opened, verb, robot, dock, reason, onMove, onClose 
 
 const KEY = "dock-gateway-ask-before-moving";
 
-export interface Asking {
+interface Asking {
   /** Whether a click that makes the robot move is asked about. */
   asks: boolean;
   /** Nobody is hurt by a simulated robot: it is never asked about. */

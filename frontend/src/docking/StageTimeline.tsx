@@ -115,7 +115,7 @@ function Bar({ goal, visits }: Way) {
 const NONE: readonly StageVisit[] = [];
 
 /** The stages that a goal was in. What it was in before this page was opened is read from its history. */
-export function useWay(goalId: string): readonly StageVisit[] {
+function useWay(goalId: string): readonly StageVisit[] {
   const { http } = useFleet();
   const { store } = useServices();
   const live = useLive();

@@ -1,6 +1,6 @@
 import { Badge, VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
-import type { Freshness } from "../store/freshness";
+import type { Freshness } from "../store/context";
 import classes from "./fleet.module.css";
 import { LINK_HINTS, LINK_WORDS, type Link } from "./words";
 

@@ -1,13 +1,11 @@
 import { createContext, type ReactNode, useCallback, useContext, useMemo, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import type { Http } from "../api/http";
-import { type Command, useForbidden } from "../api/permissions";
-import { useSession } from "../api/session";
+import { type Command, useForbidden, useSession } from "../api/session";
 import { ClockProvider } from "../clock/clock";
 import type { OpenRobot } from "../store/openRobot";
 import type { Naming } from "./names";
-import type { FleetTopic, FleetTopics } from "./state";
-import type { FleetStore } from "./store";
+import type { FleetStore, FleetTopic, FleetTopics } from "./store";
 
 /** What every page has. */
 export interface FleetServices {

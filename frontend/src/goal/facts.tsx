@@ -1,8 +1,10 @@
-import { Badge } from "@mantine/core";
+import { Alert, Badge, Text } from "@mantine/core";
 import type { AnyGoal, GoalStatus } from "../api/types";
 import { useAtTime } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
-import { durationWords, type Lifetime, STATUS_COLORS } from "./words";
+import { sentence } from "../ui/text";
+import classes from "./goal.module.css";
+import { advice, durationWords, type Lifetime, type Meant, meaning, STATUS_COLORS } from "./words";
 
 export function GoalStatusBadge({ status, testId }: { status: GoalStatus; testId?: string }) {
   return (
@@ -55,5 +57,38 @@ export function OriginBadge({ origin }: Pick<AnyGoal, "origin">) {
     <Badge variant="outline" color={color}>
       {words}
     </Badge>
+  );
+}
+
+/** Why a goal stands as it does: an alert where something is wrong, a quiet line otherwise. A cancel is no failure. */
+export function GoalExplanation({ goal }: { goal: Meant }) {
+  const { error, stalled, status } = goal;
+  const hint = advice(goal);
+  if (status === "canceled" || (error === null && !stalled && status !== "lost")) {
+    return (
+      <div>
+        <Text size="sm" c="dimmed">
+          {meaning(goal)}
+          {error !== null && ` ${sentence(error.detail)}.`}
+        </Text>
+        {hint !== null && (
+          <Text size="sm" c="dimmed">
+            {hint}
+          </Text>
+        )}
+      </div>
+    );
+  }
+  return (
+    <Alert color={stalled ? "orange" : "red"} title={meaning(goal)}>
+      {hint !== null && <Text size="sm">{hint}</Text>}
+      {error !== null && (
+        <details className={classes.details}>
+          <summary>Details</summary>
+          <Text size="sm">{sentence(error.detail)}</Text>
+          <Text size="sm">Code: {error.code}</Text>
+        </details>
+      )}
+    </Alert>
   );
 }

@@ -4,7 +4,7 @@ import { sentence } from "../ui/text";
 
 export type StepState = "done" | "current" | "failed" | "canceled" | "unknown" | "waiting";
 
-export interface Step {
+interface Step {
   stage: string;
   label: string;
   state: StepState;
@@ -97,7 +97,7 @@ export function stageWords(stage: string | null): string | null {
 }
 
 /** A stage of a goal's way and how long it took, or has taken so far (ms); null where its begin is not known. */
-export interface StageSpan {
+interface StageSpan {
   stage: string;
   ms: number | null;
 }

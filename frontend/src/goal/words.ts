@@ -1,6 +1,8 @@
 import { adviceFor } from "../api/errors";
-import type { AnyGoal, GoalStatus, GoalSummary, Verb } from "../api/types";
-import { type GoalCourse, isTerminal } from "../store/goals";
+import { whyForbidden } from "../api/session";
+import type { AnyGoal, Goal, GoalStatus, GoalSummary, Verb } from "../api/types";
+import { NOT_CONNECTED } from "../fleet/context";
+import { type GoalCourse, isFinal, isTerminal } from "../store/goals";
 import { lowerFirst, sentence } from "../ui/text";
 import { formatDuration } from "../ui/time";
 import { stageLabel, stageName, stageWords } from "./stages";
@@ -215,4 +217,25 @@ export function durationWords({ created_at, finished_at }: Lifetime, now: number
 export function soFarWords(start: number, now: number): string {
   const seconds = Math.max(0, Math.floor((now - start) / 1000));
   return seconds < 10 ? `${seconds} s` : formatDuration(seconds * 1000);
+}
+
+/**
+ * Why a goal cannot be canceled now, in a sentence; null where it can. One that is lost can be: its server may come back.
+ *
+ * @param goal Null where none is running.
+ * @param canceling Whether the request is under way.
+ */
+export function whyNotCancel(
+  live: boolean,
+  goal: Pick<Goal, "status"> | null,
+  canceling: boolean,
+): string | null {
+  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
+  if (forbidden !== null) return forbidden;
+  if (goal !== null && isFinal(goal.status)) return "The goal has ended.";
+  if (!live) return NOT_CONNECTED;
+  if (goal === null) return "No goal is running.";
+  if (canceling || goal.status === "canceling") return "The goal is being canceled.";
+  if (goal.status === "pending") return "The action server has not answered yet.";
+  return null;
 }

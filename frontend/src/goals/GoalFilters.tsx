@@ -1,6 +1,6 @@
 import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
-import { useActions } from "../actions/useActions";
+import { useActions } from "../actions/actions";
 import { useFleet, useFleetTopic, useRobotOptions } from "../fleet/context";
 import { GroupSelect } from "../fleet/RobotFields";
 import { codeWords } from "../goal/words";

@@ -1,19 +1,31 @@
-import { Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
+import { Alert, Anchor, Badge, Button, Code, Group, Stack, Text, Title } from "@mantine/core";
+import { useId, useState } from "react";
 import { Link } from "react-router";
-import type { AnyGoal } from "../api/types";
-import { SentByRule } from "../automation/links";
-import { useFleetLive, useNaming } from "../fleet/context";
+import { useActionsApi, useSchemas } from "../actions/actions";
+import { goalExportUrl } from "../api/goals";
+import { whyForbidden } from "../api/session";
+import type { AnyGoal, StopState } from "../api/types";
+import { SentByRule } from "../automation/rules";
+import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
+import { isBelow } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
-import { advice, meaning } from "../goal/words";
+import { advice, meaning, whyNotCancel } from "../goal/words";
 import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
+import { Dialog } from "../ui/Dialog";
+import { Downloads } from "../ui/Downloads";
+import { CommandErrorAlert } from "../ui/errors";
 import { Breakable, Fact, FactList } from "../ui/Fact";
+import { NOT_MEASURED } from "../ui/messageWords";
+import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import { NO_FILTER, writeFilter } from "./filter";
-import { GoalCommands } from "./GoalCommands";
+import { NamedMessage } from "./GoalMessages";
+import { goalPath } from "./GoalsTable";
 import classes from "./goalPage.module.css";
-import { useWatchTopic } from "./useGoalWatch";
+import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
 export function GoalHead({ goal }: { goal: AnyGoal }) {
@@ -77,7 +89,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
 }
 
 /** First what became of a goal, why, and how long it took; then what to do. */
-export function GoalVerdict({ goal }: { goal: AnyGoal }) {
+function GoalVerdict({ goal }: { goal: AnyGoal }) {
   const { error, status } = goal;
   const hint = advice(goal);
   const live = useFleetLive();
@@ -114,4 +126,115 @@ function toneOf({ status, stalled, error }: AnyGoal): "bad" | "warn" | undefined
   if (status === "canceled") return undefined;
   if (status === "lost" || error !== null) return "bad";
   return stalled ? "warn" : undefined;
+}
+
+/** Cancel, send again, share and download. Each says what came of it. */
+function GoalCommands({ goal }: { goal: AnyGoal }) {
+  const { watch, api } = useWatched();
+  const actions = useActionsApi();
+  const live = useFleetLive();
+  const stop = useFleetTopic("stop");
+  const [asking, setAsking] = useState(false);
+  const cancel = useCommand(async () => watch.take(await api.cancel(goal.goal_id)));
+  const again = useCommand(() => actions.send(goal.action_name, JSON.stringify(goal.goal)));
+  const cancelReason = whyNotCancel(live, goal, cancel.isPending);
+  const againReason = whyNotAgain(goal, live, stop, again.isPending);
+  const send = () => {
+    setAsking(false);
+    again.mutate();
+  };
+  return (
+    <Stack gap="xs">
+      <div className={classes.commands}>
+        <ReasonButton variant="default" reason={cancelReason} onClick={() => cancel.mutate()}>
+          Cancel
+        </ReasonButton>
+        <ReasonButton variant="default" reason={againReason} onClick={() => setAsking(true)}>
+          Send again …
+        </ReasonButton>
+        <CopyButton value={window.location.href} what="to this goal" label="Copy link" />
+        <Downloads what="this goal" url={(format) => goalExportUrl(goal.goal_id, format)} />
+      </div>
+      <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
+      <CommandErrorAlert command="Sending it again" error={again.error} onClose={again.reset} />
+      {again.data !== undefined && <SentAgain goal={again.data} onClose={again.reset} />}
+      <AskAgain
+        goal={goal}
+        opened={asking}
+        reason={againReason}
+        onClose={() => setAsking(false)}
+        onSend={send}
+      />
+    </Stack>
+  );
+}
+
+function SentAgain({ goal, onClose }: { goal: AnyGoal; onClose: () => void }) {
+  return (
+    <Alert
+      color="green"
+      title="Sent again"
+      withCloseButton
+      closeButtonLabel="Dismiss"
+      onClose={onClose}
+      role="status"
+    >
+      <Text component="div" size="sm">
+        The answer of the action server: <GoalStatusBadge status={goal.status} />.{" "}
+        <Anchor component={Link} to={goalPath(goal.goal_id)} size="sm">
+          Watch the new goal
+        </Anchor>
+      </Text>
+    </Alert>
+  );
+}
+
+interface AskAgainProps {
+  goal: AnyGoal;
+  opened: boolean;
+  /** Why it cannot be sent any more; null where it can. */
+  reason: string | null;
+  onClose: () => void;
+  onSend: () => void;
+}
+
+function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
+  const schemas = useSchemas(goal.action_type).data;
+  const robot = useNaming().ownerNameOf(goal.action_name) ?? "A robot";
+  const reasonId = useId();
+  return (
+    <Dialog title="Send this goal again?" opened={opened} onClose={onClose}>
+      <Stack gap="md">
+        <Text size="sm">
+          {robot} may move as soon as {goal.action_name} accepts it. Check that the area is clear.
+        </Text>
+        <NamedMessage title="Goal" value={goal.goal} schema={schemas?.goal} absent={NOT_MEASURED} />
+        <Text size="sm" c="dimmed" id={reasonId} role="status">
+          {reason}
+        </Text>
+        <Group justify="flex-end" gap="sm">
+          <Button variant="default" onClick={onClose} data-autofocus>
+            Do not send
+          </Button>
+          <Button disabled={reason !== null} aria-describedby={reasonId} onClick={onSend}>
+            Send again
+          </Button>
+        </Group>
+      </Stack>
+    </Dialog>
+  );
+}
+
+function whyNotAgain(goal: AnyGoal, live: boolean, stop: StopState, pending: boolean): string | null {
+  const forbidden = whyForbidden("POST /actions/{name}/goals");
+  if (forbidden !== null) return forbidden;
+  if (goal.goal === null) {
+    const reason = goal.origin === "external" ? "ROS does not tell what others asked for" : "it is not known";
+    return `The goal's message is missing: ${reason}.`;
+  }
+  if (!live) return NOT_CONNECTED;
+  if (stop.latched && stop.robots.some((robot) => isBelow(goal.action_name, robot))) {
+    return "The robot is stopped. Release the stop first.";
+  }
+  return pending ? "A goal was sent. The action server has not answered yet." : null;
 }

@@ -1,5 +1,5 @@
 import { Group, Stack, Text, Title } from "@mantine/core";
-import { useSchemas } from "../actions/useActions";
+import { useSchemas } from "../actions/actions";
 import type { JsonSchema } from "../api/jsonSchema";
 import type { AnyGoal } from "../api/types";
 import { isTerminal } from "../store/goals";

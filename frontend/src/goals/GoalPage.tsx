@@ -6,7 +6,7 @@ import { Command } from "../ui/CopyButton";
 import { Trouble } from "../ui/errors";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
-import { usePageTitle } from "../ui/PageTitle";
+import { usePageTitle } from "../ui/Section";
 import { FeedbackSection } from "./FeedbackSection";
 import { GoalHead } from "./GoalHead";
 import { GoalMessages } from "./GoalMessages";

@@ -1,11 +1,13 @@
-import { Group, Table, Text } from "@mantine/core";
-import { type MouseEvent, memo } from "react";
+import { Anchor, Button, Group, Table, Text } from "@mantine/core";
+import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
-import type { ListedGoal } from "../api/types";
+import type { ActionServer, ListedGoal } from "../api/types";
 import { useNaming } from "../fleet/context";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { outcome } from "../goal/words";
+import { useTopic } from "../store/context";
 import { Breakable } from "../ui/Fact";
+import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import { NO_FILTER, writeFilter } from "./filter";
@@ -127,4 +129,45 @@ function Tags({ tags }: { tags: readonly string[] }) {
 /** Where the page of a goal is. */
 export function goalPath(goalId: string): string {
   return `/ui/goals/${encodeURIComponent(goalId)}`;
+}
+
+const PAGE = 10;
+
+/** Goals of a robot, newest first, whoever sent them; each leads to its page. */
+export function GoalsCard() {
+  const goals = useTopic("courses");
+  const [shown, setShown] = useState(PAGE);
+  const all = allGoals([useTopic("actionServer"), useTopic("undockServer")]);
+
+  return (
+    <Section
+      title="Recent goals"
+      aside={
+        <Anchor component={Link} to={all} size="sm">
+          All goals
+        </Anchor>
+      }
+    >
+      {goals.length === 0 ? (
+        <Text size="sm" c="dimmed">
+          Every goal on the docking and undocking actions is listed here: those sent from this page, over
+          HTTP, and by other ROS nodes. Press Dock, or type{" "}
+          <em>curl -X POST {window.location.origin}/dock</em>
+        </Text>
+      ) : (
+        <GoalsTable goals={goals.slice(0, shown)} oneRobot />
+      )}
+      {goals.length > shown && (
+        <Button variant="default" onClick={() => setShown((count) => count + PAGE)}>
+          Show {Math.min(goals.length - shown, PAGE)} more
+        </Button>
+      )}
+    </Section>
+  );
+}
+
+/** The list of all goals on the robot's docking actions. */
+function allGoals(servers: readonly (ActionServer | null)[]): string {
+  const names = servers.flatMap((server) => (server === null ? [] : [server.action_name]));
+  return `/ui/goals?${writeFilter({ ...NO_FILTER, actions: names })}`;
 }

@@ -59,7 +59,7 @@ interface NoteFormProps {
 }
 
 /** Adds a note with the name that was given on this computer; asks for one where there is none. */
-export function NoteForm({ reason, onAdd }: NoteFormProps) {
+function NoteForm({ reason, onAdd }: NoteFormProps) {
   const [text, setText] = useState("");
   const [known, setKnown] = useState(() => ownName().trim());
   const [name, setName] = useState("");
@@ -123,7 +123,7 @@ interface NoteListProps {
 }
 
 /** Oldest first. */
-export function NoteList({ notes, reason, onRemove }: NoteListProps) {
+function NoteList({ notes, reason, onRemove }: NoteListProps) {
   if (notes.length === 0) return null;
   return (
     <ul className={classes.notes} aria-label="Notes">
@@ -186,7 +186,7 @@ interface TagsFieldProps {
 }
 
 /** The tags of a goal, saved as they are added and removed. */
-export function TagsField({ tags, reason, onTags }: TagsFieldProps) {
+function TagsField({ tags, reason, onTags }: TagsFieldProps) {
   const known = useTags();
   return (
     <TagsInput
@@ -209,7 +209,7 @@ export function TagsField({ tags, reason, onTags }: TagsFieldProps) {
 const REFETCH_MS = 5000;
 
 /** The notes and tags of a goal, and what changes them. */
-export function useNotes(goalId: string) {
+function useNotes(goalId: string) {
   const { http } = useFleet();
   const client = useQueryClient();
   const api = useMemo(() => createNotesApi(http, goalId), [http, goalId]);

@@ -4,11 +4,10 @@ import { useEffect, useRef, useState } from "react";
 import { useSearchParams } from "react-router";
 import type { AnyGoal } from "../api/types";
 import { BEAT_MS, onBeat } from "../clock/beat";
-import { bandsOf } from "../goal/bands";
+import { bandsOf } from "../goal/timeline";
 import { Section } from "../ui/Section";
 import { formatElapsed } from "../ui/time";
 import classes from "./goalPage.module.css";
-import { momentIn, momentText, playFrom, SPEEDS, type Speed, stepOf } from "./replay";
 import { useHeldMoment, useTimeline, useWatched } from "./useGoalWatch";
 
 /** The moment of the replay is this parameter of the address (s since the goal began). */
@@ -117,4 +116,29 @@ function useStageAt(goal: AnyGoal, moment: number | null): string | null {
   if (moment === null) return null;
   const bands = bandsOf(entries, Date.parse(goal.created_at));
   return bands.findLast(({ from, to }) => from <= moment && (to === null || moment < to))?.label ?? null;
+}
+
+const SPEEDS = [1, 4, 16] as const;
+
+type Speed = (typeof SPEEDS)[number];
+
+/** The moment (s) that an address holds, within a goal of that length; null where it holds none. */
+export function momentIn(text: string | null, length: number): number | null {
+  const moment = text === null || text.trim() === "" ? Number.NaN : Number(text);
+  return Number.isNaN(moment) ? null : Math.min(length, Math.max(0, moment));
+}
+
+/** As the address holds it, to the millisecond. */
+export function momentText(moment: number): string {
+  return String(Number(moment.toFixed(3)));
+}
+
+/** One step of the arrow keys (s): a few hundred of them are the goal. */
+export function stepOf(length: number): number {
+  return length <= 60 ? 0.1 : Math.ceil(length / 600);
+}
+
+/** Where it plays to: from the beginning again at the end. */
+export function playFrom(moment: number | null, length: number): number {
+  return moment === null || moment >= length ? 0 : moment;
 }

@@ -12,7 +12,7 @@ export interface FeedbackRow {
 }
 
 /** Beyond this number every second message of the older half is left out: a page may be open for days. */
-export const MAX_ROWS = 10_000;
+const MAX_ROWS = 10_000;
 
 /** The feedback of one goal in the order of its ids, each message once, whichever way and however often it came. */
 export class FeedbackLog {
@@ -108,7 +108,7 @@ export class ChangedRows {
 }
 
 /** Whether two messages differ in nothing but the times of their measurements. */
-export function saysTheSame(one: unknown, other: unknown): boolean {
+function saysTheSame(one: unknown, other: unknown): boolean {
   if (Array.isArray(one) && Array.isArray(other))
     return one.length === other.length && one.every((item, index) => saysTheSame(item, other[index]));
   if (!isMessage(one) || !isMessage(other)) return one === other;

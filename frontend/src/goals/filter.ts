@@ -120,7 +120,7 @@ export function matches(goal: ListedGoal, filter: GoalFilter, now: number): bool
   );
 }
 
-export function stateOf(status: GoalStatus): GoalState {
+function stateOf(status: GoalStatus): GoalState {
   return RUNNING.includes(status) ? "running" : (status as GoalState);
 }
 

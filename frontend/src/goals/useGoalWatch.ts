@@ -17,7 +17,7 @@ import { Crosshair } from "../ui/crosshair";
 import { GoalWatch, type Past, type WatchTopics } from "./watch";
 
 /** The goal of a page, and what can be asked of goals. */
-export interface Watched {
+interface Watched {
   watch: GoalWatch;
   api: GoalsApi;
   /** In seconds since the goal began. */

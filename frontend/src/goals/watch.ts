@@ -4,8 +4,8 @@ import type { AnyGoal, EventOf, GatewayEvent, Goal, GoalEvent } from "../api/typ
 import { steadyNow } from "../clock/beat";
 import type { StatusEvent } from "../goal/timeline";
 import { applyFeedback, applyResult, applyStatus, isFinal, mergeGoals, snapshotGoals } from "../store/goals";
-import { Shown } from "../store/shown";
 import type { GoalsState } from "../store/state";
+import { Shown } from "../store/streamStore";
 import {
   type Connection,
   type ConnectionInput,

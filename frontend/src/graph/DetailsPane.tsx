@@ -1,11 +1,12 @@
-import { CloseButton, Drawer, Group, Kbd, Paper, Stack, Text, Title } from "@mantine/core";
+import { Alert, Anchor, CloseButton, Drawer, Group, Kbd, Paper, Stack, Text, Title } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import type { ReactNode } from "react";
-import type { Graph } from "../api/graph";
+import { Link } from "react-router";
+import type { Graph, GraphAction, GraphNode, GraphService } from "../api/graph";
 import { Command, CopyButton } from "../ui/CopyButton";
+import { clientsOf } from "./filter";
 import classes from "./graph.module.css";
-import { NodeDetails } from "./NodeDetails";
-import { ActionDetails, ServiceDetails } from "./ServedDetails";
+import { ThingList, TypeNames } from "./names";
 import { TopicDetails } from "./TopicDetails";
 import type { Thing } from "./things";
 import type { ChangeView, GraphView } from "./view";
@@ -123,5 +124,103 @@ function Gone() {
     <Text size="sm" role="status">
       It is not on the graph now. It shows up here by itself when it is back.
     </Text>
+  );
+}
+
+/** What a node publishes, hears, offers and asks for. */
+function NodeDetails({ node, change }: { node: GraphNode; change: ChangeView }) {
+  return (
+    <Stack gap="md">
+      {node.count > 1 && (
+        <Alert color="orange" title={`${node.count} nodes have this name`}>
+          ROS asks for names that are unique. What is below is that of all of them; give one another name with
+          --ros-args -r __node:=name.
+        </Alert>
+      )}
+      <ThingList title="Publishes" kind="topic" names={node.publishers} absent="Nothing." change={change} />
+      <ThingList
+        title="Subscribes to"
+        kind="topic"
+        names={node.subscribers}
+        absent="Nothing."
+        change={change}
+      />
+      <ThingList title="Serves actions" kind="action" names={node.action_servers} change={change} />
+      <ThingList title="Sends goals to" kind="action" names={node.action_clients} change={change} />
+      <ThingList title="Serves" kind="service" names={node.services} change={change} />
+      <ThingList title="Asks services" kind="service" names={node.clients} change={change} />
+      <Command line={`ros2 node info ${node.name}`} what="the command for a terminal" />
+    </Stack>
+  );
+}
+
+interface ServedDetailsProps {
+  types: readonly string[];
+  servers: readonly string[];
+  /** What it means that there are none. */
+  unserved: string;
+  clients: readonly string[];
+  /** How it is used from a terminal. */
+  line: string;
+  change: ChangeView;
+  /** The ways on. */
+  children?: ReactNode;
+}
+
+/** Who serves something, and who asks for it: a service or an action. */
+function ServedDetails(props: ServedDetailsProps) {
+  const { types, servers, unserved, clients, line, change, children } = props;
+  return (
+    <Stack gap="md">
+      <TypeNames types={types} />
+      <ThingList title="Servers" kind="node" names={servers} absent={unserved} change={change} />
+      <ThingList title="Clients" kind="node" names={clients} absent="None." change={change} />
+      {children}
+      <Command line={line} what="the command for a terminal" />
+    </Stack>
+  );
+}
+
+/** Who serves an action, who sends goals to it, and the ways on. */
+function ActionDetails({ action, change }: { action: GraphAction; change: ChangeView }) {
+  const { name, types, servers, clients } = action;
+  return (
+    <ServedDetails
+      types={types}
+      servers={servers}
+      unserved="None: goals are not answered."
+      clients={clients}
+      line={`curl ${window.location.origin}/actions${name}`}
+      change={change}
+    >
+      <Stack gap={4}>
+        <Anchor component={Link} to={`/ui/actions${name}`} size="sm">
+          Send a goal
+        </Anchor>
+        <Anchor component={Link} to={`/ui/goals?${new URLSearchParams({ action: name })}`} size="sm">
+          Its goals
+        </Anchor>
+      </Stack>
+    </ServedDetails>
+  );
+}
+
+interface ServiceDetailsProps {
+  service: GraphService;
+  nodes: readonly GraphNode[];
+  change: ChangeView;
+}
+
+/** Who offers a service, and who asks. */
+function ServiceDetails({ service: { name, types, servers }, nodes, change }: ServiceDetailsProps) {
+  return (
+    <ServedDetails
+      types={types}
+      servers={servers}
+      unserved="None: calls wait."
+      clients={clientsOf(nodes).get(name) ?? []}
+      line={`ros2 service call ${name} ${types[0] ?? ""}`}
+      change={change}
+    />
   );
 }

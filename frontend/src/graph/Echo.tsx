@@ -125,7 +125,7 @@ function EchoStatus({ echo: { connection, hint, latest, rate } }: { echo: EchoSt
 }
 
 /** A message, to read; it scrolls, so that what is below stays where it is. */
-export function MessageView({ message }: { message: unknown }) {
+function MessageView({ message }: { message: unknown }) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls has to be reachable by keyboard
     <section className={classes.message} tabIndex={0} aria-label="The message">
@@ -138,7 +138,7 @@ export function MessageView({ message }: { message: unknown }) {
 const MAX_RATE = "5";
 
 /** The messages of a topic as they come, for as long as this is mounted. */
-export function useEcho(topic: string): [EchoState, (kind: "pause" | "go on") => void] {
+function useEcho(topic: string): [EchoState, (kind: "pause" | "go on") => void] {
   const [state, dispatch] = useReducer(reduceEcho, null, () => initialEcho(steadyNow()));
   useEffect(() => {
     const tell = (input: EchoInput) => dispatch(input);

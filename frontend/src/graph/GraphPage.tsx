@@ -1,18 +1,21 @@
 import { Code, Group, Paper, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
+import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
 import { Suspense, useDeferredValue, useMemo } from "react";
-import type { Graph } from "../api/graph";
+import type { CommandError } from "../api/errors";
+import { type Graph, gatewayNode, readGraph, type TaggedGraph } from "../api/graph";
+import { useFleet } from "../fleet/context";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
-import { usePageTitle } from "../ui/PageTitle";
+import { useAnswer } from "../ui/requests";
+import { usePageTitle } from "../ui/Section";
 import { DetailsPane } from "./DetailsPane";
 import { filterGraph, searchGraph } from "./filter";
 import { GraphFilters } from "./GraphFilters";
 import { GraphList } from "./GraphList";
 import classes from "./graph.module.css";
 import { baseName } from "./things";
-import { useGatewayNode, useGraph } from "./useGraph";
 import { type ChangeView, type Form, type GraphView, useView } from "./view";
 import { describeShown } from "./words";
 
@@ -110,7 +113,7 @@ function Shown({ graph, form, view, change }: ShownProps) {
 }
 
 /** What to do where there is nothing to show. */
-export function EmptyGraph({ filtered }: { filtered: boolean }) {
+function EmptyGraph({ filtered }: { filtered: boolean }) {
   return (
     <Paper withBorder radius="md" p="lg">
       <Stack gap="sm">
@@ -127,4 +130,34 @@ export function EmptyGraph({ filtered }: { filtered: boolean }) {
       </Stack>
     </Paper>
   );
+}
+
+const INTERVAL_MS = 2000;
+const KEY = ["graph"];
+
+/** The ROS graph, asked for every two seconds while the page is looked at; the same object until it changes. */
+function useGraph(): UseQueryResult<Graph, CommandError> {
+  const { http } = useFleet();
+  const client = useQueryClient();
+  return useAnswer({
+    queryKey: KEY,
+    queryFn: () => readGraph(http, client.getQueryData<TaggedGraph>(KEY)),
+    select: graphOf,
+    refetchInterval: INTERVAL_MS,
+  });
+}
+
+function graphOf({ graph }: TaggedGraph): Graph {
+  return graph;
+}
+
+/** The gateway's node: the name that it has by default until it has told. */
+function useGatewayNode(): string {
+  const { http } = useFleet();
+  const { data } = useQuery({
+    queryKey: ["gateway-node"],
+    queryFn: () => gatewayNode(http),
+    staleTime: Number.POSITIVE_INFINITY,
+  });
+  return data ?? "/dock_gateway";
 }

@@ -67,7 +67,7 @@ interface EndpointListProps {
 }
 
 /** Publishers or subscribers of a topic, each with its quality of service. */
-export function EndpointList({ title, absent, endpoints, conflicting, change }: EndpointListProps) {
+function EndpointList({ title, absent, endpoints, conflicting, change }: EndpointListProps) {
   return (
     <Stack gap={4}>
       <Title order={3} size="h5">

@@ -9,7 +9,7 @@ import {
 /** What `/ws/topics` sends. */
 export type EchoEvent = components["schemas"]["EchoEvent"];
 export type EchoMessage = components["schemas"]["MessageEvent"];
-export type EchoRate = components["schemas"]["RateEvent"];
+type EchoRate = components["schemas"]["RateEvent"];
 
 export interface EchoState {
   connection: Connection;

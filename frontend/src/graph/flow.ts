@@ -1,13 +1,13 @@
 import { type Edge, MarkerType, type Node, type NodeHandle, Position } from "@xyflow/react";
 import type { Elements, Link, Vertex } from "./elements";
 import type { Layout, Place, Places, Route } from "./layout";
-import { sizeOf } from "./size";
 import { parseThing } from "./things";
+import { sizeOf } from "./words";
 
 /** How a thing stands out, or does not. */
-export type Emphasis = "selected" | "beside" | "found" | "usual" | "dimmed";
+type Emphasis = "selected" | "beside" | "found" | "usual" | "dimmed";
 
-export interface VertexData extends Record<string, unknown> {
+interface VertexData extends Record<string, unknown> {
   vertex: Vertex;
   emphasis: Emphasis;
   /** Whether Tab comes to it. */
@@ -15,7 +15,7 @@ export interface VertexData extends Record<string, unknown> {
   onSelect: (vertex: Vertex) => void;
 }
 
-export interface LinkData extends Record<string, unknown> {
+interface LinkData extends Record<string, unknown> {
   /** Null where an end is not where the route was made for. */
   route: Route | null;
 }
@@ -23,7 +23,7 @@ export interface LinkData extends Record<string, unknown> {
 export type VertexNode = Node<VertexData, "vertex">;
 export type LinkEdge = Edge<LinkData, "link">;
 
-export interface Focus {
+interface Focus {
   /** The ids that the search has found; null without a search. */
   matching: ReadonlySet<string> | null;
   selected: string | null;

@@ -1,7 +1,7 @@
 import type { Endpoint, GraphTopic, Quality } from "../api/graph";
 
 /** A subscriber that hears nothing of a publisher, and why, in words that follow "asks for". */
-export interface Conflict {
+interface Conflict {
   publisher: Endpoint;
   subscriber: Endpoint;
   reasons: string[];

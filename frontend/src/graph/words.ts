@@ -1,7 +1,6 @@
 import type { Graph } from "../api/graph";
 import type { Vertex } from "./elements";
-import { placeWords } from "./size";
-import { baseName, type Kind } from "./things";
+import { baseName, type Kind, namespaceOf } from "./things";
 
 export const KIND_NAMES: Record<Kind, string> = {
   node: "Nodes",
@@ -11,7 +10,7 @@ export const KIND_NAMES: Record<Kind, string> = {
 };
 
 /** `3 topics`, `1 topic`. */
-export function count(number: number, noun: string): string {
+function count(number: number, noun: string): string {
   return `${number} ${noun}${number === 1 ? "" : "s"}`;
 }
 
@@ -34,4 +33,39 @@ export function describeShown(shown: Graph, all: Graph): string {
 export function describeVertex(vertex: Vertex): string {
   const { name, warning } = vertex;
   return `${placeWords(vertex)} ${baseName(name)}${warning === null ? "" : `, warning: ${warning}`}`;
+}
+
+const MAX_CHARACTERS = 25;
+const MAX_LINES = 2;
+const MIN_WIDTH = 96;
+/** Of the bold name, the small line above it, and what is around both (px). */
+const [CHARACTER, SMALL_CHARACTER, AROUND] = [9, 6.6, 40];
+const [HEIGHT, LINE] = [46, 17];
+
+/** `topic in /robot1`. */
+export function placeWords({ kind, name, count }: Vertex): string {
+  const namespace = namespaceOf(name);
+  return `${count > 1 ? `${count} ${kind}s` : kind}${namespace === "/" ? "" : ` in ${namespace}`}`;
+}
+
+/** The name without its namespace in lines, broken after underscores. */
+export function linesOf(name: string): string[] {
+  const lines: string[] = [];
+  for (const word of baseName(name).split(/(?<=_)/)) {
+    const last = lines.at(-1);
+    if (last !== undefined && last.length + word.length <= MAX_CHARACTERS) lines.splice(-1, 1, last + word);
+    else lines.push(word);
+  }
+  return lines;
+}
+
+/** The box of a thing, so large that its text fits, or two lines of it (px). */
+export function sizeOf(vertex: Vertex): { width: number; height: number } {
+  const lines = linesOf(vertex.name);
+  const text = Math.min(MAX_CHARACTERS, Math.max(...lines.map(({ length }) => length))) * CHARACTER;
+  const small = Math.min(placeWords(vertex).length, MAX_CHARACTERS * 1.3) * SMALL_CHARACTER;
+  return {
+    width: Math.round(Math.max(MIN_WIDTH, Math.max(text, small) + AROUND)),
+    height: HEIGHT + (Math.min(lines.length, MAX_LINES) - 1) * LINE,
+  };
 }

@@ -7,7 +7,7 @@ import OverviewPage from "../pages/overview/OverviewPage";
 import RobotPage from "../pages/robot/RobotPage";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
-import { usePageTitle } from "../ui/PageTitle";
+import { usePageTitle } from "../ui/Section";
 import { Shell } from "./Shell";
 
 const GoalsPage = lazyPart(() => import("../goals/GoalsPage"));
@@ -67,7 +67,7 @@ export function App() {
 }
 
 /** For an address that is no page. */
-export function NotFoundPage() {
+function NotFoundPage() {
   usePageTitle("No such page");
   return (
     <>

@@ -42,7 +42,7 @@ export function Header() {
   );
 }
 
-export function ColorSchemeSwitch() {
+function ColorSchemeSwitch() {
   const { setColorScheme } = useMantineColorScheme();
   const scheme = useComputedColorScheme("light");
   const other = scheme === "dark" ? "light" : "dark";
@@ -66,7 +66,7 @@ export function ColorSchemeSwitch() {
 }
 
 /** A bell; on a phone the page is in the menu. */
-export function NotificationsLink() {
+function NotificationsLink() {
   return (
     <ActionIcon
       component={Link}

@@ -1,7 +1,7 @@
 import { Container, Skeleton, Stack } from "@mantine/core";
 import { type RefObject, Suspense, useEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
-import { LoginEnded } from "../access/LoginEnded";
+import { LoginEnded } from "../access/Entrance";
 import { OpenBanner } from "../access/OpenNotice";
 import { openAlerts } from "../alerts/order";
 import { useSession } from "../api/session";
@@ -9,7 +9,7 @@ import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
 import { Guarded } from "../ui/Guarded";
-import { TitlePrefixProvider } from "../ui/PageTitle";
+import { TitlePrefixProvider } from "../ui/Section";
 import { ConnectionBanner } from "./ConnectionStatus";
 import { Header } from "./Header";
 import classes from "./layout.module.css";

@@ -5,7 +5,7 @@ import { PAGES } from "../pages/pages";
 import { TWICE_WITHIN_MS } from "../stop/keys";
 import { ZoneSwitch } from "../ui/Time";
 import classes from "./layout.module.css";
-import { lettersOn, setLettersOn } from "./letters";
+import { lettersOn, setLettersOn } from "./ShortcutsButton";
 
 interface Shortcut {
   keys: readonly string[];

@@ -3,10 +3,9 @@ import { useNavigate } from "react-router";
 import type { Alert } from "../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
-import { robotPath } from "../fleet/path";
-import { isCovered } from "../fleet/robotChoice";
-import { notify, playSound } from "./announce";
-import { type Preferences, usePreferences } from "./preferences";
+import { robotPath } from "../fleet/names";
+import { isCovered } from "../fleet/RobotFields";
+import { notify, type Preferences, playSound, usePreferences } from "./announce";
 
 /** The tab that announces alerts holds it, so that several tabs make one sound. */
 const LOCK = "dock-gateway-announcer";

@@ -1,16 +1,20 @@
 import { useQueryClient } from "@tanstack/react-query";
-import { useForbidden } from "../api/permissions";
+import { useForbidden } from "../api/session";
 import {
+  type Delivery,
   deleteWebhook,
   listDeliveries,
   listWebhooks,
   putWebhook,
   type StoredWebhook,
   testWebhook,
+  type Webhook,
   type WebhookBody,
 } from "../api/webhooks";
 import { useFleet, useFleetLive } from "../fleet/context";
+import type { Naming } from "../fleet/names";
 import { useAnswer, useCommand } from "../ui/requests";
+import { formatTime } from "../ui/time";
 
 const KEY = ["webhooks"] as const;
 /** How often it is asked what was sent, and what others have changed (ms). */
@@ -66,4 +70,45 @@ export function useWebhookCommands() {
     return delivery;
   });
   return { save, remove, test };
+}
+
+export const SEVERITY_OPTIONS = [
+  { value: "all", label: "All alerts" },
+  { value: "critical", label: "Critical alerts only" },
+];
+
+export function severityWords({ severities }: Pick<Webhook, "severities">): string {
+  return severities.includes("warning") ? "All alerts" : "Critical alerts only";
+}
+
+export const EVENTS: Record<Delivery["type"], string> = {
+  "alert.raised": "Began",
+  "alert.cleared": "Ended",
+  test: "Sent by hand",
+};
+
+/** `Stopped, Left forklift`, `History lost` */
+export function alertWords({ event: { data } }: Pick<Delivery, "event">, naming: Naming): string {
+  if (!("title" in data)) return "Test";
+  return data.robot === null ? data.title : `${data.title}, ${naming.nameOf(data.robot)}`;
+}
+
+export const STATES: Record<Delivery["state"], { words: string; color: string }> = {
+  delivered: { words: "Delivered", color: "gray" },
+  pending: { words: "Pending", color: "orange" },
+  failed: { words: "Failed", color: "red" },
+};
+
+/** `204`, `The answer was 503, third attempt. Next at 17:02:11` */
+export function outcomeWords({ state, status_code, error, attempts, next_at }: Delivery): string {
+  if (state === "delivered") return attempts > 1 ? `${status_code}, attempt ${attempts}` : `${status_code}`;
+  const tried =
+    error === null ? "" : `${error.charAt(0).toUpperCase()}${error.slice(1)}, attempt ${attempts}`;
+  const next = next_at === null || attempts === 0 ? "" : `Next at ${formatTime(Date.parse(next_at))}`;
+  return [tried, next].filter((words) => words !== "").join(". ");
+}
+
+/** What came of a test, in a sentence. */
+export function testWords({ state, status_code, error }: Delivery): string {
+  return state === "delivered" ? `The test was delivered: the answer was ${status_code}.` : `${error}`;
 }

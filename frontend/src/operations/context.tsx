@@ -6,9 +6,8 @@ import { MoveDialog, useAskingWanted } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
 import { isThere } from "../fleet/words";
 import { useStopping } from "../stop/everywhere";
-import { ManyDialog } from "./ManyDialog";
 import { cancelable, fewAtOnce, moveOf, type Operation, type Refusal, whyNot } from "./operation";
-import { ResultsNotice } from "./results";
+import { ManyDialog, ResultsNotice } from "./results";
 
 /** Does something to robots, after a confirmation where one is needed. */
 type Operate = (operation: Operation, names: readonly string[]) => void;

@@ -1,6 +1,6 @@
 import type { GoalSummary, Robot, Verb } from "../api/types";
-import { whyNotSend } from "../docking/reasons";
-import { whyNotCancel } from "../goal/reasons";
+import { whyNotSend } from "../docking/families";
+import { whyNotCancel } from "../goal/words";
 
 /** What can be done to robots, one or several, from any page. */
 export const OPERATIONS = ["dock", "undock", "cancel", "stop"] as const;

@@ -1,12 +1,11 @@
-import { useCallback, useEffect, useRef, useState } from "react";
+import { type ReactNode, useCallback, useEffect, useRef, useState } from "react";
 import type { Pose } from "../api/types";
 import { Tool } from "../ui/Tool";
 import { Camera } from "./camera";
 import { Gestures } from "./gestures";
-import { MapTools } from "./MapTools";
 import { Painter, type SceneSource } from "./painter";
+import { type Means, usePicture } from "./picture";
 import classes from "./scene.module.css";
-import { type Means, usePicture } from "./usePicture";
 import { keepScale, keptScale } from "./view";
 
 interface SceneCanvasProps {
@@ -80,6 +79,33 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
           <path d="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
         </Tool>
       </MapTools>
+    </div>
+  );
+}
+
+const ZOOM_STEP = 1.4;
+
+interface MapToolsProps {
+  onZoom: (factor: number) => void;
+  onShowAll: () => void;
+  /** Before the last one. */
+  children?: ReactNode;
+}
+
+/** The buttons in the corner of a map. */
+export function MapTools({ onZoom, onShowAll, children }: MapToolsProps) {
+  return (
+    <div className={classes.tools}>
+      <Tool name="Closer" onClick={() => onZoom(ZOOM_STEP)}>
+        <path d="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
+      </Tool>
+      <Tool name="Farther" onClick={() => onZoom(1 / ZOOM_STEP)}>
+        <path d="M5 11h14v2H5v-2Z" />
+      </Tool>
+      {children}
+      <Tool name="Show all" onClick={onShowAll}>
+        <path d="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z" />
+      </Tool>
     </div>
   );
 }

@@ -1,15 +1,17 @@
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
 import { useId, useState } from "react";
-import { useForbidden } from "../api/permissions";
-import type { Pose, Scene } from "../api/types";
-import { VelocityLine } from "../docking/VelocityLine";
+import { useForbidden } from "../api/session";
+import type { Pose, Scene, Twist } from "../api/types";
+import { useAtTime } from "../clock/clock";
 import { FreshnessBadge } from "../fleet/badges";
-import { useScene, useServices, useTopicPart } from "../store/context";
-import { useFreshness } from "../store/freshness";
+import { type Freshness, useFreshness, useScene, useServices, useTopicPart } from "../store/context";
+import type { CmdVel } from "../store/state";
+import { RENDER_INTERVAL_MS } from "../store/streamStore";
 import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { lowerFirst } from "../ui/text";
+import { formatDuration } from "../ui/time";
 import { SCENE_COLORS } from "./colors";
 import { SceneCanvas } from "./SceneCanvas";
 import classes from "./scene.module.css";
@@ -133,4 +135,43 @@ function Legend() {
       ))}
     </ul>
   );
+}
+
+/** The velocity command that the robot is given. */
+function VelocityLine() {
+  return (
+    <Text size="sm" className="tabular" data-testid="velocity">
+      <Text span size="sm" c="dimmed">
+        Velocity command:
+      </Text>{" "}
+      <VelocityWords />
+    </Text>
+  );
+}
+
+function VelocityWords() {
+  const { store } = useServices();
+  const freshness = useFreshness("velocity");
+  return useAtTime((now) => velocityWords(store.get("cmdVel"), freshness, now), RENDER_INTERVAL_MS);
+}
+
+function velocityWords({ twist, receivedAt }: CmdVel, freshness: Freshness, now: number): string {
+  if (freshness === "offline") return "not live";
+  if (twist === null || receivedAt === null) return "none so far";
+  const words = describeVelocity(twist);
+  return freshness === "live" ? words : `none for ${formatDuration(now - receivedAt)} (last: ${words})`;
+}
+
+const number = new Intl.NumberFormat(undefined, { maximumFractionDigits: 3 });
+
+/** A velocity command in words: `forward 0.10 m/s, turning left 0.15 rad/s`. */
+export function describeVelocity(twist: Twist): string {
+  const parts: string[] = [];
+  const { x, y } = twist.linear;
+  const turn = twist.angular.z;
+  if (x === null || y === null || turn === null) return "not a number";
+  if (x !== 0) parts.push(`${x > 0 ? "forward" : "backward"} ${number.format(Math.abs(x))} m/s`);
+  if (y !== 0) parts.push(`${y > 0 ? "left" : "right"} ${number.format(Math.abs(y))} m/s`);
+  if (turn !== 0) parts.push(`turning ${turn > 0 ? "left" : "right"} ${number.format(Math.abs(turn))} rad/s`);
+  return parts.length === 0 ? "standing still" : parts.join(", ");
 }

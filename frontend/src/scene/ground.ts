@@ -10,7 +10,7 @@ export interface Drawing {
 }
 
 /** What the ground is made of. */
-export interface Surface extends Drawing {
+interface Surface extends Drawing {
   /** Where the robot has been, oldest first: an array that grows, or another one. */
   trail: readonly Point[];
   robot: Point;

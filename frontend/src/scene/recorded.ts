@@ -1,6 +1,6 @@
 import type { PoseEvent, Scene } from "../api/types";
 import { between, distance } from "../store/geometry";
-import { JUMP_M, Trail, trailOf } from "../store/trail";
+import { JUMP_M, Trail, trailOf } from "../store/sceneBuffer";
 import { lastUpTo } from "../ui/crosshair";
 import type { SceneSource } from "./painter";
 

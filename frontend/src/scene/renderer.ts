@@ -15,7 +15,7 @@ import {
 import { formatLength, gridStep, type Size, toScreen, type View } from "./view";
 
 /** All that one picture is made of. */
-export interface Picture extends Drawing {
+interface Picture extends Drawing {
   /** In which all poses are. */
   frame: string;
   robot: Pose;

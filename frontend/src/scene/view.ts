@@ -14,7 +14,7 @@ export interface Size {
   height: number;
 }
 
-export const MIN_SCALE = 12;
+const MIN_SCALE = 12;
 export const MAX_SCALE = 1500;
 
 /** Space around what is to be seen, in metres: a robot's size and a little more. */

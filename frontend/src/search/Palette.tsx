@@ -4,7 +4,7 @@ import { createSpotlight, Spotlight } from "@mantine/spotlight";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useEffect, useId, useMemo, useState } from "react";
 import { useNavigate } from "react-router";
-import { useActions } from "../actions/useActions";
+import { useActions } from "../actions/actions";
 import { createGoalsApi } from "../api/goals";
 import type { AnyGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";

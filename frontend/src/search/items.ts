@@ -1,7 +1,6 @@
 import { actionPath } from "../api/actions";
 import type { ActionInfo, AnyGoal, Robot } from "../api/types";
-import { byName, isFound, namespaceWords, robotName } from "../fleet/names";
-import { robotPath } from "../fleet/path";
+import { byName, isFound, namespaceWords, robotName, robotPath } from "../fleet/names";
 import { OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../operations/operation";
 
 /** Something that the search leads to or does. */
@@ -13,7 +12,7 @@ export interface Item {
   does: { to: string } | { operation: Operation; names: readonly string[] | null };
 }
 
-export interface ItemGroup {
+interface ItemGroup {
   label: string;
   items: readonly Item[];
 }

@@ -1,15 +1,25 @@
-import { Anchor, Table } from "@mantine/core";
+import { Anchor, Code, Table, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
-import type { GoalGroup, Statistics } from "../api/types";
+import type { GoalCounts, GoalGroup, Statistics } from "../api/types";
 import { useNaming } from "../fleet/context";
+import { codeWords } from "../goal/words";
 import { Breakable } from "../ui/Fact";
+import { fixed } from "../ui/numbers";
 import { sentence } from "../ui/text";
-import { CountLink, DurationLink, RateLink } from "./cells";
-import { ErrorLink } from "./ErrorTable";
+import {
+  CountLink,
+  DurationLink,
+  dayWords,
+  ENDS,
+  goalsLink,
+  NumberLink,
+  percent,
+  RateLink,
+  tenths,
+} from "./cells";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping } from "./view";
-import { dayWords, ENDS, goalsLink, tenths } from "./words";
 
 const ENDS_BUT_SUCCESS = ENDS.filter((status) => status !== "succeeded");
 /** Error codes of a row; the table of errors has them all. */
@@ -36,7 +46,7 @@ export function GroupTable({ statistics: { by, groups } }: { statistics: Statist
   );
 }
 
-export function GroupHead({ by }: { by: Grouping }) {
+function GroupHead({ by }: { by: Grouping }) {
   return (
     <Table.Thead>
       <Table.Tr>
@@ -127,5 +137,73 @@ function RateBar({ rate }: { rate: number }) {
       <div className={classes.good} style={{ flexGrow: rate }} />
       <div className={classes.bad} style={{ flexGrow: 1 - rate }} />
     </div>
+  );
+}
+
+/** Why goals did not succeed, the most frequent reason first. */
+export function ErrorTable({ total }: { total: GoalCounts }) {
+  const { errors, other_errors, ended } = total;
+  if (errors.length === 0) {
+    return (
+      <Text size="sm" c="dimmed">
+        No goal ended with an error.
+      </Text>
+    );
+  }
+  return (
+    <Table verticalSpacing="xs" horizontalSpacing={8} className={classes.errors ?? ""}>
+      <Table.Thead>
+        <Table.Tr>
+          <Table.Th>Error</Table.Th>
+          <Table.Th visibleFrom="sm">Code</Table.Th>
+          <Table.Th className={classes.number}>Goals</Table.Th>
+          <Table.Th className={classes.number}>Of all</Table.Th>
+        </Table.Tr>
+      </Table.Thead>
+      <Table.Tbody>
+        {errors.map((error) => (
+          <Table.Tr key={error.code}>
+            <Table.Th scope="row" className={classes.key}>
+              <ErrorLink counts={total} error={error} />
+            </Table.Th>
+            <Table.Td visibleFrom="sm">
+              <Code className={classes.code ?? ""}>{error.code}</Code>
+            </Table.Td>
+            <Table.Td className={classes.number}>
+              <NumberLink
+                text={fixed(error.count, 0)}
+                to={goalsLink(total, ENDS, error.code)}
+                label={`goals with the error ${error.code}`}
+              />
+            </Table.Td>
+            <Table.Td className={classes.number}>{percent(error.count / ended)}</Table.Td>
+          </Table.Tr>
+        ))}
+        {other_errors > 0 && (
+          <Table.Tr>
+            <Table.Th scope="row" className={classes.key}>
+              Other errors
+            </Table.Th>
+            <Table.Td visibleFrom="sm" />
+            <Table.Td className={classes.number}>{fixed(other_errors, 0)}</Table.Td>
+            <Table.Td className={classes.number}>{percent(other_errors / ended)}</Table.Td>
+          </Table.Tr>
+        )}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+interface ErrorLinkProps {
+  counts: GoalCounts;
+  error: GoalCounts["errors"][number];
+}
+
+/** What an error code means; leads to the goals that have it. */
+function ErrorLink({ counts, error: { code } }: ErrorLinkProps) {
+  return (
+    <Anchor component={Link} to={goalsLink(counts, ENDS, code)} inherit>
+      {codeWords(code)}
+    </Anchor>
   );
 }

@@ -1,18 +1,34 @@
-import { Skeleton, Stack, Text } from "@mantine/core";
-import { useMemo } from "react";
+import { NativeSelect, SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
+import { keepPreviousData } from "@tanstack/react-query";
+import { useEffect, useMemo } from "react";
 import { useSearchParams } from "react-router";
-import type { Statistics } from "../api/types";
+import { fetchStatistics } from "../api/history";
+import type { GoalCounts, Statistics } from "../api/types";
+import { useFleet, useFleetLive, useRobotOptions } from "../fleet/context";
+import { GroupSelect } from "../fleet/RobotFields";
+import { TagSelect } from "../goals/TagSelect";
 import { Trouble } from "../ui/errors";
-import { PageTitle } from "../ui/PageTitle";
-import { Section } from "../ui/Section";
+import { Fact, FactList } from "../ui/Fact";
+import { fixed } from "../ui/numbers";
+import { useAnswer } from "../ui/requests";
+import { PageTitle, Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { zoneName } from "../ui/zone";
-import { Controls } from "./Controls";
-import { ErrorTable } from "./ErrorTable";
-import { GroupTable } from "./GroupTable";
-import { Summary } from "./Summary";
-import { useStatistics } from "./useStatistics";
-import { GROUPINGS, MAX_DAYS, readView, writeView } from "./view";
+import { TimeRangeField } from "../ui/TimeRangeField";
+import { sentence } from "../ui/text";
+import { useZone, zoneName } from "../ui/zone";
+import { CountLink, DurationLink, ENDS, RateLink, tenths } from "./cells";
+import { ErrorTable, GroupTable } from "./GroupTable";
+import classes from "./statistics.module.css";
+import {
+  GROUPINGS,
+  type Grouping,
+  isTooLong,
+  MAX_DAYS,
+  readView,
+  toQuery,
+  type View,
+  writeView,
+} from "./view";
 
 /** How goals ended, by day, robot or action; every number leads to its goals. */
 export default function StatisticsPage() {
@@ -75,4 +91,98 @@ function StatisticsSkeleton() {
       <Skeleton height={320} />
     </Stack>
   );
+}
+
+interface ControlsProps {
+  view: View;
+  onChange: (view: View) => void;
+}
+
+const BY = Object.entries(GROUPINGS).map(([value, label]) => ({ value, label }));
+
+/** Which goals, and what they are grouped by. */
+function Controls({ view, onChange }: ControlsProps) {
+  const { store } = useFleet();
+  const change = (part: Partial<View>) => onChange({ ...view, ...part });
+  const robots = useRobotOptions(view.robot);
+  return (
+    <section aria-label="Choose goals" className={classes.controls}>
+      <TimeRangeField
+        value={view.time}
+        onChange={(time) => change({ time })}
+        now={() => store.gatewayNow()}
+      />
+      <SegmentedControl
+        aria-label="Group by"
+        data={BY}
+        value={view.by}
+        onChange={(by) => change({ by: by as Grouping })}
+      />
+      <NativeSelect
+        aria-label="Robot"
+        value={view.robot ?? ""}
+        onChange={(event) => change({ robot: event.currentTarget.value || null })}
+        data={[{ value: "", label: "All robots" }, ...robots]}
+      />
+      <GroupSelect aria-label="Group" group={view.group} onGroup={(group) => change({ group })} />
+      <TagSelect aria-label="Tag" any="All tags" chosen={view.tags} onTags={(tags) => change({ tags })} />
+    </section>
+  );
+}
+
+/** All goals of the time together. */
+function Summary({ total }: { total: GoalCounts }) {
+  return (
+    <Section title="All goals">
+      <div className={classes.summary}>
+        <FactList>
+          <Fact name="Ended">
+            <CountLink counts={total} statuses={ENDS} />
+          </Fact>
+          <Fact name="Success rate">
+            <RateLink counts={total} />
+          </Fact>
+          <Fact name="Median duration">
+            <DurationLink counts={total} of="median" unit=" s" />
+          </Fact>
+          <Fact name="90th percentile">
+            <DurationLink counts={total} of="p90" unit=" s" />
+          </Fact>
+          <Fact name="Retries per goal">{tenths(total.mean_retries)}</Fact>
+          {ENDS.map((status) => (
+            <Fact key={status} name={sentence(status)}>
+              <CountLink counts={total} statuses={[status]} />
+            </Fact>
+          ))}
+        </FactList>
+      </div>
+      <Text size="sm" c="dimmed">
+        Success rate: succeeded goals among the {fixed(total.ended - total.statuses.canceled, 0)} that ended
+        and were not canceled. Durations are those of succeeded goals.
+      </Text>
+    </Section>
+  );
+}
+
+const EVERY_MS = 60_000;
+
+/** How goals ended; asked for again every minute, and when the gateway is back. */
+function useStatistics(view: View) {
+  const { http, store } = useFleet();
+  const live = useFleetLive();
+  const zone = useZone();
+  const tooLong = isTooLong(view, store.gatewayNow());
+  const possible = !tooLong;
+  const query = useAnswer({
+    queryKey: ["statistics", zone, writeView(view).toString()],
+    queryFn: ({ signal }) => fetchStatistics(http, toQuery(view, store.gatewayNow()), signal),
+    enabled: possible,
+    placeholderData: keepPreviousData,
+    refetchInterval: live ? EVERY_MS : false,
+  });
+  const { refetch } = query;
+  useEffect(() => {
+    if (live && possible) void refetch({ cancelRefetch: false });
+  }, [live, possible, refetch]);
+  return { ...query, live, tooLong };
 }

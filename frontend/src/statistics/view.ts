@@ -1,4 +1,4 @@
-import type { StatisticsQuery } from "../api/statistics";
+import type { StatisticsQuery } from "../api/history";
 import { dayOf } from "../ui/time";
 import { readTimeRange, type TimeRange, timeQuery, writeTimeRange } from "../ui/timeRange";
 import { zoneName } from "../ui/zone";
@@ -18,7 +18,7 @@ export interface View {
   tags: readonly string[];
 }
 
-export const DEFAULT_VIEW: View = {
+const DEFAULT_VIEW: View = {
   time: { last: "7d", since: null, until: null },
   by: "day",
   robot: null,

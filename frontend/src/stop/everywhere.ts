@@ -16,10 +16,7 @@ const MAX_LENGTH = 4000;
  * Stops every robot that is known, all at once: the gateway's stop holds for the configured robot and those below it,
  * which is all of them unless it is configured for one of several.
  */
-export function stopEverywhere(
-  stopRobots: StopRobots,
-  robots: ReadonlyMap<string, Robot>,
-): Promise<StopReport> {
+function stopEverywhere(stopRobots: StopRobots, robots: ReadonlyMap<string, Robot>): Promise<StopReport> {
   const configured = defaultRobot(robots);
   const beside = [...robots.keys()].filter((name) => !isUnder(name, configured));
   return stopEach(stopRobots, [null, ...inRequests(beside)], configured);

@@ -5,7 +5,7 @@ import { useEffect } from "react";
 export const TWICE_WITHIN_MS = 700;
 
 /** Works everywhere, also while somebody types. */
-export const CHORD = "ctrl+shift+X";
+const CHORD = "ctrl+shift+X";
 
 /**
  * Recognizes two presses of Escape in quick succession, also in a text field. While an input method composes text, Escape

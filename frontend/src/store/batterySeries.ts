@@ -1,4 +1,4 @@
-import type { BatteryState } from "../api/types";
+import type { BatteryState, Implausible } from "../api/types";
 
 /** What is kept of what was heard live: the last five minutes. */
 export const WINDOW_S = 300;
@@ -55,7 +55,7 @@ export class BatterySeries {
 export type Column = (number | null)[];
 
 /** What one quantity was; `min` and `max` are null where a point is one measurement. */
-export interface Band {
+interface Band {
   mean: Column;
   min: Column;
   max: Column;
@@ -81,10 +81,37 @@ export const QUANTITIES = ["voltage", "percentage", "current", "temperature"] as
 export type Quantity = (typeof QUANTITIES)[number];
 
 /** A quantity in the unit that it is plotted in; `percentage` is 0 to 1 on the wire. */
-export function measured(state: BatteryState, quantity: Quantity): number | null {
+function measured(state: BatteryState, quantity: Quantity): number | null {
   return inUnit(quantity, state[quantity]);
 }
 
 export function inUnit(quantity: Quantity, value: number | null): number | null {
   return value === null || quantity !== "percentage" ? value : value * 100;
+}
+
+interface Sent {
+  /** As it was sent. */
+  state: BatteryState;
+  /** What the gateway believes of the charge, 0 to 1. Events of older gateways do not have it. */
+  percentage?: number | null;
+  implausible?: readonly Implausible[];
+}
+
+/** A battery state as far as the gateway believes it: what cannot be right is as if it were not measured. */
+export function believed({ state, percentage, implausible = [] }: Sent): BatteryState {
+  const known = { ...state, percentage: percentage === undefined ? state.percentage : percentage };
+  for (const { field } of implausible) {
+    const [name, place] = field.split(".");
+    if (name === "power_supply_status") known.power_supply_status = 0;
+    else if (name === "cell_voltage" || name === "cell_temperature")
+      known[name] = known[name].map((value, index) => (index === Number(place) ? null : value));
+    else if (isMeasured(name)) known[name] = null;
+  }
+  return known;
+}
+
+const MEASURED = ["voltage", "current", "temperature", "charge", "capacity", "design_capacity"] as const;
+
+function isMeasured(name: string | undefined): name is (typeof MEASURED)[number] {
+  return MEASURED.some((each) => each === name);
 }

@@ -1,8 +1,7 @@
 import { createGateway } from "../api/client";
 import type { Http } from "../api/http";
 import { openStream, type StreamLocation, streamUrl } from "../stream/stream";
-import { BatterySeries } from "./batterySeries";
-import { believed } from "./believed";
+import { BatterySeries, believed } from "./batterySeries";
 import type { Services } from "./context";
 import { SceneBuffer } from "./sceneBuffer";
 import { Store } from "./store";

@@ -1,5 +1,5 @@
 import type { EventOf, GatewayEvent } from "../api/types";
-import { believed } from "./believed";
+import { believed } from "./batterySeries";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
 import { MAX_FEEDBACK, type State } from "./state";
 import { takeUp } from "./streamStore";

@@ -1,7 +1,7 @@
 import type { Goal } from "../api/types";
 
 /** Stages of one goal that are remembered. */
-export const MAX_VISITS = 200;
+const MAX_VISITS = 200;
 
 /** A goal was in this stage. */
 export interface StageVisit {

@@ -23,7 +23,7 @@ export const MAX_ARRIVALS = 32;
 /** Feedback messages that are remembered, to be read. */
 export const MAX_FEEDBACK = 12;
 
-export interface Battery {
+interface Battery {
   /** As far as it is believed; null until a first message has come. */
   state: BatteryState | null;
   /** What of the last message cannot be right. */
@@ -43,7 +43,7 @@ export interface CmdVel {
 }
 
 /** The goal's id → when its latest feedback messages came, in the gateway's time (ms), oldest first. */
-export type Arrivals = ReadonlyMap<string, readonly number[]>;
+type Arrivals = ReadonlyMap<string, readonly number[]>;
 
 /** What is known of goals. */
 export interface GoalsState {

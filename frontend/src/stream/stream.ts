@@ -16,7 +16,7 @@ export interface StreamHandlers {
 export type StreamLocation = Pick<Location, "protocol" | "host">;
 
 /** What a stream is about: the query of its path. */
-export type StreamQuery = Record<string, string | null>;
+type StreamQuery = Record<string, string | null>;
 
 /** Where the events are, for a page at `location`; what is null is not asked for. */
 export function streamUrl(location: StreamLocation, query: StreamQuery, path = "/ws/feedback"): string {

@@ -43,7 +43,7 @@ export function Command({ line, what }: { line: string; what: string }) {
 }
 
 /** Copies text; also on pages over plain http from another machine, where `navigator.clipboard` does not exist. */
-export async function copyText(text: string): Promise<boolean> {
+async function copyText(text: string): Promise<boolean> {
   try {
     if (navigator.clipboard) {
       await navigator.clipboard.writeText(text);

@@ -174,15 +174,15 @@ function NameForm({ label, verb, name = "", reason, onName }: NameFormProps) {
 }
 
 /** What an address holds, under a name. */
-export interface SavedView {
+interface SavedView {
   name: string;
   /** The query of the address, without its question mark. */
   query: string;
 }
 
-export const MAX_VIEWS = 50;
+const MAX_VIEWS = 50;
 
-export const MAX_VIEW_NAME = 60;
+const MAX_VIEW_NAME = 60;
 
 const keyOf = (page: string) => `dock-gateway-views-${page}`;
 
@@ -207,7 +207,7 @@ export function withView(views: readonly SavedView[], view: SavedView): SavedVie
   return sorted([...views.filter((each) => each.name !== name), { ...view, name }]);
 }
 
-export function withoutView(views: readonly SavedView[], name: string): SavedView[] {
+function withoutView(views: readonly SavedView[], name: string): SavedView[] {
   return views.filter((each) => each.name !== name);
 }
 

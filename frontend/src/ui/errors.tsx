@@ -26,7 +26,7 @@ export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlert
 }
 
 /** What an error says of itself: what happened, in which fields, what to do about it, and its code. */
-export function ErrorWords({ error }: { error: CommandError }) {
+function ErrorWords({ error }: { error: CommandError }) {
   return (
     <>
       <Text size="sm">{sentence(error.detail)}</Text>

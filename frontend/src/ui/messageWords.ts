@@ -106,7 +106,7 @@ const WALL_S = 1_000_000_000;
 /** Milliseconds. */
 const SECONDS_DECIMALS = 3;
 
-export type Moment = { kind: "time"; ms: number } | { kind: "words"; words: string };
+type Moment = { kind: "time"; ms: number } | { kind: "words"; words: string };
 
 /** A builtin_interfaces/Time or Duration as one value; null where the message is neither. */
 export function momentOf(value: Message, node?: SchemaNode): Moment | null {

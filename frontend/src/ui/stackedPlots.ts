@@ -28,7 +28,7 @@ export interface PlotPlace {
   value: HTMLElement;
 }
 
-export interface StackOptions {
+interface StackOptions {
   source: PlotSource;
   lines: readonly PlotLine[];
   height: number;

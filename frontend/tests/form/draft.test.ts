@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { quoted, sendLine } from "../../src/actions/actions";
 import {
   asForm,
   asJson,
@@ -14,7 +15,6 @@ import {
 } from "../../src/actions/form/draft";
 import { convertBytes, countBytes } from "../../src/actions/form/numbers";
 import { shapeOf } from "../../src/actions/form/shapes";
-import { quoted, sendLine } from "../../src/actions/words";
 import type { JsonSchema } from "../../src/api/jsonSchema";
 import schemas from "./schemas.json";
 

@@ -1,7 +1,15 @@
 import { describe, expect, it } from "vitest";
 import { initialValues, readMessage } from "../../src/actions/form/read";
-import { type Field, type MessageShape, type Shape, shapeOf } from "../../src/actions/form/shapes";
-import { type Path, type Value, type Values, withValue } from "../../src/actions/form/values";
+import {
+  type Field,
+  type MessageShape,
+  type Path,
+  type Shape,
+  shapeOf,
+  type Value,
+  type Values,
+  withValue,
+} from "../../src/actions/form/shapes";
 import { lengthWords, writeMessage } from "../../src/actions/form/write";
 import type { Json, JsonObject, JsonSchema } from "../../src/api/jsonSchema";
 import { Random, randomMessage, takes } from "./random";

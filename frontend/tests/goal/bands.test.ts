@@ -1,6 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { bandsOf, entryAt } from "../../src/goal/bands";
-import { timelineOf } from "../../src/goal/timeline";
+import { bandsOf, entryAt, timelineOf } from "../../src/goal/timeline";
 import { at, goal, START, status } from "../events";
 
 const events = [

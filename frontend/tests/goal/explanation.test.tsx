@@ -1,7 +1,7 @@
 import { MantineProvider } from "@mantine/core";
 import { render, screen } from "@testing-library/react";
 import { describe, expect, it } from "vitest";
-import { GoalExplanation } from "../../src/goal/GoalExplanation";
+import { GoalExplanation } from "../../src/goal/facts";
 import { goal } from "../events";
 
 const show = (...parameters: Parameters<typeof goal>) =>

@@ -1,6 +1,6 @@
 import { createContext, useContext, useEffect, useRef } from "react";
 import { errorsAt, errorsIn } from "../form/draft";
-import { dotted, type Path, type Value } from "../form/values";
+import { dotted, type Path, type Value } from "../form/shapes";
 import type { FieldError } from "../form/write";
 
 /** What every field of a form needs of it. */

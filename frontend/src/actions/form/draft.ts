@@ -1,7 +1,7 @@
 import { isObject, type Json, type JsonObject } from "../../api/jsonSchema";
 import { initialValues, readMessage } from "./read";
 import type { MessageShape } from "./shapes";
-import { dotted, type Path, type Value, type Values, withValue } from "./values";
+import { dotted, type Path, type Value, type Values, withValue } from "./shapes";
 import { type FieldError, writeMessage } from "./write";
 
 /** A goal that is being written, as a form or as JSON. */
@@ -17,7 +17,7 @@ export interface Draft {
 }
 
 /** What a draft amounts to. */
-export interface Outgoing {
+interface Outgoing {
   /** The body of the request, as it is sent; null where there is none. */
   body: string | null;
   /** The same as data, where that is what the form makes. */

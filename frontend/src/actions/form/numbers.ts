@@ -1,6 +1,5 @@
 import type { Json } from "../../api/jsonSchema";
-import type { FloatShape, IntegerShape } from "./shapes";
-import type { Bytes } from "./values";
+import type { Bytes, FloatShape, IntegerShape } from "./shapes";
 
 /** What a text stands for, or what was expected instead. */
 export type Parsed<Value> = { value: Value } | { expected: string };

@@ -10,10 +10,10 @@ import type {
   NumbersShape,
   Shape,
 } from "./shapes";
-import { dotted, type Path, type Value, type Values } from "./values";
+import { dotted, type Path, type Value, type Values } from "./shapes";
 import type { FieldError } from "./write";
 
-export interface Read {
+interface Read {
   values: Values;
   /** What a form cannot show; what is only too large or too long it can. */
   errors: readonly FieldError[];

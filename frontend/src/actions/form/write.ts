@@ -11,7 +11,7 @@ import type {
   Shape,
   TextShape,
 } from "./shapes";
-import { type Bytes, dotted, type Path, type Value, type Values } from "./values";
+import { type Bytes, dotted, type Path, type Value, type Values } from "./shapes";
 
 /** What is wrong with a field. */
 export interface FieldError {
@@ -20,7 +20,7 @@ export interface FieldError {
   detail: string;
 }
 
-export interface Written {
+interface Written {
   /** Without what is as it would be anyway, and without what is wrong. */
   message: JsonObject;
   errors: readonly FieldError[];

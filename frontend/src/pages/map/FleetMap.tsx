@@ -1,14 +1,14 @@
 import { memo, useCallback, useEffect, useRef, useState } from "react";
 import { Link } from "react-router";
 import { useNaming } from "../../fleet/context";
-import { robotPath } from "../../fleet/path";
+import { robotPath } from "../../fleet/names";
 import { Camera } from "../../scene/camera";
 import { Gestures } from "../../scene/gestures";
-import { MapTools } from "../../scene/MapTools";
-import { type Means, usePicture } from "../../scene/usePicture";
-import type { FleetScenes } from "./fleetScenes";
+import { type Means, usePicture } from "../../scene/picture";
+import { MapTools } from "../../scene/SceneCanvas";
+import type { Mark, Placed } from "./MapPage";
 import classes from "./map.module.css";
-import type { Mark, Placed } from "./placement";
+import type { FleetScenes } from "./stage";
 import { FleetStage, INSET_PX } from "./stage";
 
 /** The robots from above, each a link to its page. Moved outside of React. */

@@ -1,18 +1,19 @@
 import { Skeleton, Stack, Text } from "@mantine/core";
 import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
+import { openAlerts, urgentFirst } from "../../alerts/order";
+import type { Alert, Robot } from "../../api/types";
 import { useAtTime } from "../../clock/clock";
 import { FreshnessBadge } from "../../fleet/badges";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
-import { robotPath } from "../../fleet/path";
-import { freshnessOf, SCENE_STALE_MS } from "../../store/freshness";
+import { byName, robotPath } from "../../fleet/names";
+import { isThere, isUnreachable, LINK_WORDS, linkOf } from "../../fleet/words";
+import { freshnessOf, SCENE_STALE_MS } from "../../store/context";
 import { openStream, streamUrl } from "../../stream/stream";
-import { PageTitle } from "../../ui/PageTitle";
-import { Section } from "../../ui/Section";
+import { PageTitle, Section } from "../../ui/Section";
 import { FleetMap } from "./FleetMap";
-import { FleetScenes } from "./fleetScenes";
 import classes from "./map.module.css";
-import { type Missing, placement } from "./placement";
+import { FleetScenes, type Frames } from "./stage";
 
 const FRESHNESS_MS = 400;
 
@@ -94,4 +95,49 @@ function NotShown({ missing }: { missing: readonly Missing[] }) {
       </ul>
     </Section>
   );
+}
+
+/** What sets a robot apart from those that are as they should be. */
+export interface Mark {
+  level: "critical" | "warning";
+  words: string;
+}
+
+export interface Placed {
+  robot: Robot;
+  mark: Mark | null;
+}
+
+interface Missing {
+  robot: Robot;
+  why: string;
+}
+
+/** Which robots are on the map, and why the others are not; by name. Odometry has a frame for each robot alone. */
+export function placement(
+  robots: Iterable<Robot>,
+  frames: Frames,
+  alerts: readonly Alert[],
+): { placed: Placed[]; missing: Missing[] } {
+  const placed: Placed[] = [];
+  const missing: Missing[] = [];
+  for (const robot of [...robots].sort((a, b) => byName(a.name, b.name))) {
+    const frame = frames.get(robot.name);
+    if (frame === "world") placed.push({ robot, mark: markOf(robot, alerts) });
+    else if (isThere(robot)) missing.push({ robot, why: reasonOf(robot, frame) });
+  }
+  return { placed, missing };
+}
+
+function reasonOf(robot: Robot, frame: "odom" | undefined): string {
+  if (frame === "odom") return "Only odometry, in a frame of its own";
+  if (isUnreachable(robot)) return LINK_WORDS[linkOf(robot)];
+  return robot.simulated ? "No pose from its simulator" : "No simulator, no odometry yet";
+}
+
+function markOf(robot: Robot, alerts: readonly Alert[]): Mark | null {
+  if (robot.stop.latched) return { level: "critical", words: "Stopped" };
+  const [alert] = urgentFirst(openAlerts(alerts.filter((each) => each.robot === robot.name)));
+  if (alert !== undefined) return { level: alert.severity, words: alert.title };
+  return isUnreachable(robot) ? { level: "warning", words: LINK_WORDS[linkOf(robot)] } : null;
 }

@@ -1,4 +1,4 @@
-import type { Footprint, Scene } from "../../api/types";
+import type { Footprint, GatewayEvent, Scene } from "../../api/types";
 import type { Camera } from "../../scene/camera";
 import type { SceneColors } from "../../scene/colors";
 import type { Stage } from "../../scene/gestures";
@@ -8,7 +8,7 @@ import { drawDock, drawScaleBar } from "../../scene/renderer";
 import { around, arrowRadius, footprintOf } from "../../scene/shapes";
 import { canvasContext, toScreen } from "../../scene/view";
 import type { Point } from "../../store/geometry";
-import type { FleetScenes } from "./fleetScenes";
+import type { StreamHandlers } from "../../stream/stream";
 
 /** The frame that robots share. */
 const FRAME = "world";
@@ -102,8 +102,43 @@ export class FleetStage extends Picture implements Stage {
 const RADIUS = 47;
 
 /** A footprint as a CSS shape: of a square element with base_link in its middle, x to the right. */
-export function outlineOf({ radius, points }: Footprint): string {
+function outlineOf({ radius, points }: Footprint): string {
   if (points === null) return `circle(${RADIUS}%)`;
   const place = (metres: number) => `${(50 + (RADIUS * metres) / radius).toFixed(1)}%`;
   return `polygon(${points.map(({ x, y }) => `${place(x)} ${place(-y)}`).join(", ")})`;
+}
+
+/** By robot, the frame that its pose is given in. */
+export type Frames = ReadonlyMap<string, Scene["frame"]>;
+
+/** The scenes of all robots as they come. */
+export class FleetScenes implements StreamHandlers {
+  latest: Readonly<Record<string, Scene>> = {};
+  /** When the latest came (ms, on the clock of `performance.now()`). */
+  arrivedAt = Number.NEGATIVE_INFINITY;
+  /** The same map until a robot appears, disappears or changes its frame; null before the first event. */
+  frames: Frames | null = null;
+  readonly #listeners = new Set<() => void>();
+
+  readonly onEvent = (event: GatewayEvent): void => {
+    if (event.type !== "scenes") return;
+    this.latest = event.scenes;
+    this.arrivedAt = performance.now();
+    const frames = new Map(Object.entries(event.scenes).map(([robot, { frame }]) => [robot, frame]));
+    if (this.frames === null || !isSame(this.frames, frames)) this.frames = frames;
+    for (const listener of this.#listeners) listener();
+  };
+
+  /** The connection is that of all pages. */
+  readonly onConnection = (): void => {};
+
+  /** Calls `listener` for every event, until the returned function is called. */
+  readonly subscribe = (listener: () => void): (() => void) => {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  };
+}
+
+function isSame(one: Frames, other: Frames): boolean {
+  return one.size === other.size && [...one].every(([robot, frame]) => other.get(robot) === frame);
 }

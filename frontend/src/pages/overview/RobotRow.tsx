@@ -1,18 +1,17 @@
-import { Checkbox, Table, VisuallyHidden } from "@mantine/core";
-import { memo } from "react";
+import { ActionIcon, Checkbox, Menu, Table, Tooltip, VisuallyHidden } from "@mantine/core";
+import { memo, useId, useState } from "react";
 import { Link } from "react-router";
 import { type Mark, SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
 import type { Robot } from "../../api/types";
 import { LinkState } from "../../fleet/badges";
-import { robotName } from "../../fleet/names";
-import { robotPath } from "../../fleet/path";
+import { robotName, robotPath } from "../../fleet/names";
 import { linkOf, placeWords } from "../../fleet/words";
-import { BatteryMeter } from "./BatteryMeter";
-import { LastCell, NowCell } from "./cells";
+import { useOperate } from "../../operations/context";
+import { moveOf, OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../../operations/operation";
+import { BatteryMeter, LastCell, NowCell } from "./cells";
 import type { Sort } from "./list";
 import classes from "./overview.module.css";
-import { RowMenu } from "./RowMenu";
 
 const MARKS: Record<Exclude<Attention, 0>, { mark: Mark; words: string }> = {
   1: { mark: "acknowledged", words: "Acknowledged alert" },
@@ -131,5 +130,77 @@ function AttentionMark({ attention }: { attention: Exclude<Attention, 0> }) {
       <SeverityMark mark={mark} />
       <VisuallyHidden>{words}: </VisuallyHidden>
     </span>
+  );
+}
+
+/** What can be done to the robot of a row, in a menu at its end. */
+const RowMenu = memo(function RowMenu({ robot, live }: { robot: Robot; live: boolean }) {
+  const [opened, setOpened] = useState(false);
+  return (
+    <Menu opened={opened} onChange={setOpened} position="bottom-end" withInitialFocusPlaceholder={false}>
+      <Menu.Target>
+        <ActionIcon
+          variant="subtle"
+          color="gray"
+          size="md"
+          className={classes.menu ?? ""}
+          aria-label={`Commands for ${robotName(robot)}`}
+        >
+          <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
+            <path d="M12 4a2 2 0 1 1 0 4 2 2 0 0 1 0-4Zm0 6a2 2 0 1 1 0 4 2 2 0 0 1 0-4Zm0 6a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
+          </svg>
+        </ActionIcon>
+      </Menu.Target>
+      <Menu.Dropdown>
+        {opened &&
+          OPERATIONS.map((operation, index) => (
+            <Item
+              key={operation}
+              operation={operation}
+              robot={robot}
+              live={live}
+              data-autofocus={index === 0 || undefined}
+            />
+          ))}
+      </Menu.Dropdown>
+    </Menu>
+  );
+});
+
+interface ItemProps {
+  operation: Operation;
+  robot: Robot;
+  live: boolean;
+  "data-autofocus": true | undefined;
+}
+
+/** Says in a tooltip why it cannot be used; it can have the focus all the same. */
+function Item({ operation, robot, live, ...focus }: ItemProps) {
+  const operate = useOperate();
+  const reason = whyNot(operation, robot, live);
+  const id = useId();
+  const disabled = reason !== null;
+  return (
+    <Tooltip label={reason} disabled={!disabled} multiline maw={300} position="left">
+      <div>
+        <Menu.Item
+          {...focus}
+          {...(operation === "stop" ? { c: "var(--mantine-color-error)" } : {})}
+          closeMenuOnClick={!disabled}
+          data-disabled={disabled || undefined}
+          aria-disabled={disabled || undefined}
+          aria-describedby={disabled ? id : undefined}
+          aria-haspopup={moveOf(operation) !== null && !robot.simulated ? "dialog" : undefined}
+          onClick={() => {
+            if (!disabled) operate(operation, [robot.name]);
+          }}
+        >
+          {OPERATION_NAMES[operation]}
+        </Menu.Item>
+        <span id={id} hidden>
+          {reason}
+        </span>
+      </div>
+    </Tooltip>
   );
 }

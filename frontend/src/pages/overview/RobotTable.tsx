@@ -1,16 +1,15 @@
-import { Button, Paper, Table, Text } from "@mantine/core";
+import { Button, Paper, Table, Text, TextInput } from "@mantine/core";
 import { Fragment, useMemo, useRef, useState } from "react";
 import { useSearchParams } from "react-router";
 import { attentionOf } from "../../alerts/order";
 import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
-import { useColumns } from "./columns";
-import { Filters } from "./Filters";
-import { listed, readView, type View, writeView } from "./list";
+import { GroupSelect } from "../../fleet/RobotFields";
+import { type Attentions, listed, matches, readView, SHOW_WORDS, SHOWS, type View, writeView } from "./list";
 import classes from "./overview.module.css";
 import { RobotRow } from "./RobotRow";
 import { TableBar } from "./TableBar";
-import { TableHead } from "./TableHead";
+import { TableHead, useColumns } from "./TableHead";
 import { useRowWindow } from "./useRowWindow";
 import { useSelection } from "./useSelection";
 
@@ -107,4 +106,66 @@ function Gap({ height }: { height: number }) {
   if (height === 0) return null;
   // biome-ignore lint/a11y/noAriaHiddenOnFocusable: a row without cells cannot have the focus
   return <tr aria-hidden="true" className={classes.gap} style={{ height }} />;
+}
+
+interface FiltersProps {
+  robots: readonly Robot[];
+  attentions: Attentions;
+  view: View;
+  onChange: (change: Partial<View>) => void;
+}
+
+/** How many robots there are of each kind, to read at a glance; pressed, the list shows those alone. */
+function Filters({ robots, attentions, view, onChange }: FiltersProps) {
+  const counts = useMemo(
+    () => SHOWS.map((show) => robots.filter((robot) => matches(robot, show, attentions)).length),
+    [robots, attentions],
+  );
+  return (
+    <div className={classes.filters}>
+      <fieldset className={classes.shows}>
+        <legend className={classes.legend}>Show robots</legend>
+        {SHOWS.map((show, index) => (
+          <button
+            key={show}
+            type="button"
+            className={classes.show}
+            aria-pressed={view.show === show}
+            data-none={counts[index] === 0 || undefined}
+            onClick={() => onChange({ show: view.show === show ? "all" : show })}
+          >
+            <span className={classes.number}>{counts[index]}</span> {SHOW_WORDS[show]}
+          </button>
+        ))}
+      </fieldset>
+      <div className={classes.choices}>
+        <GroupSelect
+          className={classes.group ?? ""}
+          aria-label="Group"
+          group={view.group}
+          onGroup={(group) => onChange({ group })}
+        />
+        <Search text={view.text} onText={(text) => onChange({ text })} />
+      </div>
+    </div>
+  );
+}
+
+/** Shows at once what is typed; the address, which follows, may be a few letters behind. */
+function Search({ text, onText }: { text: string; onText: (text: string) => void }) {
+  const [typed, setTyped] = useState<string | null>(null);
+  return (
+    <TextInput
+      type="search"
+      className={classes.search ?? ""}
+      aria-label="Search robots by name or group"
+      placeholder="Name or group"
+      value={typed ?? text}
+      onChange={(event) => {
+        setTyped(event.currentTarget.value);
+        onText(event.currentTarget.value);
+      }}
+      onBlur={() => setTyped(null)}
+    />
+  );
 }

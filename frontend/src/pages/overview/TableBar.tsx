@@ -6,9 +6,9 @@ import { useOperate } from "../../operations/context";
 import { OPERATION_NAMES, OPERATIONS, whyNot } from "../../operations/operation";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { SavedViews } from "../../ui/SavedViews";
-import type { ColumnChoice } from "./columns";
 import { type View, writeView } from "./list";
 import classes from "./overview.module.css";
+import type { ColumnChoice } from "./TableHead";
 import type { Selection } from "./useSelection";
 
 interface TableBarProps {
@@ -101,7 +101,7 @@ function whyNone(robots: readonly Robot[], why: (robot: Robot) => string | null)
 }
 
 /** Chooses the columns of the table. */
-export function ColumnsMenu({ choice: { shown, optional, toggle } }: { choice: ColumnChoice }) {
+function ColumnsMenu({ choice: { shown, optional, toggle } }: { choice: ColumnChoice }) {
   return (
     <Menu closeOnItemClick={false} position="bottom-end" withInitialFocusPlaceholder={false}>
       <Menu.Target>

@@ -1,6 +1,7 @@
 import { Checkbox, Table, VisuallyHidden } from "@mantine/core";
-import { COLUMNS, type Column } from "./columns";
-import type { Sort, View } from "./list";
+import { useLocalStorage } from "@mantine/hooks";
+import { useMemo } from "react";
+import { readColumns, type Sort, type View } from "./list";
 import classes from "./overview.module.css";
 import type { Selection } from "./useSelection";
 
@@ -71,4 +72,67 @@ function HeaderCell({ column: { sort, name, wide = false }, view, onSort }: Head
       </button>
     </Table.Th>
   );
+}
+
+interface Column {
+  sort: Sort;
+  name: string;
+  /** Left out where the window is narrow: the robot's own cell says it there. */
+  wide?: boolean;
+}
+
+const COLUMNS: readonly Column[] = [
+  { sort: "name", name: "Robot" },
+  { sort: "place", name: "Dock status", wide: true },
+  { sort: "battery", name: "Battery" },
+  { sort: "goal", name: "Now" },
+  { sort: "last", name: "Last result", wide: true },
+  { sort: "groups", name: "Groups", wide: true },
+  { sort: "link", name: "Connection", wide: true },
+];
+
+const KEY = "dock-gateway-overview-columns";
+
+export interface ColumnChoice {
+  /** Those that are shown. */
+  shown: ReadonlySet<Sort>;
+  /** Those that can be hidden, in the order of the table. */
+  optional: readonly Column[];
+  hidden: readonly Sort[];
+  toggle: (sort: Sort) => void;
+}
+
+/**
+ * Which columns are shown.
+ *
+ * @param grouped Whether a robot is in a group.
+ * @param inAddress Those that the address hides; null for the choice that is kept in this browser.
+ * @param onHide Hides other ones in the address.
+ */
+export function useColumns(
+  grouped: boolean,
+  inAddress: readonly Sort[] | null,
+  onHide: (hidden: Sort[]) => void,
+): ColumnChoice {
+  const [kept, keep] = useLocalStorage<unknown>({
+    key: KEY,
+    defaultValue: [],
+    getInitialValueInEffect: false,
+  });
+  const hidden = useMemo(() => inAddress ?? readColumns(kept), [inAddress, kept]);
+  const choice = useMemo(() => {
+    const there = COLUMNS.filter(({ sort }) => grouped || sort !== "groups");
+    const shown = there.filter(({ sort }) => sort === "name" || !hidden.includes(sort));
+    return {
+      shown: new Set(shown.map(({ sort }) => sort)),
+      optional: there.filter(({ sort }) => sort !== "name"),
+      hidden,
+    };
+  }, [grouped, hidden]);
+  const toggle = (sort: Sort) => {
+    const next = hidden.includes(sort) ? hidden.filter((each) => each !== sort) : [...hidden, sort];
+    if (inAddress === null) keep(next);
+    else onHide(readColumns(next));
+  };
+  return { ...choice, toggle };
 }

@@ -5,7 +5,7 @@ import { isUnreachable, linkOf } from "../../fleet/words";
 
 /** What the list can be narrowed to. */
 export const SHOWS = ["all", "alerts", "running", "docked", "undocked", "stopped", "unreachable"] as const;
-export type Show = (typeof SHOWS)[number];
+type Show = (typeof SHOWS)[number];
 
 export const SHOW_WORDS: Record<Show, string> = {
   all: "All",
@@ -18,7 +18,7 @@ export const SHOW_WORDS: Record<Show, string> = {
 };
 
 /** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
-export const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
+const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
 export type Sort = (typeof SORTS)[number];
 
 /** How the list is looked at; kept in the page's address. */

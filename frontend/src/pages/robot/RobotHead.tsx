@@ -1,12 +1,15 @@
-import { Anchor, Badge, Text, Title } from "@mantine/core";
+import { ActionIcon, Anchor, Badge, Skeleton, Text, Title, Tooltip } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { Suspense, useMemo } from "react";
 import { Link } from "react-router";
-import { RobotRules } from "../../automation/links";
+import { RobotRules } from "../../automation/rules";
 import { LinkState } from "../../fleet/badges";
-import { useFleetLive, useFleetPart, useNaming } from "../../fleet/context";
-import { defaultRobot } from "../../fleet/names";
-import { linkOf, placeWords } from "../../fleet/words";
-import { LabelButton } from "./LabelButton";
-import { RobotSwitcher } from "./RobotSwitcher";
+import { useFleetLive, useFleetPart, useNaming, useWhyNot } from "../../fleet/context";
+import { byName, defaultRobot } from "../../fleet/names";
+import { isThere, linkOf, placeWords } from "../../fleet/words";
+import { Dialog } from "../../ui/Dialog";
+import { Guarded } from "../../ui/Guarded";
+import { lazyPart } from "../../ui/lazyPart";
 import classes from "./robot.module.css";
 
 /** Which robot this is, whether it is docked, and how it can be reached where something is wrong with that. */
@@ -57,5 +60,68 @@ function Facts({ name }: { name: string }) {
       <RobotRules robot={name} />
       {live && link !== null && link !== "connected" && <LinkState link={link} live />}
     </>
+  );
+}
+
+const LabelForm = lazyPart(() => import("./LabelForm"));
+
+/** Opens the name and groups of a robot; has the focus again afterwards. */
+function LabelButton({ robot }: { robot: string }) {
+  const naming = useNaming();
+  const reason = useWhyNot("PUT /robots/label");
+  const [opened, dialog] = useDisclosure(false);
+  return (
+    <>
+      <Tooltip label={reason ?? "Name and groups"}>
+        <ActionIcon
+          variant="subtle"
+          color="gray"
+          size="lg"
+          aria-label={`Name and groups of ${naming.nameOf(robot)}`}
+          aria-haspopup="dialog"
+          aria-disabled={reason !== null}
+          onClick={() => reason === null && dialog.open()}
+        >
+          <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
+            <path d="M3 17.2V21h3.8L17.9 9.9l-3.8-3.8L3 17.2ZM20.7 7a1 1 0 0 0 0-1.4l-2.3-2.3a1 1 0 0 0-1.4 0l-1.8 1.8 3.8 3.8L20.7 7Z" />
+          </svg>
+        </ActionIcon>
+      </Tooltip>
+      <Dialog opened={opened} onClose={dialog.close} title={`Name and groups of ${naming.fullNameOf(robot)}`}>
+        <Guarded of={robot}>
+          <Suspense fallback={<Skeleton height={180} />}>
+            <LabelForm robot={robot} onDone={dialog.close} />
+          </Suspense>
+        </Guarded>
+      </Dialog>
+    </>
+  );
+}
+
+/** Comes where there are several robots. */
+const RobotSelect = lazyPart(() => import("./RobotSelect"));
+
+/** Goes to another robot of the fleet. Nothing where there is no other one. */
+function RobotSwitcher({ robot }: { robot: string }) {
+  const names = useFleetPart("robots", (robots) =>
+    [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).join("\n"),
+  );
+  const others = useMemo(
+    () =>
+      names
+        .split("\n")
+        .filter((name) => name !== "" && name !== robot)
+        .sort(byName),
+    [names, robot],
+  );
+  if (others.length === 0) return null;
+  return (
+    <div className={classes.switcher}>
+      <Guarded of={robot}>
+        <Suspense fallback={<Skeleton height={36} />}>
+          <RobotSelect others={others} />
+        </Suspense>
+      </Guarded>
+    </div>
   );
 }

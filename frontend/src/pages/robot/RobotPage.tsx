@@ -2,11 +2,19 @@ import { Alert, Anchor, List, Tabs, Text } from "@mantine/core";
 import { type ReactNode, useEffect, useMemo, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 import { useFleet, useFleetLive, useFleetPart, useFleetTopic, useNaming } from "../../fleet/context";
-import { byName, defaultRobot } from "../../fleet/names";
-import { DEVELOPER, OPERATE, readTab, robotPath, type Tab, withTab } from "../../fleet/path";
+import {
+  byName,
+  DEVELOPER,
+  defaultRobot,
+  OPERATE,
+  readTab,
+  robotPath,
+  type Tab,
+  withTab,
+} from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { type Services, ServicesProvider } from "../../store/context";
-import { usePageTitle } from "../../ui/PageTitle";
+import { usePageTitle } from "../../ui/Section";
 import { RobotHead } from "./RobotHead";
 import { RobotPanels } from "./RobotPanels";
 import classes from "./robot.module.css";
@@ -22,7 +30,7 @@ export default function RobotPage() {
 }
 
 /** Gives what is inside one robot: its commands and what is known of it, read along while this is shown. */
-export function RobotScope({ robot, children }: { robot: string | null; children: ReactNode }) {
+function RobotScope({ robot, children }: { robot: string | null; children: ReactNode }) {
   const { openRobot } = useFleet();
   const [services, setServices] = useState<Services | null>(null);
 
@@ -85,7 +93,7 @@ export function RobotView({ robot, breadcrumb = false }: RobotViewProps) {
 }
 
 /** Says that the gateway knows no such robot, and which ones it knows. */
-export function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boolean }) {
+function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boolean }) {
   const naming = useNaming();
   const robots = useFleetTopic("robots");
   const names = useMemo(

@@ -2,7 +2,7 @@ import { Select } from "@mantine/core";
 import { useState } from "react";
 import { useNavigate, useSearchParams } from "react-router";
 import { useNaming } from "../../fleet/context";
-import { readTab, robotPath } from "../../fleet/path";
+import { readTab, robotPath } from "../../fleet/names";
 
 /** Goes to the robot that is chosen, on the same tab. */
 export default function RobotSelect({ others }: { others: readonly string[] }) {

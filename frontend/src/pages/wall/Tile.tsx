@@ -3,14 +3,14 @@ import { memo } from "react";
 import { SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
 import type { Robot } from "../../api/types";
-import { ChargeBar, chargeOf } from "../../battery/ChargeBar";
+import { ChargeBar, chargeOf } from "../../battery/BatteryCard";
 import { formatQuantity } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";
 import { robotName } from "../../fleet/names";
 import { LINK_WORDS, linkOf, placeWords } from "../../fleet/words";
 import { runningWords, soFarWords } from "../../goal/words";
-import { believed } from "../../store/believed";
-import { freshnessOf } from "../../store/freshness";
+import { believed } from "../../store/batterySeries";
+import { freshnessOf } from "../../store/context";
 import classes from "./wall.module.css";
 
 interface TileProps {
@@ -95,7 +95,7 @@ const LEAST_HEIGHT = 120;
 /** Width by height that a tile looks best with. */
 const SHAPE = 1.9;
 
-export interface Grid {
+interface Grid {
   columns: number;
   rows: number;
   pages: number;

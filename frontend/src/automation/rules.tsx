@@ -1,5 +1,7 @@
+import { Anchor } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
+import { Link } from "react-router";
 import {
   type Decision,
   deleteRule,
@@ -10,6 +12,7 @@ import {
   type RuleBody,
 } from "../api/automation";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { OriginBadge } from "../goal/facts";
 import { useAnswer, useCommand } from "../ui/requests";
 
 const KEY = ["automation"] as const;
@@ -39,7 +42,7 @@ export function useDecisions() {
 }
 
 /** The decision that sent a goal; null while it is not known. */
-export function useDecisionOf(goalId: string): Decision | null {
+function useDecisionOf(goalId: string): Decision | null {
   const { http } = useFleet();
   const { data } = useAnswer({
     queryKey: [...KEY, "goal", goalId],
@@ -79,4 +82,29 @@ export function useRuleCommands() {
     await change((rules) => rules.filter((rule) => rule.id !== id));
   });
   return { save, remove };
+}
+
+/** The rules that dock a robot by themselves; nothing where there are none. */
+export function RobotRules({ robot }: { robot: string }) {
+  const { data: rules = [] } = useRules(30_000);
+  const on = rules.filter(
+    ({ mode, applies_to }) => mode === "on" && applies_to.some((each) => each.robot === robot),
+  );
+  if (on.length === 0) return null;
+  return (
+    <Anchor component={Link} to="/ui/automation" size="sm">
+      Automatic docking on ({on.map(({ name }) => name).join(", ")})
+    </Anchor>
+  );
+}
+
+/** The rule that sent a goal, once it is known. */
+export function SentByRule({ goalId }: { goalId: string }) {
+  const decision = useDecisionOf(goalId);
+  if (decision === null) return <OriginBadge origin="automation" />;
+  return (
+    <Anchor component={Link} to="/ui/automation">
+      Automatic docking: {decision.rule_name}
+    </Anchor>
+  );
 }

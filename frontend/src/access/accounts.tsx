@@ -1,4 +1,6 @@
+import { Badge, Group, Paper, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
+import { type ReactNode, useId } from "react";
 import {
   createToken,
   endPersonSessions,
@@ -13,9 +15,13 @@ import {
   type UserBody,
 } from "../api/access";
 import type { Http } from "../api/http";
-import { type Command, useForbidden } from "../api/permissions";
+import { type Command, useForbidden } from "../api/session";
 import { useFleet, useFleetLive } from "../fleet/context";
+import { Fact, FactList } from "../ui/Fact";
 import { useAnswer, useCommand } from "../ui/requests";
+import { Time } from "../ui/Time";
+import classes from "./access.module.css";
+import { type Grant, limitWords } from "./accountForms";
 
 /** Between two requests for what others have changed, and who was here (ms). */
 const REFETCH_MS = 5000;
@@ -64,4 +70,60 @@ export function useTokens() {
   });
   const revoke = useCommand((id: string) => revokeToken(http, id).then(renew));
   return { tokens, error, refetch, create, revoke };
+}
+
+interface AccountItemProps {
+  account: Grant & { name: string; created_by?: string | null; created_at: string };
+  /** Why it cannot be used, in a word. */
+  flaw: string | null;
+  /** What happened first. */
+  begun: string;
+  /** More facts. */
+  children: ReactNode;
+  buttons: ReactNode;
+}
+
+/** A user, a person or a token: whose it is, what they may do, and since when. */
+export function AccountItem({ account, flaw, begun, children, buttons }: AccountItemProps) {
+  const { name, role, created_by, created_at } = account;
+  const titleId = useId();
+  const limits = limitWords(account);
+  return (
+    <Paper
+      component="li"
+      withBorder
+      radius="md"
+      p={{ base: "md", sm: "lg" }}
+      className={classes.token ?? ""}
+      aria-labelledby={titleId}
+    >
+      <div className={classes.facts}>
+        <Group gap="xs" mb="xs">
+          <Text fw={600} id={titleId} style={{ overflowWrap: "anywhere" }}>
+            {name}
+          </Text>
+          <Text c="dimmed">{role}</Text>
+          {flaw !== null && <Badge color="orange">{flaw}</Badge>}
+        </Group>
+        <FactList wide>
+          <Fact name={begun}>
+            <Time value={created_at} /> {byWords(created_by)}
+          </Fact>
+          {limits !== "" && <Fact name="Only for">{limits}</Fact>}
+          {children}
+        </FactList>
+      </div>
+      {buttons}
+    </Paper>
+  );
+}
+
+function byWords(created_by: string | null | undefined): string {
+  if (created_by === undefined) return "";
+  return created_by === null ? "in a terminal" : `by ${created_by}`;
+}
+
+export function sessionWords(sessions: number): string {
+  if (sessions === 0) return "No";
+  return sessions === 1 ? "In one browser" : `In ${sessions} browsers`;
 }

@@ -1,6 +1,14 @@
-import { Switch, Text, Textarea, TextInput, VisuallyHidden } from "@mantine/core";
-import { splitNumbers } from "../form/numbers";
-import type { FloatShape, IntegerShape, NumbersShape, TextShape } from "../form/shapes";
+import {
+  NativeSelect,
+  SegmentedControl,
+  Switch,
+  Text,
+  Textarea,
+  TextInput,
+  VisuallyHidden,
+} from "@mantine/core";
+import { convertBytes, countBytes, splitNumbers } from "../form/numbers";
+import type { Bytes, BytesShape, FloatShape, IntegerShape, NumbersShape, TextShape } from "../form/shapes";
 import { lengthWords } from "../form/write";
 import { type InputProps, ORDER, useField } from "./context";
 import classes from "./fields.module.css";
@@ -45,7 +53,7 @@ export function NumberField({ path, label, description, unit, value, shape }: Nu
 }
 
 /** The unit at the end of an input. */
-export function unitSection(unit: string | null) {
+function unitSection(unit: string | null) {
   if (unit === null) return {};
   return {
     rightSection: (
@@ -117,16 +125,109 @@ export function NumbersField({ path, label, description, unit, value, shape, opt
 }
 
 /** As many lines as a text of numbers needs, more or less. */
-export function rowsFor(text: string): number {
+function rowsFor(text: string): number {
   return Math.max(1, Math.min(8, Math.ceil(text.length / 60)));
 }
 
 /** A field's name, as ROS has it, and its unit for those who do not see it at the end of the input. */
-export function Label({ name, unit }: { name: string; unit: string | null }) {
+function Label({ name, unit }: { name: string; unit: string | null }) {
   return (
     <>
       {name}
       {unit !== null && <VisuallyHidden> in {unit}</VisuallyHidden>}
     </>
+  );
+}
+
+interface ChoiceFieldProps extends InputProps<string> {
+  shape: IntegerShape;
+}
+
+const OTHER = "other";
+
+/** One of a field's constants, or any other number, as ROS takes it. */
+export function ChoiceField({ path, label, description, unit, value, shape }: ChoiceFieldProps) {
+  const { ref, error, set } = useField<HTMLInputElement & HTMLSelectElement>(path);
+  const chosen = shape.choices.find((choice) => String(choice.value) === value.trim());
+  const other = chosen === undefined;
+  return (
+    <div className={classes.choice}>
+      <NativeSelect
+        ref={other ? undefined : ref}
+        label={label}
+        description={chosen?.description ?? description}
+        error={other ? undefined : error}
+        inputWrapperOrder={ORDER}
+        classNames={{ description: classes.description }}
+        value={other ? OTHER : String(chosen.value)}
+        onChange={(event) => set(event.currentTarget.value === OTHER ? "" : event.currentTarget.value)}
+        data={[
+          ...shape.choices.map((choice) => ({
+            value: String(choice.value),
+            label: `${choice.name} (${choice.value})`,
+          })),
+          { value: OTHER, label: "another number …" },
+        ]}
+      />
+      {other && (
+        <TextInput
+          ref={ref}
+          aria-label={`${label}: another number`}
+          placeholder={`${shape.low} to ${shape.high}`}
+          error={error}
+          inputMode="numeric"
+          autoComplete="off"
+          value={value}
+          onChange={(event) => set(event.currentTarget.value)}
+          {...unitSection(unit)}
+        />
+      )}
+    </div>
+  );
+}
+
+interface BytesFieldProps extends InputProps<Bytes> {
+  shape: BytesShape;
+}
+
+/** `uint8[]`, as numbers or as base64. */
+export function BytesField({ path, label, description, value, shape, optional }: BytesFieldProps) {
+  const { ref, error, set } = useField<HTMLTextAreaElement>(path);
+  const count = countBytes(value);
+  return (
+    <div className={classes.wide}>
+      <Textarea
+        ref={ref}
+        label={label}
+        description={
+          <>
+            {description}
+            {description !== null && <br />}
+            {count ?? "?"} of {lengthWords(shape, "byte") || "any number of bytes"}
+            {value.encoding === "numbers" ? ": 0 to 255, between commas or spaces" : ", as base64"}
+          </>
+        }
+        error={error}
+        rows={rowsFor(value.text)}
+        autoComplete="off"
+        spellCheck={false}
+        placeholder={optional ? "as in the definition" : undefined}
+        inputWrapperOrder={ORDER}
+        classNames={{ input: classes.numbers, description: classes.description }}
+        value={value.text}
+        onChange={(event) => set({ ...value, text: event.currentTarget.value })}
+      />
+      <SegmentedControl
+        size="xs"
+        mt={4}
+        aria-label={`${label} as`}
+        value={value.encoding}
+        onChange={(encoding) => set(convertBytes(value, encoding as Bytes["encoding"]))}
+        data={[
+          { label: "Numbers", value: "numbers" },
+          { label: "Base64", value: "base64" },
+        ]}
+      />
+    </div>
   );
 }
