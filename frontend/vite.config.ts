@@ -64,6 +64,7 @@ export default defineConfig({
         test: {
           name: "pages",
           environment: "jsdom",
+          isolate: false,
           include: ["tests/**/*.test.tsx"],
           setupFiles: ["tests/clock.ts", "tests/setup.ts"],
         },

@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import { type AuditRecord, auditExportUrl } from "../src/api/history";
 import { ANYBODY, session } from "../src/api/session";
 import "../src/audit/AuditPage";
-import { NO_FILTER, readFilter, toQuery, whatWords, writeFilter } from "../src/audit/filter";
+import { auditFilter, toQuery, whatWords } from "../src/audit/filter";
 import { fakeGateway, renderPage } from "./page";
 
 const GOAL = "7d9c1c9e-0000-4000-8000-00000000000a";
@@ -46,10 +46,15 @@ beforeEach(() => session.set(ANYBODY));
 
 describe("the filter", () => {
   it("lives in the address", () => {
-    const filter = { ...NO_FILTER, principal: "Ada & Bob", outcome: "refused" as const, goalId: GOAL };
-    expect(readFilter(writeFilter(filter))).toEqual(filter);
-    expect(readFilter(new URLSearchParams("outcome=x&goal_id=y"))).toEqual(NO_FILTER);
-    expect(writeFilter(NO_FILTER).size).toBe(0);
+    const filter = {
+      ...auditFilter.initial,
+      principal: "Ada & Bob",
+      outcome: "refused" as const,
+      goalId: GOAL,
+    };
+    expect(auditFilter.read(auditFilter.write(filter))).toEqual(filter);
+    expect(auditFilter.read(new URLSearchParams("outcome=x&goal_id=y"))).toEqual(auditFilter.initial);
+    expect(auditFilter.write(auditFilter.initial).size).toBe(0);
     expect(toQuery(filter, 0)).toEqual({ principal: "Ada & Bob", outcome: "refused", goal_id: GOAL });
     expect(auditExportUrl({ what: "stop" }, "csv")).toBe("/audit/export?format=csv&what=stop");
   });

@@ -1,30 +1,30 @@
 import { describe, expect, it } from "vitest";
 import { goalExportUrl, goalsExportUrl } from "../src/api/goals";
 import type { AnyGoal, AnyGoalPage } from "../src/api/types";
-import { isFiltered, matches, NO_FILTER, readFilter, toQuery, writeFilter } from "../src/goals/filter";
+import { goalFilter, matches, toQuery } from "../src/goals/filter";
 import { mergeGoalList } from "../src/goals/useGoalList";
 import { at, goal, START } from "./events";
 
-const read = (text: string) => readFilter(new URLSearchParams(text));
+const read = (text: string) => goalFilter.read(new URLSearchParams(text));
 
 describe("the filter", () => {
   it("is read from the address and written to it", () => {
     const text =
       "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&error=blocked&origin=external&last=24h&id=4f1c&tag=blocked&tag=late";
-    expect(writeFilter(read(text)).toString()).toBe(text);
+    expect(goalFilter.write(read(text)).toString()).toBe(text);
     expect(read(text).actions).toEqual(["/dock", "/undock"]);
-    expect(isFiltered(read(text))).toBe(true);
-    expect(isFiltered(read(""))).toBe(false);
+    expect(goalFilter.isInitial(read(text))).toBe(false);
+    expect(goalFilter.isInitial(read(""))).toBe(true);
   });
 
   it("leaves out what it does not understand", () => {
     expect(read("status=failed&origin=me&last=2y&since=yesterday&robot=&action=&page=3&id=xyz")).toEqual(
-      NO_FILTER,
+      goalFilter.initial,
     );
   });
 
   it("keeps a group, which the gateway resolves", () => {
-    expect(writeFilter(read("group=Hall+1")).toString()).toBe("group=Hall+1");
+    expect(goalFilter.write(read("group=Hall+1")).toString()).toBe("group=Hall+1");
     expect(toQuery(read("group=Hall+1"), START)).toEqual({ group: "Hall 1" });
   });
 

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { type Filters, filterGraph, namespacesOf, searchGraph } from "../src/graph/filter";
 import { isWithin, matches, parseThing, thingId } from "../src/graph/things";
-import { DEFAULT_VIEW, type GraphView, readView, writeView } from "../src/graph/view";
+import { type GraphView, graphView } from "../src/graph/view";
 import { fleetGraph } from "./graph";
 
 const USUAL: Filters = {
@@ -86,15 +86,15 @@ test("the address says all that is shown, and nothing where all is as usual", ()
     selected: { kind: "topic", name: "/robot1/battery_status" },
     echo: true,
   };
-  expect(readView(new URLSearchParams(writeView(view).toString()))).toEqual(view);
-  expect(writeView(DEFAULT_VIEW).toString()).toBe("");
-  expect(readView(new URLSearchParams())).toEqual(DEFAULT_VIEW);
+  expect(graphView.read(new URLSearchParams(graphView.write(view).toString()))).toEqual(view);
+  expect(graphView.write(graphView.initial).toString()).toBe("");
+  expect(graphView.read(new URLSearchParams())).toEqual(graphView.initial);
 });
 
 test("nonsense in the address is as if it were not there", () => {
-  expect(readView(new URLSearchParams("view=3d&show=x&namespace=robot1&selected=car:/x&hidden=1"))).toEqual(
-    DEFAULT_VIEW,
-  );
+  expect(
+    graphView.read(new URLSearchParams("view=3d&show=x&namespace=robot1&selected=car:/x&hidden=1")),
+  ).toEqual(graphView.initial);
   expect(parseThing("topic:/a:b")).toEqual({ kind: "topic", name: "/a:b" });
   expect(thingId({ kind: "node", name: "/x" })).toBe("node:/x");
 });

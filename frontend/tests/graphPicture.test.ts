@@ -5,7 +5,7 @@ import { filterGraph } from "../src/graph/filter";
 import { flowEdges, flowNodes } from "../src/graph/flow";
 import { layOut, layOutNew, type Place, type Places, stepFrom } from "../src/graph/layout";
 import { levelPath } from "../src/graph/VertexBox";
-import { DEFAULT_VIEW } from "../src/graph/view";
+import { graphView } from "../src/graph/view";
 import { linesOf, sizeOf } from "../src/graph/words";
 import { endpoint, fleetGraph, node, topic } from "./graph";
 
@@ -84,7 +84,7 @@ test("actions and services go from those who ask to those who do", () => {
 });
 
 test("no arrow leads to what is not shown", () => {
-  const shown = filterGraph(fleetGraph(), { ...DEFAULT_VIEW, gatewayNode: "/dock_gateway" });
+  const shown = filterGraph(fleetGraph(), { ...graphView.initial, gatewayNode: "/dock_gateway" });
   const { vertices, links } = elementsOf(shown, "all");
   const ids = new Set(vertices.map(({ id }) => id));
   expect(links.flatMap(({ source, target }) => [source, target]).filter((id) => !ids.has(id))).toEqual([]);

@@ -1,7 +1,7 @@
 import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { BatteryState, Robot } from "../src/api/types";
-import { listed, readView, writeView } from "../src/pages/overview/list";
+import { listed, overviewView } from "../src/pages/overview/list";
 import { alert, at, battery, goal, latched, robot, server } from "./events";
 import { fakeGateway, loadRobotTable, renderPage } from "./page";
 
@@ -425,7 +425,7 @@ describe("alerts", () => {
 describe("the list's view", () => {
   it("is what the address says, and the other way round", () => {
     const query = new URLSearchParams("q=robot&group=Hall+1&show=docked&sort=battery&order=desc&hide=place");
-    const view = readView(query);
+    const view = overviewView.read(query);
     expect(view).toEqual({
       text: "robot",
       group: "Hall 1",
@@ -434,14 +434,19 @@ describe("the list's view", () => {
       descending: true,
       hidden: ["place"],
     });
-    expect(writeView(view).toString()).toBe(query.toString());
-    expect(writeView(readView(new URLSearchParams("show=what&sort=ever&order=desc"))).toString()).toBe("");
-    expect(readView(new URLSearchParams("hide=")).hidden).toEqual([]);
-    expect(readView(new URLSearchParams("hide=link,wheels,place")).hidden).toEqual(["place", "link"]);
+    expect(overviewView.write(view).toString()).toBe(query.toString());
+    expect(
+      overviewView.write(overviewView.read(new URLSearchParams("show=what&sort=ever&order=desc"))).toString(),
+    ).toBe("");
+    expect(overviewView.read(new URLSearchParams("hide=")).hidden).toEqual([]);
+    expect(overviewView.read(new URLSearchParams("hide=link,wheels,place")).hidden).toEqual([
+      "place",
+      "link",
+    ]);
   });
 
   it("sorts by group, robots without one last", () => {
-    const view = readView(new URLSearchParams({ sort: "groups" }));
+    const view = overviewView.read(new URLSearchParams({ sort: "groups" }));
     const grouped = [one, { ...ten, groups: ["Hall 2"] }, { ...two, groups: ["Hall 10"] }];
     expect(listed(grouped, view, new Map()).map(({ name }) => name)).toEqual([
       "/robot10",
@@ -452,7 +457,7 @@ describe("the list's view", () => {
 
   it("sorts by each column", () => {
     const orders = ["name", "place", "goal", "last", "link"].map((sort) => {
-      const view = readView(new URLSearchParams({ sort }));
+      const view = overviewView.read(new URLSearchParams({ sort }));
       return listed([ten, two, one], view, new Map()).map(({ name }) => name.slice(6));
     });
     expect(orders).toEqual([

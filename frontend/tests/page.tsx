@@ -137,7 +137,7 @@ export function renderPage(
 ) {
   const { store, fleet } = robotServices(gateway, first, gatewayOf);
   renderWithin(fleet, <App />, path);
-  return { store, user: userEvent.setup() };
+  return { store, user: userEvent.setup({ delay: null, pointerEventsCheck: 0 }) };
 }
 
 /** Shows the table of robots once: it is loaded when it is first shown. */

@@ -23,6 +23,32 @@ vi.mock("../src/ui/lazyPart", async () => {
   return { lazyPart };
 });
 
+// The page that a failing query prints is long to write, and written for each try of one that waits.
+process.env.DEBUG_PRINT_LIMIT ??= "0";
+
+// jsdom matches every rule of the browser's own style sheet for every element that a query looks at, which is a quarter of
+// the time. The pages' style sheets are not loaded: what an element looks like is in its tag and its attributes.
+const UNSEEN = new Set("HEAD LINK META SCRIPT STYLE TEMPLATE TITLE".split(" "));
+const INLINE = new Set("A ABBR B BR CODE EM I IMG KBD LABEL SPAN STRONG SUB SUP SVG TIME WBR".split(" "));
+function displayOf(element: Element): string {
+  const folder = element.parentElement?.tagName === "DETAILS" ? element.parentElement : null;
+  const folded = folder !== null && element.tagName !== "SUMMARY" && !folder.hasAttribute("open");
+  if (folded || element.hasAttribute("hidden") || UNSEEN.has(element.tagName)) return "none";
+  return INLINE.has(element.tagName.toUpperCase()) ? "inline" : "block";
+}
+window.getComputedStyle = (element: Element) => {
+  const { style } = element as HTMLElement;
+  const read = (name: string): string => {
+    const own = style?.getPropertyValue(name) ?? "";
+    if (name === "display") return own || displayOf(element);
+    if (name !== "visibility") return own;
+    return element.closest<HTMLElement>("[style*=visibility]")?.style.visibility || "visible";
+  };
+  const get = (_: object, name: string) =>
+    name === "getPropertyValue" ? read : read(name.replace(/[A-Z]/g, "-$&").toLowerCase());
+  return new Proxy({}, { get }) as CSSStyleDeclaration;
+};
+
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>
   ({

@@ -2,12 +2,12 @@ import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 import type { GoalCounts, GoalGroup, Statistics } from "../src/api/types";
 import { goalsLink, percent } from "../src/statistics/cells";
-import { readView, toQuery, writeView } from "../src/statistics/view";
+import { statisticsView, toQuery } from "../src/statistics/view";
 import { dayOf } from "../src/ui/time";
 import { zoneName } from "../src/ui/zone";
 import { fakeGateway, renderPage } from "./page";
 
-const read = (text: string) => readView(new URLSearchParams(text));
+const read = (text: string) => statisticsView.read(new URLSearchParams(text));
 
 function counts(change: Partial<GoalCounts> = {}): GoalCounts {
   return {
@@ -75,7 +75,7 @@ describe("the view", () => {
       "by=action&group=Hall+1&tag=blocked&tag=late",
       "since=2026-11-01T00%3A00%3A00Z&until=2026-11-07T00%3A00%3A00Z",
     ])
-      expect(writeView(read(query)).toString()).toBe(query);
+      expect(statisticsView.write(read(query)).toString()).toBe(query);
   });
 
   it("replaces what it does not understand", () => {

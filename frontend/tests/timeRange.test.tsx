@@ -9,14 +9,7 @@ import { readViews, renamed, SavedViews, withView, writeViews } from "../src/ui/
 import { Time } from "../src/ui/Time";
 import { TimeRangeField } from "../src/ui/TimeRangeField";
 import { clockOf, dayOf, formatTime, startOfDay, timeAt } from "../src/ui/time";
-import {
-  ANY_TIME,
-  boundsOf,
-  ownDates,
-  readTimeRange,
-  type TimeRange,
-  writeTimeRange,
-} from "../src/ui/timeRange";
+import { ANY_TIME, boundsOf, ownDates, type TimeRange, timeRange } from "../src/ui/timeRange";
 import { setZone, shownZone, zoneName } from "../src/ui/zone";
 
 const NOON = Date.parse("2026-11-21T12:34:56Z");
@@ -54,12 +47,12 @@ describe("times", () => {
 });
 
 describe("a time range", () => {
-  const read = (text: string) => readTimeRange(new URLSearchParams(text));
+  const read = (text: string) => timeRange().read(new URLSearchParams(text));
 
   it("is read from the address and written to it", () => {
     for (const text of ["", "last=today", "last=30d", "since=2026-11-01T00%3A00%3A00Z"]) {
       const parameters = new URLSearchParams();
-      writeTimeRange(read(text), parameters);
+      timeRange().write(read(text), parameters);
       expect(parameters.toString()).toBe(text);
     }
     expect(read("last=2y&since=yesterday")).toEqual(ANY_TIME);

@@ -5,30 +5,33 @@ import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./audit.module.css";
 import {
   type AuditFilter,
+  auditFilter,
   GOAL_ID,
-  NO_FILTER,
   OUTCOME_WORDS,
   OUTCOMES,
   type Outcome,
   WHAT_WORDS,
   whatWords,
-  writeFilter,
 } from "./filter";
 
 interface AuditFiltersProps {
   filter: AuditFilter;
-  onChange: (filter: AuditFilter) => void;
+  change: (part: Partial<AuditFilter>) => void;
 }
 
 /** What to narrow the list by. */
-export function AuditFilters({ filter, onChange }: AuditFiltersProps) {
+export function AuditFilters({ filter, change }: AuditFiltersProps) {
   const { store } = useFleet();
-  const change = (part: Partial<AuditFilter>) => onChange({ ...filter, ...part });
   const robots = useRobotOptions(filter.robot || null);
-  const filtered = writeFilter(filter).size > 0;
+  const filtered = !auditFilter.isInitial(filter);
   return (
     <section aria-label="Filter the records">
-      <TimeRangeField value={filter} onChange={change} now={() => store.gatewayNow()} any />
+      <TimeRangeField
+        value={filter.time}
+        onChange={(time) => change({ time })}
+        now={() => store.gatewayNow()}
+        any
+      />
       <div className={classes.filters}>
         <LateField label="Who" value={filter.principal} onValue={(principal) => change({ principal })} />
         <NativeSelect
@@ -63,7 +66,7 @@ export function AuditFilters({ filter, onChange }: AuditFiltersProps) {
           variant="subtle"
           disabled={!filtered}
           title={filtered ? undefined : "Nothing is filtered"}
-          onClick={() => onChange(NO_FILTER)}
+          onClick={() => change(auditFilter.initial)}
         >
           Clear filters
         </Button>

@@ -1,11 +1,11 @@
 import { Badge, Button, Group, Skeleton, Stack, Table, Text } from "@mantine/core";
-import { useMemo } from "react";
-import { Link, useSearchParams } from "react-router";
+import { Link } from "react-router";
 import { type AuditRecord, auditExportUrl } from "../api/history";
 import { useForbidden } from "../api/session";
 import { useFleet, useNaming } from "../fleet/context";
 import { codeWords } from "../goal/words";
 import { goalPath } from "../goals/GoalsTable";
+import { useAddress } from "../ui/address";
 import { Downloads } from "../ui/Downloads";
 import { Trouble } from "../ui/errors";
 import { Breakable } from "../ui/Fact";
@@ -13,15 +13,14 @@ import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { AuditFilters } from "./AuditFilters";
 import classes from "./audit.module.css";
-import { GOAL_ID, OUTCOME_WORDS, type Outcome, readFilter, toQuery, whatWords, writeFilter } from "./filter";
+import { auditFilter, GOAL_ID, OUTCOME_WORDS, type Outcome, toQuery, whatWords } from "./filter";
 import { type AuditList, useAudit } from "./useAudit";
 
 /** Who did what, from where, to which robot, with which outcome; for admins. */
 export default function AuditPage() {
   const forbidden = useForbidden("GET /audit");
   const { store } = useFleet();
-  const [parameters, setParameters] = useSearchParams();
-  const filter = useMemo(() => readFilter(parameters), [parameters]);
+  const [filter, change] = useAddress(auditFilter);
   const list = useAudit(filter);
   return (
     <Stack gap="md">
@@ -46,10 +45,7 @@ export default function AuditPage() {
             Every request and command that changes something, whether it was carried out or refused. Exports
             and reading this page are recorded, too.
           </Text>
-          <AuditFilters
-            filter={filter}
-            onChange={(next) => setParameters(writeFilter(next), { replace: true })}
-          />
+          <AuditFilters filter={filter} change={change} />
           <Trouble what="The audit log could not be loaded" error={list.error} onRetry={list.refresh} />
           <Listed list={list} />
         </>

@@ -4,7 +4,7 @@ import { type AuditPage, type AuditRecord, listAudit } from "../api/history";
 import { useForbidden } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { useZone } from "../ui/zone";
-import { type AuditFilter, toQuery, writeFilter } from "./filter";
+import { type AuditFilter, auditFilter, toQuery } from "./filter";
 
 export interface AuditList {
   /** Newest first; null until the first page has come. */
@@ -29,7 +29,7 @@ export function useAudit(filter: AuditFilter): AuditList {
     readonly string[],
     number | null
   >({
-    queryKey: ["audit", zone, writeFilter(filter).toString()],
+    queryKey: ["audit", zone, auditFilter.write(filter).toString()],
     queryFn: ({ pageParam }) =>
       listAudit(http, toQuery(filter, store.gatewayNow()), pageParam).catch((error: unknown) => {
         throw toCommandError(error);

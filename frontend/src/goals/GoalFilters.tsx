@@ -6,32 +6,28 @@ import { GroupSelect } from "../fleet/RobotFields";
 import { codeWords } from "../goal/words";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import { sentence } from "../ui/text";
-import {
-  type GoalFilter,
-  type GoalState,
-  ID_BEGINNING,
-  isFiltered,
-  NO_FILTER,
-  type Origin,
-  STATES,
-} from "./filter";
+import { type GoalFilter, type GoalState, goalFilter, ID_BEGINNING, type Origin, STATES } from "./filter";
 import classes from "./goals.module.css";
 import { TagSelect } from "./TagSelect";
 
 interface GoalFiltersProps {
   filter: GoalFilter;
-  onChange: (filter: GoalFilter) => void;
+  change: (part: Partial<GoalFilter>) => void;
 }
 
 /** What to narrow the list by. */
-export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
+export function GoalFilters({ filter, change }: GoalFiltersProps) {
   const { store } = useFleet();
-  const change = (part: Partial<GoalFilter>) => onChange({ ...filter, ...part });
   const robots = useRobotOptions(filter.robot);
   const actions = useActionNames(filter.actions);
   return (
     <section aria-label="Filter the goals">
-      <TimeRangeField value={filter} onChange={change} now={() => store.gatewayNow()} any />
+      <TimeRangeField
+        value={filter.time}
+        onChange={(time) => change({ time })}
+        now={() => store.gatewayNow()}
+        any
+      />
       <div className={classes.filters}>
         <NativeSelect
           label="Robot"
@@ -93,9 +89,9 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
         <Button
           variant="subtle"
           size="compact-sm"
-          disabled={!isFiltered(filter)}
-          title={isFiltered(filter) ? undefined : "Nothing is filtered"}
-          onClick={() => onChange(NO_FILTER)}
+          disabled={goalFilter.isInitial(filter)}
+          title={goalFilter.isInitial(filter) ? "Nothing is filtered" : undefined}
+          onClick={() => change(goalFilter.initial)}
         >
           Clear filters
         </Button>

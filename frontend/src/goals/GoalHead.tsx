@@ -21,7 +21,7 @@ import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
-import { NO_FILTER, writeFilter } from "./filter";
+import { goalsPath } from "./filter";
 import { NamedMessage } from "./GoalMessages";
 import { goalPath } from "./GoalsTable";
 import classes from "./goalPage.module.css";
@@ -73,10 +73,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         </Fact>
         {robot !== null && <Fact name="Robot">{robot}</Fact>}
         <Fact name="Action">
-          <Anchor
-            component={Link}
-            to={`/ui/goals?${writeFilter({ ...NO_FILTER, actions: [goal.action_name] })}`}
-          >
+          <Anchor component={Link} to={goalsPath({ actions: [goal.action_name] })}>
             <Breakable text={goal.action_name} />
           </Anchor>
         </Fact>

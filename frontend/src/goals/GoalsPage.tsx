@@ -1,14 +1,13 @@
 import { Button, Group, Skeleton, Stack, Table, Text } from "@mantine/core";
-import { useMemo } from "react";
-import { useSearchParams } from "react-router";
 import { goalsExportUrl } from "../api/goals";
 import { useFleet, useFleetLive } from "../fleet/context";
+import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
 import { Downloads } from "../ui/Downloads";
 import { Trouble } from "../ui/errors";
 import { SavedViews } from "../ui/SavedViews";
 import { PageTitle } from "../ui/Section";
-import { type GoalFilter, isFiltered, NO_FILTER, readFilter, toQuery, writeFilter } from "./filter";
+import { type GoalFilter, goalFilter, toQuery } from "./filter";
 import { GoalFilters } from "./GoalFilters";
 import { GoalsHead, GoalsTable } from "./GoalsTable";
 import { type GoalList, useGoalList } from "./useGoalList";
@@ -16,24 +15,22 @@ import { type GoalList, useGoalList } from "./useGoalList";
 /** The goals on all actions, whoever sent them, as they come; narrowed by what the address says. */
 export default function GoalsPage() {
   const { store } = useFleet();
-  const [parameters, setParameters] = useSearchParams();
-  const filter = useMemo(() => readFilter(parameters), [parameters]);
-  const setFilter = (next: GoalFilter) => setParameters(writeFilter(next), { replace: true });
+  const [filter, change] = useAddress(goalFilter);
   const list = useGoalList(filter);
   return (
     <>
       <PageTitle title="Goals">
         <Group gap="xs">
-          <SavedViews page="goals" query={writeFilter(filter).toString()} />
+          <SavedViews page="goals" query={goalFilter.write(filter).toString()} />
           <Downloads
             what="these goals"
             url={(format) => goalsExportUrl(toQuery(filter, store.gatewayNow()), format)}
           />
         </Group>
       </PageTitle>
-      <GoalFilters filter={filter} onChange={setFilter} />
+      <GoalFilters filter={filter} change={change} />
       <Trouble what="The list of goals could not be loaded" error={list.error} onRetry={list.retry} />
-      <Listed list={list} filter={filter} onClear={() => setFilter(NO_FILTER)} />
+      <Listed list={list} filter={filter} onClear={() => change(goalFilter.initial)} />
     </>
   );
 }
@@ -48,7 +45,8 @@ function Listed({ list, filter, onClear }: ListedProps) {
   const live = useFleetLive();
   const { goals } = list;
   if (goals === null) return list.error === null ? <ListSkeleton /> : null;
-  if (goals.length === 0 && !list.loading) return <NoGoals filtered={isFiltered(filter)} onClear={onClear} />;
+  if (goals.length === 0 && !list.loading)
+    return <NoGoals filtered={!goalFilter.isInitial(filter)} onClear={onClear} />;
   return (
     <Stack gap="sm">
       <Text size="sm" c="dimmed" role="status">

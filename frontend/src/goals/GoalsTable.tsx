@@ -10,7 +10,7 @@ import { Breakable } from "../ui/Fact";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
-import { NO_FILTER, writeFilter } from "./filter";
+import { goalsPath } from "./filter";
 import classes from "./goals.module.css";
 
 /** A goal as far as it is listed. */
@@ -114,11 +114,7 @@ function Tags({ tags }: { tags: readonly string[] }) {
   return (
     <Group gap={4} mt={4}>
       {tags.map((tag) => (
-        <Link
-          key={tag}
-          to={`/ui/goals?${writeFilter({ ...NO_FILTER, tags: [tag] })}`}
-          className={classes.tag}
-        >
+        <Link key={tag} to={goalsPath({ tags: [tag] })} className={classes.tag}>
           {tag}
         </Link>
       ))}
@@ -169,5 +165,5 @@ export function GoalsCard() {
 /** The list of all goals on the robot's docking actions. */
 function allGoals(servers: readonly (ActionServer | null)[]): string {
   const names = servers.flatMap((server) => (server === null ? [] : [server.action_name]));
-  return `/ui/goals?${writeFilter({ ...NO_FILTER, actions: names })}`;
+  return goalsPath({ actions: names });
 }

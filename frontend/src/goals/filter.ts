@@ -1,14 +1,8 @@
 import type { GoalQuery } from "../api/goals";
 import type { AnyGoal, GoalStatus, ListedGoal } from "../api/types";
 import { isBelow } from "../fleet/names";
-import {
-  ANY_TIME,
-  boundsOf,
-  readTimeRange,
-  type TimeRange,
-  timeQuery,
-  writeTimeRange,
-} from "../ui/timeRange";
+import { Address, oneOf, optional, text, texts } from "../ui/address";
+import { boundsOf, type TimeRange, timeQuery, timeRange } from "../ui/timeRange";
 
 /** The states that people tell apart; `running` are those before the end. */
 export const STATES = ["running", "succeeded", "canceled", "aborted", "rejected", "lost"] as const;
@@ -20,7 +14,8 @@ export type Origin = AnyGoal["origin"];
 const ORIGINS: readonly Origin[] = ["gateway", "automation", "external"];
 
 /** Which goals to list; lives in the page's address. */
-export interface GoalFilter extends TimeRange {
+export interface GoalFilter {
+  time: TimeRange;
   /** A namespace: goals on actions in it or below. */
   robot: string | null;
   /** Goals of the robots that are in it now; null for all. */
@@ -41,51 +36,28 @@ export interface GoalFilter extends TimeRange {
 /** As `GET /goals` takes the beginning of an id. */
 export const ID_BEGINNING = /^(?:[0-9a-f]-?){4,32}$/i;
 
-export const NO_FILTER: GoalFilter = {
-  ...ANY_TIME,
-  robot: null,
-  group: null,
-  actions: [],
-  states: [],
-  errors: [],
-  origin: null,
-  id: "",
-  tags: [],
-};
+export const goalFilter = new Address<GoalFilter>({
+  robot: optional("robot"),
+  group: optional("group"),
+  actions: texts("action"),
+  states: {
+    // Any status before the end counts as running.
+    read: (parameters) => {
+      const told = parameters.getAll("status").map((status) => stateOf(status as GoalStatus) as string);
+      return STATES.filter((state) => told.includes(state));
+    },
+    write: texts("status").write,
+  },
+  errors: texts("error"),
+  origin: oneOf("origin", ORIGINS, null),
+  time: timeRange(),
+  id: text("id", ID_BEGINNING),
+  tags: texts("tag"),
+});
 
-/** The filter in an address; what it does not understand is left out. Any state before the end counts as running. */
-export function readFilter(parameters: URLSearchParams): GoalFilter {
-  const told = parameters.getAll("status").map((status) => stateOf(status as GoalStatus) as string);
-  const origin = parameters.get("origin");
-  return {
-    ...readTimeRange(parameters),
-    robot: parameters.get("robot") || null,
-    group: parameters.get("group") || null,
-    actions: parameters.getAll("action").filter((name) => name !== ""),
-    states: STATES.filter((state) => told.includes(state)),
-    errors: parameters.getAll("error").filter((code) => code !== ""),
-    origin: ORIGINS.find((each) => each === origin) ?? null,
-    id: ID_BEGINNING.test(parameters.get("id") ?? "") ? (parameters.get("id") ?? "") : "",
-    tags: parameters.getAll("tag").filter((tag) => tag !== ""),
-  };
-}
-
-export function writeFilter(filter: GoalFilter): URLSearchParams {
-  const parameters = new URLSearchParams();
-  if (filter.robot !== null) parameters.set("robot", filter.robot);
-  if (filter.group !== null) parameters.set("group", filter.group);
-  for (const action of filter.actions) parameters.append("action", action);
-  for (const state of filter.states) parameters.append("status", state);
-  for (const code of filter.errors) parameters.append("error", code);
-  if (filter.origin !== null) parameters.set("origin", filter.origin);
-  writeTimeRange(filter, parameters);
-  if (filter.id !== "") parameters.set("id", filter.id);
-  for (const tag of filter.tags) parameters.append("tag", tag);
-  return parameters;
-}
-
-export function isFiltered(filter: GoalFilter): boolean {
-  return writeFilter(filter).size > 0;
+/** Where the goals are listed that fit. */
+export function goalsPath(filter: Partial<GoalFilter>): string {
+  return `/ui/goals?${goalFilter.write({ ...goalFilter.initial, ...filter })}`;
 }
 
 /** @param now In the gateway's time (ms). */
@@ -97,7 +69,7 @@ export function toQuery(filter: GoalFilter, now: number): GoalQuery {
     ...(filter.states.length === 0 ? {} : { status: filter.states.flatMap(statusesOf) }),
     ...(filter.errors.length === 0 ? {} : { error: [...filter.errors] }),
     ...(filter.origin === null ? {} : { origin: filter.origin }),
-    ...timeQuery(filter, now),
+    ...timeQuery(filter.time, now),
     ...(filter.id === "" ? {} : { id: filter.id }),
     ...(filter.tags.length === 0 ? {} : { tag: [...filter.tags] }),
   };
@@ -105,7 +77,7 @@ export function toQuery(filter: GoalFilter, now: number): GoalQuery {
 
 /** Whether `GET /goals` would list it, too; but for the group, which the gateway knows best. */
 export function matches(goal: ListedGoal, filter: GoalFilter, now: number): boolean {
-  const { since, until } = boundsOf(filter, now);
+  const { since, until } = boundsOf(filter.time, now);
   const created = Date.parse(goal.created_at);
   return (
     (filter.robot === null || isBelow(goal.action_name, filter.robot)) &&

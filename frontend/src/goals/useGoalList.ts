@@ -5,7 +5,7 @@ import { createGoalsApi } from "../api/goals";
 import type { AnyGoal, AnyGoalPage, ListedGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { useZone } from "../ui/zone";
-import { type GoalFilter, matches, toQuery, writeFilter } from "./filter";
+import { type GoalFilter, goalFilter, matches, toQuery } from "./filter";
 
 const REFETCH_MS = 10_000;
 
@@ -32,7 +32,7 @@ export function useGoalList(filter: GoalFilter): GoalList {
     readonly string[],
     string | null
   >({
-    queryKey: ["goals", zone, writeFilter(filter).toString()],
+    queryKey: ["goals", zone, goalFilter.write(filter).toString()],
     queryFn: ({ pageParam }) =>
       api.list(toQuery(filter, store.gatewayNow()), pageParam).catch((error: unknown) => {
         throw toCommandError(error);

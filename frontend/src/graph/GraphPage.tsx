@@ -5,6 +5,7 @@ import { Suspense, useDeferredValue, useMemo } from "react";
 import type { CommandError } from "../api/errors";
 import { type Graph, gatewayNode, readGraph, type TaggedGraph } from "../api/graph";
 import { useFleet } from "../fleet/context";
+import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
@@ -16,7 +17,7 @@ import { GraphFilters } from "./GraphFilters";
 import { GraphList } from "./GraphList";
 import classes from "./graph.module.css";
 import { baseName } from "./things";
-import { type ChangeView, type Form, type GraphView, useView } from "./view";
+import { type ChangeView, type Form, type GraphView, graphView } from "./view";
 import { describeShown } from "./words";
 
 const GraphPicture = lazyPart(() => import("./GraphPicture"));
@@ -28,7 +29,7 @@ const FORMS: { value: Form; label: string }[] = [
 
 /** Nodes, topics and actions on the ROS graph, in a picture or in a list, and what there is to know of each. */
 export default function GraphPage() {
-  const [view, change] = useView();
+  const [view, change] = useAddress(graphView, "selected");
   const narrow = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
   const { data: graph, error, refetch } = useGraph();
   const form = view.form ?? (narrow ? "list" : "picture");

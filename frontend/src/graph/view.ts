@@ -1,5 +1,4 @@
-import { useCallback, useMemo, useRef } from "react";
-import { useSearchParams } from "react-router";
+import { Address, flag, oneOf, text } from "../ui/address";
 import { parseThing, type Thing, thingId } from "./things";
 
 /** What the picture shows besides nodes, as in rqt_graph. */
@@ -27,63 +26,22 @@ export interface GraphView {
   echo: boolean;
 }
 
-export const DEFAULT_VIEW: GraphView = {
-  form: null,
-  shown: "all",
-  namespace: "/",
-  search: "",
-  hidden: false,
-  services: false,
-  gateway: false,
-  selected: null,
-  echo: false,
-};
-
-export function readView(query: URLSearchParams): GraphView {
-  const form = query.get("view");
-  const namespace = query.get("namespace");
-  return {
-    form: form === "picture" || form === "list" ? form : null,
-    shown: SHOWN.find((shown) => shown === query.get("show")) ?? "all",
-    namespace: namespace?.startsWith("/") ? namespace : "/",
-    search: query.get("search") ?? "",
-    hidden: query.get("hidden") === "true",
-    services: query.get("services") === "true",
-    gateway: query.get("gateway") === "true",
-    selected: parseThing(query.get("selected")),
-    echo: query.get("echo") === "true",
-  };
-}
-
-/** The view as a query; what is as usual is left out. */
-export function writeView(view: GraphView): URLSearchParams {
-  const entries: [string, string | null][] = [
-    ["view", view.form],
-    ["show", view.shown === "all" ? null : view.shown],
-    ["namespace", view.namespace === "/" ? null : view.namespace],
-    ["search", view.search],
-    ["hidden", view.hidden ? "true" : null],
-    ["services", view.services ? "true" : null],
-    ["gateway", view.gateway ? "true" : null],
-    ["selected", view.selected && thingId(view.selected)],
-    ["echo", view.echo ? "true" : null],
-  ];
-  return new URLSearchParams(
-    entries.flatMap(([name, value]): [string, string][] => (value ? [[name, value]] : [])),
-  );
-}
+export const graphView = new Address<GraphView>({
+  form: oneOf("view", ["picture", "list"] as const, null),
+  shown: oneOf("show", SHOWN, "all"),
+  namespace: {
+    read: (parameters) => text("namespace", /^\//).read(parameters) || "/",
+    write: (value, parameters) => text("namespace").write(value === "/" ? "" : value, parameters),
+  },
+  search: text("search"),
+  hidden: flag("hidden"),
+  services: flag("services"),
+  gateway: flag("gateway"),
+  selected: {
+    read: (parameters) => parseThing(parameters.get("selected")),
+    write: (thing, parameters) => thing !== null && parameters.set("selected", thingId(thing)),
+  },
+  echo: flag("echo"),
+});
 
 export type ChangeView = (change: Partial<GraphView>) => void;
-
-/** What the address says is shown, and the way to change it. Another selection is a step that Back takes back. */
-export function useView(): [GraphView, ChangeView] {
-  const [query, setQuery] = useSearchParams();
-  const view = useMemo(() => readView(query), [query]);
-  const latest = useRef({ view, setQuery });
-  latest.current = { view, setQuery };
-  const change = useCallback<ChangeView>((part) => {
-    latest.current.view = { ...latest.current.view, ...part };
-    latest.current.setQuery(writeView(latest.current.view), { replace: !("selected" in part) });
-  }, []);
-  return [view, change];
-}

@@ -1,12 +1,12 @@
 import { NativeSelect, SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
 import { keepPreviousData } from "@tanstack/react-query";
-import { useEffect, useMemo } from "react";
-import { useSearchParams } from "react-router";
+import { useEffect } from "react";
 import { fetchStatistics } from "../api/history";
 import type { GoalCounts, Statistics } from "../api/types";
 import { useFleet, useFleetLive, useRobotOptions } from "../fleet/context";
 import { GroupSelect } from "../fleet/RobotFields";
 import { TagSelect } from "../goals/TagSelect";
+import { useAddress } from "../ui/address";
 import { Trouble } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";
 import { fixed } from "../ui/numbers";
@@ -19,26 +19,16 @@ import { useZone, zoneName } from "../ui/zone";
 import { CountLink, DurationLink, ENDS, RateLink, tenths } from "./cells";
 import { ErrorTable, GroupTable } from "./GroupTable";
 import classes from "./statistics.module.css";
-import {
-  GROUPINGS,
-  type Grouping,
-  isTooLong,
-  MAX_DAYS,
-  readView,
-  toQuery,
-  type View,
-  writeView,
-} from "./view";
+import { GROUPINGS, type Grouping, isTooLong, MAX_DAYS, statisticsView, toQuery, type View } from "./view";
 
 /** How goals ended, by day, robot or action; every number leads to its goals. */
 export default function StatisticsPage() {
-  const [parameters, setParameters] = useSearchParams();
-  const view = useMemo(() => readView(parameters), [parameters]);
+  const [view, change] = useAddress(statisticsView);
   const { data, error, isPlaceholderData, tooLong, live, refetch, dataUpdatedAt } = useStatistics(view);
   return (
     <Stack gap="md">
       <PageTitle title="Statistics" />
-      <Controls view={view} onChange={(next) => setParameters(writeView(next), { replace: true })} />
+      <Controls view={view} change={change} />
       <Trouble what="The statistics could not be loaded" error={error} onRetry={() => void refetch()} />
       {tooLong ? (
         <Text role="status">
@@ -95,15 +85,14 @@ function StatisticsSkeleton() {
 
 interface ControlsProps {
   view: View;
-  onChange: (view: View) => void;
+  change: (part: Partial<View>) => void;
 }
 
 const BY = Object.entries(GROUPINGS).map(([value, label]) => ({ value, label }));
 
 /** Which goals, and what they are grouped by. */
-function Controls({ view, onChange }: ControlsProps) {
+function Controls({ view, change }: ControlsProps) {
   const { store } = useFleet();
-  const change = (part: Partial<View>) => onChange({ ...view, ...part });
   const robots = useRobotOptions(view.robot);
   return (
     <section aria-label="Choose goals" className={classes.controls}>
@@ -174,7 +163,7 @@ function useStatistics(view: View) {
   const tooLong = isTooLong(view, store.gatewayNow());
   const possible = !tooLong;
   const query = useAnswer({
-    queryKey: ["statistics", zone, writeView(view).toString()],
+    queryKey: ["statistics", zone, statisticsView.write(view).toString()],
     queryFn: ({ signal }) => fetchStatistics(http, toQuery(view, store.gatewayNow()), signal),
     enabled: possible,
     placeholderData: keepPreviousData,

@@ -1,6 +1,7 @@
 import type { StatisticsQuery } from "../api/history";
+import { Address, oneOf, optional, texts } from "../ui/address";
 import { dayOf } from "../ui/time";
-import { readTimeRange, type TimeRange, timeQuery, writeTimeRange } from "../ui/timeRange";
+import { type TimeRange, timeQuery, timeRange } from "../ui/timeRange";
 import { zoneName } from "../ui/zone";
 
 export const GROUPINGS = { day: "Day", robot: "Robot", action: "Action" } as const;
@@ -18,37 +19,15 @@ export interface View {
   tags: readonly string[];
 }
 
-const DEFAULT_VIEW: View = {
-  time: { last: "7d", since: null, until: null },
-  by: "day",
-  robot: null,
-  group: null,
-  tags: [],
-};
+const WEEK: TimeRange = { last: "7d", since: null, until: null };
 
-/** The view in an address; what it does not understand is replaced by the default. */
-export function readView(parameters: URLSearchParams): View {
-  const by = parameters.get("by") ?? "";
-  const time = readTimeRange(parameters);
-  const { last, since, until } = time;
-  return {
-    time: last === null && since === null && until === null ? DEFAULT_VIEW.time : time,
-    by: by in GROUPINGS ? (by as Grouping) : DEFAULT_VIEW.by,
-    robot: parameters.get("robot") || null,
-    group: parameters.get("group") || null,
-    tags: parameters.getAll("tag").filter((tag) => tag !== ""),
-  };
-}
-
-export function writeView({ time, by, robot, group, tags }: View): URLSearchParams {
-  const parameters = new URLSearchParams();
-  if (time.last !== DEFAULT_VIEW.time.last) writeTimeRange(time, parameters);
-  if (by !== DEFAULT_VIEW.by) parameters.set("by", by);
-  if (robot !== null) parameters.set("robot", robot);
-  if (group !== null) parameters.set("group", group);
-  for (const tag of tags) parameters.append("tag", tag);
-  return parameters;
-}
+export const statisticsView = new Address<View>({
+  time: timeRange(WEEK),
+  by: oneOf("by", Object.keys(GROUPINGS) as Grouping[], "day"),
+  robot: optional("robot"),
+  group: optional("group"),
+  tags: texts("tag"),
+});
 
 /** @param now In the gateway's time (ms). */
 export function toQuery({ time, by, robot, group, tags }: View, now: number): StatisticsQuery {

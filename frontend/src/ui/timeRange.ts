@@ -1,3 +1,4 @@
+import type { Part } from "./address";
 import { dayOf, startOfDay } from "./time";
 
 /** How far back, in the words of its choice. */
@@ -18,19 +19,21 @@ export interface TimeRange {
 
 export const ANY_TIME: TimeRange = { last: null, since: null, until: null };
 
-/** What it does not understand is left out. */
-export function readTimeRange(parameters: URLSearchParams): TimeRange {
-  const last = parameters.get("last");
-  if (last !== null && last in LASTS) return { ...ANY_TIME, last: last as Last };
-  return { last: null, since: readTime(parameters.get("since")), until: readTime(parameters.get("until")) };
-}
-
-export function writeTimeRange({ last, since, until }: TimeRange, parameters: URLSearchParams): void {
-  if (last !== null) parameters.set("last", last);
-  else {
-    if (since !== null) parameters.set("since", since);
-    if (until !== null) parameters.set("until", until);
-  }
+/** As it stands in an address. @param initial What it is without. */
+export function timeRange(initial = ANY_TIME): Part<TimeRange> {
+  return {
+    read: (parameters) => {
+      const last = parameters.get("last");
+      if (last !== null && last in LASTS) return { ...ANY_TIME, last: last as Last };
+      const [since, until] = ["since", "until"].map((name) => readTime(parameters.get(name)));
+      return since || until ? { last: null, since: since ?? null, until: until ?? null } : initial;
+    },
+    write: ({ last, since, until }, parameters) => {
+      if (last !== null && last !== initial.last) parameters.set("last", last);
+      if (last === null && since !== null) parameters.set("since", since);
+      if (last === null && until !== null) parameters.set("until", until);
+    },
+  };
 }
 
 /** From `since` up to but not including `until` (ms); null is without an end. @param now In the gateway's time (ms). */

@@ -1,15 +1,16 @@
 import { Anchor, Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
 import { Suspense, useMemo, useState } from "react";
-import { Link, useSearchParams } from "react-router";
+import { Link } from "react-router";
 import { AlertList } from "../../alerts/AlertList";
 import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
+import { useAddress } from "../../ui/address";
 import { Command } from "../../ui/CopyButton";
 import { lazyPart } from "../../ui/lazyPart";
 import { Section, usePageTitle } from "../../ui/Section";
 import { RobotView } from "../robot/RobotPage";
-import { readView } from "./list";
+import { overviewView } from "./list";
 import classes from "./overview.module.css";
 
 const RobotTable = lazyPart(() => import("./RobotTable"));
@@ -26,7 +27,7 @@ export default function OverviewPage() {
 
 function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
   const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
-  const [query] = useSearchParams();
+  const [{ group }] = useAddress(overviewView);
   const [view, setView] = useState<"one" | "all">(there.length > 1 ? "all" : "one");
   const [one, setOne] = useState<string | null>(null);
   const [touched, setTouched] = useState(false);
@@ -40,7 +41,7 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
     return (
       <>
         <Heading />
-        <AlertList group={readView(query).group} />
+        <AlertList group={group} />
         <Suspense fallback={<Skeleton height={360} />}>
           <RobotTable robots={there} />
         </Suspense>

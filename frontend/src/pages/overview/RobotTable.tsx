@@ -1,11 +1,11 @@
 import { Button, Paper, Table, Text, TextInput } from "@mantine/core";
 import { Fragment, useMemo, useRef, useState } from "react";
-import { useSearchParams } from "react-router";
 import { attentionOf } from "../../alerts/order";
 import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
 import { GroupSelect } from "../../fleet/RobotFields";
-import { type Attentions, listed, matches, readView, SHOW_WORDS, SHOWS, type View, writeView } from "./list";
+import { useAddress } from "../../ui/address";
+import { type Attentions, listed, matches, overviewView, SHOW_WORDS, SHOWS, type View } from "./list";
 import classes from "./overview.module.css";
 import { RobotRow } from "./RobotRow";
 import { TableBar } from "./TableBar";
@@ -18,11 +18,9 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const alerts = useFleetTopic("alerts");
   const live = useFleetLive();
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
-  const [query, setQuery] = useSearchParams();
-  const view = useMemo(() => readView(query), [query]);
+  const [view, change] = useAddress(overviewView);
   const naming = useNaming();
   const grouped = useMemo(() => naming.groups().length > 0, [naming]);
-  const change = (next: Partial<View>) => setQuery(writeView({ ...view, ...next }), { replace: true });
   const columns = useColumns(grouped, view.hidden, (hidden) => change({ hidden }));
   const { shown } = columns;
   const rows = useMemo(() => listed(robots, view, attentions), [robots, view, attentions]);

@@ -6,7 +6,7 @@ import { useOperate } from "../../operations/context";
 import { OPERATION_NAMES, OPERATIONS, whyNot } from "../../operations/operation";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { SavedViews } from "../../ui/SavedViews";
-import { type View, writeView } from "./list";
+import { overviewView, type View } from "./list";
 import classes from "./overview.module.css";
 import type { ColumnChoice } from "./TableHead";
 import type { Selection } from "./useSelection";
@@ -58,7 +58,7 @@ export function TableBar({ listed, all, view, selection, columns }: TableBarProp
           {/* A view has its columns, too, whatever this browser shows otherwise. */}
           <SavedViews
             page="overview"
-            query={writeView({ ...view, hidden: columns.hidden }).toString()}
+            query={overviewView.write({ ...view, hidden: columns.hidden }).toString()}
             variant="subtle"
           />
           <ColumnsMenu choice={columns} />

@@ -2,6 +2,7 @@ import type { Attention } from "../../alerts/order";
 import type { Robot } from "../../api/types";
 import { byName, isFound, robotName } from "../../fleet/names";
 import { isUnreachable, linkOf } from "../../fleet/words";
+import { Address, oneOf, optional, text } from "../../ui/address";
 
 /** What the list can be narrowed to. */
 export const SHOWS = ["all", "alerts", "running", "docked", "undocked", "stopped", "unreachable"] as const;
@@ -34,36 +35,24 @@ export interface View {
   hidden: readonly Sort[] | null;
 }
 
-export function readView(query: URLSearchParams): View {
-  return {
-    show: oneOf(SHOWS, query.get("show"), "all"),
-    text: query.get("q") ?? "",
-    group: query.get("group") || null,
-    sort: oneOf(SORTS, query.get("sort"), "attention"),
-    descending: query.get("order") === "desc",
-    hidden: query.has("hide") ? readColumns(query.get("hide")?.split(",")) : null,
-  };
-}
-
-/** The address's query for a view: what is as it begins is left out. */
-export function writeView({ show, text, group, sort, descending, hidden }: View): URLSearchParams {
-  const query = new URLSearchParams();
-  if (text !== "") query.set("q", text);
-  if (group !== null) query.set("group", group);
-  if (show !== "all") query.set("show", show);
-  if (sort !== "attention") query.set("sort", sort);
-  if (sort !== "attention" && descending) query.set("order", "desc");
-  if (hidden !== null) query.set("hide", hidden.join());
-  return query;
-}
+export const overviewView = new Address<View>({
+  text: text("q"),
+  group: optional("group"),
+  show: oneOf("show", SHOWS, "all"),
+  sort: oneOf("sort", SORTS, "attention"),
+  descending: {
+    read: (parameters) => parameters.get("order") === "desc",
+    write: (on, parameters) => on && parameters.has("sort") && parameters.set("order", "desc"),
+  },
+  hidden: {
+    read: (parameters) => (parameters.has("hide") ? readColumns(parameters.get("hide")?.split(",")) : null),
+    write: (columns, parameters) => columns !== null && parameters.set("hide", columns.join()),
+  },
+});
 
 /** The columns among some names, in one order; none where it is no list. */
 export function readColumns(names: unknown): Sort[] {
   return Array.isArray(names) ? SORTS.filter((sort) => names.includes(sort)) : [];
-}
-
-function oneOf<Value extends string>(values: readonly Value[], text: string | null, otherwise: Value): Value {
-  return values.find((value) => value === text) ?? otherwise;
 }
 
 /** By robot; those without an alert are not in it. */

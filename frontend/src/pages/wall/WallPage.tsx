@@ -7,7 +7,7 @@ import { isThere } from "../../fleet/words";
 import { useStopping } from "../../stop/everywhere";
 import { useStopKeys } from "../../stop/keys";
 import { usePageTitle } from "../../ui/Section";
-import { listed, readView } from "../overview/list";
+import { listed, overviewView } from "../overview/list";
 import { Clock, State, WallAlerts } from "./head";
 import { gridFor, Tile } from "./Tile";
 import classes from "./wall.module.css";
@@ -35,7 +35,7 @@ export default function WallPage() {
   const alerts = useFleetTopic("alerts");
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
   const shown = useMemo(() => {
-    const view = { ...readView(new URLSearchParams()), group, sort: "name" as const };
+    const view = { ...overviewView.initial, group, sort: "name" as const };
     return listed([...robots.values()].filter(isThere), view, attentions);
   }, [robots, group, attentions]);
   const { ref, width, height } = useElementSize();
