@@ -29,47 +29,49 @@ export function Account() {
 
 const PasswordDialog = lazyPart(() => import("./PasswordDialog"));
 
+interface AccountEntry {
+  name: string;
+  /** The page that it leads to, or what it does. */
+  to?: string;
+  onClick?: () => void;
+}
+
+/** What whoever is logged in can do about it, in the order of the menu. */
+export function useAccountEntries(onPassword: () => void): AccountEntry[] {
+  const { open_to, principal } = useSession();
+  const logOut = useLogOut();
+  const entries: AccountEntry[] = [];
+  if (principal?.role === "admin") {
+    entries.push({ name: open_to === null ? "Users" : "What this means", to: "/ui/users" });
+    entries.push({ name: "Tokens", to: "/ui/tokens" }, { name: "Audit", to: "/ui/audit" });
+  }
+  if (principal?.kind === "user") entries.push({ name: "Change password …", onClick: onPassword });
+  if (open_to === null) entries.push({ name: "Log out", onClick: () => logOut() });
+  if (hasSession(principal?.kind)) entries.push({ name: "Log out everywhere", onClick: () => logOut(true) });
+  return entries;
+}
+
 /** What the menu of the header has, below the pages on a phone. */
 export function AccountLines({ className, onChoose }: { className: string; onChoose: () => void }) {
-  const state = useSession();
-  const { open_to, principal } = state;
-  const words = accessWords(state);
-  const logOut = useLogOut();
+  const words = accessWords(useSession());
   const [opened, dialog] = useDisclosure(false);
+  const entries = useAccountEntries(dialog.open);
   if (words === null) return null;
-  const isUser = principal?.kind === "user";
   return (
     <div className={classes.lines}>
       <Text size="sm" c="dimmed" px="0.5rem">
         {words}
       </Text>
-      {principal?.role === "admin" && (
-        <>
-          <Link to="/ui/users" className={className} onClick={onChoose}>
-            {open_to === null ? "Users" : "What this means"}
+      {entries.map(({ name, to, onClick }) =>
+        to !== undefined ? (
+          <Link key={name} to={to} className={className} onClick={onChoose}>
+            {name}
           </Link>
-          <Link to="/ui/tokens" className={className} onClick={onChoose}>
-            Tokens
-          </Link>
-          <Link to="/ui/audit" className={className} onClick={onChoose}>
-            Audit
-          </Link>
-        </>
-      )}
-      {isUser && (
-        <UnstyledButton className={className} onClick={dialog.open}>
-          Change password …
-        </UnstyledButton>
-      )}
-      {open_to === null && (
-        <UnstyledButton className={className} onClick={() => logOut()}>
-          Log out
-        </UnstyledButton>
-      )}
-      {hasSession(principal?.kind) && (
-        <UnstyledButton className={className} onClick={() => logOut(true)}>
-          Log out everywhere
-        </UnstyledButton>
+        ) : (
+          <UnstyledButton key={name} className={className} onClick={onClick}>
+            {name}
+          </UnstyledButton>
+        ),
       )}
       {opened && (
         <Suspense fallback={null}>
@@ -81,7 +83,7 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
 }
 
 /** Logs out here, or everywhere, and loads the page again: nothing that it knew stays in it. */
-export function useLogOut(): (everywhere?: boolean) => void {
+function useLogOut(): (everywhere?: boolean) => void {
   const { http } = useFleet();
   return (everywhere = false) =>
     void (everywhere ? logOutEverywhere(http) : logOut(http)).then(

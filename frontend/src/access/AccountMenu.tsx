@@ -1,8 +1,9 @@
 import { ActionIcon, Menu } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Link } from "react-router";
-import { hasSession, type SessionState } from "../api/session";
-import { useLogOut } from "./Account";
+import type { SessionState } from "../api/session";
+import { Icon } from "../ui/Tool";
+import { useAccountEntries } from "./Account";
 import PasswordDialog from "./PasswordDialog";
 
 const PERSON =
@@ -18,9 +19,8 @@ interface AccountMenuProps {
 
 /** Who is logged in, or that no login is needed, and what can be done about it. */
 export default function AccountMenu({ state: { open_to, principal }, words }: AccountMenuProps) {
-  const logOut = useLogOut();
   const [opened, dialog] = useDisclosure(false);
-  const isUser = principal?.kind === "user";
+  const entries = useAccountEntries(dialog.open);
   return (
     <>
       <Menu position="bottom-end" zIndex={350}>
@@ -32,30 +32,21 @@ export default function AccountMenu({ state: { open_to, principal }, words }: Ac
             aria-label={words}
             title={words}
           >
-            <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-              <path d={open_to === null ? PERSON : OPEN_LOCK} />
-            </svg>
+            <Icon pixels={20} path={open_to === null ? PERSON : OPEN_LOCK} />
           </ActionIcon>
         </Menu.Target>
         <Menu.Dropdown>
           <Menu.Label>{open_to === null ? `${principal?.name}, ${principal?.role}` : words}</Menu.Label>
-          {principal?.role === "admin" && (
-            <>
-              <Menu.Item component={Link} to="/ui/users">
-                {open_to === null ? "Users" : "What this means"}
+          {entries.map(({ name, to, onClick }) =>
+            to !== undefined ? (
+              <Menu.Item key={name} component={Link} to={to}>
+                {name}
               </Menu.Item>
-              <Menu.Item component={Link} to="/ui/tokens">
-                Tokens
+            ) : (
+              <Menu.Item key={name} onClick={onClick}>
+                {name}
               </Menu.Item>
-              <Menu.Item component={Link} to="/ui/audit">
-                Audit
-              </Menu.Item>
-            </>
-          )}
-          {isUser && <Menu.Item onClick={dialog.open}>Change password …</Menu.Item>}
-          {open_to === null && <Menu.Item onClick={() => logOut()}>Log out</Menu.Item>}
-          {hasSession(principal?.kind) && (
-            <Menu.Item onClick={() => logOut(true)}>Log out everywhere</Menu.Item>
+            ),
           )}
         </Menu.Dropdown>
       </Menu>

@@ -1,7 +1,8 @@
 import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
-import type { Person, User } from "../api/access";
+import type { User } from "../api/access";
+import type { CommandError } from "../api/errors";
 import { useForbidden, useSession } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
@@ -33,12 +34,6 @@ export default function UsersPage() {
     setRemoved(null);
     remove.reset();
   };
-  const endSessions = ({ name }: User) =>
-    logOut.mutate(name, {
-      onSuccess: () => notifications.show({ message: `${name} is logged out everywhere.` }),
-      onError: ({ title, detail }) =>
-        notifications.show({ color: "red", title: `${name} is still logged in: ${title}`, message: detail }),
-    });
   return (
     <Stack gap="md">
       <PageTitle title="Users">
@@ -56,7 +51,7 @@ export default function UsersPage() {
               user={user}
               reason={reason}
               onEdit={() => setEdited(user)}
-              onLogOut={() => endSessions(user)}
+              onLogOut={() => logOut.mutate(user.name, told(user.name))}
               onRemove={() => setRemoved(user)}
             />
           ))}
@@ -107,15 +102,22 @@ export default function UsersPage() {
   );
 }
 
+/** Says what came of logging somebody out everywhere. */
+function told(name: string) {
+  return {
+    onSuccess: () => void notifications.show({ message: `${name} is logged out everywhere.` }),
+    onError: ({ title, detail }: CommandError) =>
+      void notifications.show({
+        color: "red",
+        title: `${name} is still logged in: ${title}`,
+        message: detail,
+      }),
+  };
+}
+
 /** Who is logged in with the identity provider; for admins. Nothing can be changed but that. */
 function PeopleList({ provider, reason }: { provider: string; reason: string | null }) {
   const { people, error, refetch, logOut } = usePeople();
-  const endSessions = ({ name }: Person) =>
-    logOut.mutate(name, {
-      onSuccess: () => notifications.show({ message: `${name} is logged out everywhere.` }),
-      onError: ({ title, detail }) =>
-        notifications.show({ color: "red", title: `${name} is still logged in: ${title}`, message: detail }),
-    });
   return (
     <>
       <Title order={2} size="h4">
@@ -143,7 +145,7 @@ function PeopleList({ provider, reason }: { provider: string; reason: string | n
                 {...ENTRY_BUTTON}
                 reason={reason}
                 aria-label={`Log out ${person.name}`}
-                onClick={() => endSessions(person)}
+                onClick={() => logOut.mutate(person.name, told(person.name))}
               >
                 Log out
               </ReasonButton>

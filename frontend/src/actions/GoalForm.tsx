@@ -7,7 +7,7 @@ import type { ActionInfo, AnyGoal } from "../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { heldStops } from "../stop/held";
 import { Command } from "../ui/CopyButton";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
@@ -200,7 +200,6 @@ function SendDialog({ opened, ...question }: SendDialogProps) {
 
 function Question({ action, body, reason, onClose, onSend }: Omit<SendDialogProps, "opened">) {
   const [unasked, setUnasked] = useState(false);
-  const reasonId = useId();
   const robot = useNaming().ownerNameOf(action) ?? "a robot";
   return (
     <Stack gap="md">
@@ -216,14 +215,13 @@ function Question({ action, body, reason, onClose, onSend }: Omit<SendDialogProp
         checked={unasked}
         onChange={(event) => setUnasked(event.currentTarget.checked)}
       />
-      <Group justify="flex-end" gap="sm">
-        <Button variant="default" onClick={onClose} data-autofocus>
-          Do not send
-        </Button>
-        <Button disabled={reason !== null} aria-describedby={reasonId} onClick={() => onSend(unasked)}>
-          Send the goal
-        </Button>
-      </Group>
+      <QuestionBar
+        keep="Do not send"
+        onKeep={onClose}
+        go="Send the goal"
+        onGo={() => onSend(unasked)}
+        reason={reason}
+      />
     </Stack>
   );
 }

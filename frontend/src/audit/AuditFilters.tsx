@@ -1,6 +1,7 @@
 import { Button, NativeSelect, TextInput } from "@mantine/core";
 import { type KeyboardEvent, useEffect, useState } from "react";
-import { useFleet, useRobotOptions } from "../fleet/context";
+import { useFleet } from "../fleet/context";
+import { RobotSelect } from "../fleet/RobotFields";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./audit.module.css";
 import {
@@ -22,7 +23,6 @@ interface AuditFiltersProps {
 /** What to narrow the list by. */
 export function AuditFilters({ filter, change }: AuditFiltersProps) {
   const { store } = useFleet();
-  const robots = useRobotOptions(filter.robot || null);
   const filtered = !auditFilter.isInitial(filter);
   return (
     <section aria-label="Filter the records">
@@ -40,11 +40,10 @@ export function AuditFilters({ filter, change }: AuditFiltersProps) {
           onChange={(event) => change({ what: event.currentTarget.value })}
           data={[{ value: "", label: "Everything" }, ...whatOptions(filter.what)]}
         />
-        <NativeSelect
+        <RobotSelect
           label="Robot"
-          value={filter.robot}
-          onChange={(event) => change({ robot: event.currentTarget.value })}
-          data={[{ value: "", label: "All robots" }, ...robots]}
+          robot={filter.robot || null}
+          onRobot={(robot) => change({ robot: robot ?? "" })}
         />
         <NativeSelect
           label="Outcome"

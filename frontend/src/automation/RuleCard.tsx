@@ -1,4 +1,4 @@
-import { Anchor, Button, Group, List, SegmentedControl, Stack, Text } from "@mantine/core";
+import { Anchor, List, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useState } from "react";
 import { Link } from "react-router";
@@ -7,7 +7,7 @@ import type { Rule, RuleMode } from "../api/automation";
 import { useNaming, useWhyNot } from "../fleet/context";
 import { robotPath } from "../fleet/names";
 import { robotsWords } from "../fleet/RobotFields";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, QuestionBar } from "../ui/Dialog";
 import { EntryCard } from "../ui/EntryCard";
 import { CommandErrorAlert } from "../ui/errors";
 import classes from "./automation.module.css";
@@ -132,19 +132,15 @@ function Question({ rule, onClose, onSwitch }: Omit<SwitchOnProps, "opened">) {
       </Text>
       <Text size="sm">Check that the ways to the docks are clear.</Text>
       <NameInput value={name} description="Shown with the rule." onChange={setName} />
-      <Group justify="flex-end" gap="sm">
-        <Button variant="default" onClick={onClose} data-autofocus>
-          Cancel
-        </Button>
-        <Button
-          onClick={() => {
-            setOwnName(name.trim());
-            onSwitch(name.trim() || null);
-          }}
-        >
-          Switch on
-        </Button>
-      </Group>
+      <QuestionBar
+        keep="Cancel"
+        onKeep={onClose}
+        go="Switch on"
+        onGo={() => {
+          setOwnName(name.trim());
+          onSwitch(name.trim() || null);
+        }}
+      />
     </Stack>
   );
 }

@@ -253,23 +253,20 @@ function PlotBar({ view, loading, momentRef, onChange, onZoom }: PlotBarProps) {
           data={SPANS.map((span) => ({ label: formatSpan(span), value: String(span) }))}
         />
         <Group gap={4}>
-          <Tool name="Earlier" onClick={() => onChange((before, at) => pan(before, -HALF, at))}>
-            <path d="M15 5l1.5 1.5L11 12l5.5 5.5L15 19l-7-7z" />
-          </Tool>
+          <Tool
+            name="Earlier"
+            onClick={() => onChange((before, at) => pan(before, -HALF, at))}
+            path="M15 5l1.5 1.5L11 12l5.5 5.5L15 19l-7-7z"
+          />
           <Tool
             name="Later"
             disabled={following}
-            why="Later: this is now"
+            title={following ? "Later: this is now" : "Later"}
             onClick={() => onChange((before, at) => pan(before, HALF, at))}
-          >
-            <path d="M9 5L7.5 6.5 13 12l-5.5 5.5L9 19l7-7z" />
-          </Tool>
-          <Tool name="Closer" onClick={() => onZoom(ZOOM_STEP)}>
-            <path d="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
-          </Tool>
-          <Tool name="Farther" onClick={() => onZoom(1 / ZOOM_STEP)}>
-            <path d="M5 11h14v2H5v-2Z" />
-          </Tool>
+            path="M9 5L7.5 6.5 13 12l-5.5 5.5L9 19l7-7z"
+          />
+          <Tool name="Closer" onClick={() => onZoom(ZOOM_STEP)} path="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
+          <Tool name="Farther" onClick={() => onZoom(1 / ZOOM_STEP)} path="M5 11h14v2H5v-2Z" />
         </Group>
         <Button
           variant={following ? "default" : "filled"}

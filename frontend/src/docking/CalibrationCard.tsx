@@ -1,4 +1,4 @@
-import { Button, Code, Group, Stack, Table, Text } from "@mantine/core";
+import { Code, Group, Stack, Table, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useForbidden } from "../api/session";
@@ -8,7 +8,7 @@ import { currentGoal } from "../goal/words";
 import { useLive, useServices, useTopic } from "../store/context";
 import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
@@ -78,14 +78,13 @@ function Start({ calibrate, offered }: StartProps) {
             The robot must stand on its dock. It does not move, and must not be moved: measuring takes 3 to 10
             s. The new pose replaces the present one at once.
           </Text>
-          <Group justify="flex-end" gap="sm">
-            <Button variant="default" onClick={question.close} data-autofocus>
-              Keep the present pose
-            </Button>
-            <Button disabled={reason !== null} onClick={start}>
-              Calibrate
-            </Button>
-          </Group>
+          <QuestionBar
+            keep="Keep the present pose"
+            onKeep={question.close}
+            go="Calibrate"
+            onGo={start}
+            reason={reason}
+          />
         </Stack>
       </Dialog>
     </Group>

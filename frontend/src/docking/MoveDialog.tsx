@@ -1,9 +1,8 @@
-import { Button, Group, Stack, Text } from "@mantine/core";
+import { Stack, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
-import { useId } from "react";
 import type { Verb } from "../api/types";
 import { useTopicPart } from "../store/context";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, QuestionBar } from "../ui/Dialog";
 
 interface MoveDialogProps {
   opened: boolean;
@@ -28,22 +27,17 @@ const WHAT_HAPPENS: Record<Verb, (dock: string) => string> = {
 
 /** Asks before the robot moves. Stop stays within reach, and so does the choice to leave the robot where it is. */
 export function MoveDialog({ opened, verb, robot, dock, reason, onMove, onClose }: MoveDialogProps) {
-  const reasonId = useId();
   return (
     <Dialog opened={opened} onClose={onClose} title={`${NAMES[verb]} ${robot ?? "the robot"}?`}>
       <Stack gap="md">
         <Text size="sm">{WHAT_HAPPENS[verb](dock === undefined ? "its dock" : `the dock ${dock}`)}</Text>
-        <Text size="sm" c="dimmed" id={reasonId} role="status">
-          {reason}
-        </Text>
-        <Group justify="flex-end" gap="sm">
-          <Button variant="default" onClick={onClose} data-autofocus>
-            Leave it where it is
-          </Button>
-          <Button disabled={reason !== null} aria-describedby={reasonId} onClick={onMove}>
-            {NAMES[verb]}
-          </Button>
-        </Group>
+        <QuestionBar
+          keep="Leave it where it is"
+          onKeep={onClose}
+          go={NAMES[verb]}
+          onGo={onMove}
+          reason={reason}
+        />
       </Stack>
     </Dialog>
   );

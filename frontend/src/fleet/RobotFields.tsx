@@ -109,3 +109,28 @@ export function choiceError({ all, names, groups }: RobotChoice): string | undef
 export function choiceBody({ all, names, groups }: RobotChoice) {
   return all ? { all: true } : { names, groups };
 }
+
+interface RobotSelectProps extends Pick<NativeSelectProps, "label" | "aria-label"> {
+  /** A namespace; null for all robots. */
+  robot: string | null;
+  onRobot: (robot: string | null) => void;
+}
+
+/** Chooses a robot by its namespace, also one that the address names and nobody knows. */
+export function RobotSelect({ robot, onRobot, ...props }: RobotSelectProps) {
+  const robots = useFleetTopic("robots");
+  const naming = useNaming();
+  const names = [...new Set([...robots.keys(), ...(robot === null ? [] : [robot])])].sort();
+  const options = names.map((name) => ({
+    value: name,
+    label: naming.besides(name) === null ? name : naming.fullNameOf(name),
+  }));
+  return (
+    <NativeSelect
+      {...props}
+      value={robot ?? ""}
+      onChange={(event) => onRobot(event.currentTarget.value || null)}
+      data={[{ value: "", label: "All robots" }, ...options]}
+    />
+  );
+}

@@ -1,4 +1,4 @@
-import { createContext, type ReactNode, useCallback, useContext, useMemo, useSyncExternalStore } from "react";
+import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import type { Http } from "../api/http";
 import { type Command, useForbidden, useSession } from "../api/session";
@@ -59,20 +59,6 @@ export function useFleetLive(): boolean {
 /** The names of all robots; re-renders only when a name or a group changes. */
 export function useNaming(): Naming {
   return useFleetTopic("naming");
-}
-
-/** The robots to choose from, by namespace. @param chosen One that is listed in any case. */
-export function useRobotOptions(chosen: string | null): { value: string; label: string }[] {
-  const robots = useFleetTopic("robots");
-  const naming = useNaming();
-  return useMemo(
-    () =>
-      [...new Set([...robots.keys(), ...(chosen === null ? [] : [chosen])])].sort().map((name) => ({
-        value: name,
-        label: naming.besides(name) === null ? name : naming.fullNameOf(name),
-      })),
-    [robots, naming, chosen],
-  );
 }
 
 export const NOT_CONNECTED = "The gateway is not connected.";

@@ -1,8 +1,8 @@
 import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { useActions } from "../actions/actions";
-import { useFleet, useFleetTopic, useRobotOptions } from "../fleet/context";
-import { GroupSelect } from "../fleet/RobotFields";
+import { useFleet, useFleetTopic } from "../fleet/context";
+import { GroupSelect, RobotSelect } from "../fleet/RobotFields";
 import { codeWords } from "../goal/words";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import { sentence } from "../ui/text";
@@ -18,7 +18,6 @@ interface GoalFiltersProps {
 /** What to narrow the list by. */
 export function GoalFilters({ filter, change }: GoalFiltersProps) {
   const { store } = useFleet();
-  const robots = useRobotOptions(filter.robot);
   const actions = useActionNames(filter.actions);
   return (
     <section aria-label="Filter the goals">
@@ -29,12 +28,7 @@ export function GoalFilters({ filter, change }: GoalFiltersProps) {
         any
       />
       <div className={classes.filters}>
-        <NativeSelect
-          label="Robot"
-          value={filter.robot ?? ""}
-          onChange={(event) => change({ robot: event.currentTarget.value || null })}
-          data={[{ value: "", label: "All robots" }, ...robots]}
-        />
+        <RobotSelect label="Robot" robot={filter.robot} onRobot={(robot) => change({ robot })} />
         <GroupSelect label="Group" group={filter.group} onGroup={(group) => change({ group })} />
         <NativeSelect
           label="Action"

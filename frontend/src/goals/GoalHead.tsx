@@ -1,5 +1,5 @@
-import { Alert, Anchor, Badge, Button, Code, Group, Stack, Text, Title } from "@mantine/core";
-import { useId, useState } from "react";
+import { Alert, Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
+import { useState } from "react";
 import { Link } from "react-router";
 import { useActionsApi, useSchemas } from "../actions/actions";
 import { goalExportUrl } from "../api/goals";
@@ -12,7 +12,7 @@ import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { advice, meaning, whyNotCancel } from "../goal/words";
 import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, QuestionBar } from "../ui/Dialog";
 import { Downloads } from "../ui/Downloads";
 import { CommandErrorAlert } from "../ui/errors";
 import { Breakable, Fact, FactList } from "../ui/Fact";
@@ -198,7 +198,6 @@ interface AskAgainProps {
 function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
   const schemas = useSchemas(goal.action_type).data;
   const robot = useNaming().ownerNameOf(goal.action_name) ?? "A robot";
-  const reasonId = useId();
   return (
     <Dialog title="Send this goal again?" opened={opened} onClose={onClose}>
       <Stack gap="md">
@@ -206,17 +205,7 @@ function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
           {robot} may move as soon as {goal.action_name} accepts it. Check that the area is clear.
         </Text>
         <NamedMessage title="Goal" value={goal.goal} schema={schemas?.goal} absent={NOT_MEASURED} />
-        <Text size="sm" c="dimmed" id={reasonId} role="status">
-          {reason}
-        </Text>
-        <Group justify="flex-end" gap="sm">
-          <Button variant="default" onClick={onClose} data-autofocus>
-            Do not send
-          </Button>
-          <Button disabled={reason !== null} aria-describedby={reasonId} onClick={onSend}>
-            Send again
-          </Button>
-        </Group>
+        <QuestionBar keep="Do not send" onKeep={onClose} go="Send again" onGo={onSend} reason={reason} />
       </Stack>
     </Dialog>
   );

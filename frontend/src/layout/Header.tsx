@@ -10,6 +10,7 @@ import { Link } from "react-router";
 import { Account } from "../access/Account";
 import { SearchButton } from "../search/SearchButton";
 import { StopButton } from "../stop/StopButton";
+import { Icon, Tool } from "../ui/Tool";
 import { ConnectionStatus } from "./ConnectionStatus";
 import classes from "./layout.module.css";
 import { Navigation } from "./Navigation";
@@ -42,26 +43,20 @@ export function Header() {
   );
 }
 
+const SUN =
+  "M12 7a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm-1-5h2v3h-2V2Zm0 17h2v3h-2v-3ZM2 11h3v2H2v-2Zm17 0h3v2h-3v-2ZM4.2 5.6l1.4-1.4 2.1 2.1-1.4 1.4-2.1-2.1Zm12.1 12.1 1.4-1.4 2.1 2.1-1.4 1.4-2.1-2.1ZM4.2 18.4l2.1-2.1 1.4 1.4-2.1 2.1-1.4-1.4ZM16.3 6.3l2.1-2.1 1.4 1.4-2.1 2.1-1.4-1.4Z";
+const MOON = "M20.7 14.6A9 9 0 0 1 9.4 3.3a9 9 0 1 0 11.3 11.3Z";
+
 function ColorSchemeSwitch() {
   const { setColorScheme } = useMantineColorScheme();
   const scheme = useComputedColorScheme("light");
   const other = scheme === "dark" ? "light" : "dark";
   return (
-    <ActionIcon
-      variant="default"
-      size="lg"
-      aria-label={`Use the ${other} colour scheme`}
-      title={`Use the ${other} colour scheme`}
+    <Tool
+      name={`Use the ${other} colour scheme`}
+      path={scheme === "dark" ? SUN : MOON}
       onClick={() => setColorScheme(other)}
-    >
-      <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-        {scheme === "dark" ? (
-          <path d="M12 7a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm-1-5h2v3h-2V2Zm0 17h2v3h-2v-3ZM2 11h3v2H2v-2Zm17 0h3v2h-3v-2ZM4.2 5.6l1.4-1.4 2.1 2.1-1.4 1.4-2.1-2.1Zm12.1 12.1 1.4-1.4 2.1 2.1-1.4 1.4-2.1-2.1ZM4.2 18.4l2.1-2.1 1.4 1.4-2.1 2.1-1.4-1.4ZM16.3 6.3l2.1-2.1 1.4 1.4-2.1 2.1-1.4-1.4Z" />
-        ) : (
-          <path d="M20.7 14.6A9 9 0 0 1 9.4 3.3a9 9 0 1 0 11.3 11.3Z" />
-        )}
-      </svg>
-    </ActionIcon>
+    />
   );
 }
 
@@ -77,9 +72,10 @@ function NotificationsLink() {
       title="Notifications (g, then n)"
       visibleFrom="sm"
     >
-      <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-        <path d="M12 2a1.5 1.5 0 0 1 1.5 1.5v.7A6 6 0 0 1 18 10v5l2 2v1H4v-1l2-2v-5a6 6 0 0 1 4.5-5.8v-.7A1.5 1.5 0 0 1 12 2Zm0 4a4 4 0 0 0-4 4v6h8v-6a4 4 0 0 0-4-4Zm-2 13h4a2 2 0 0 1-4 0Z" />
-      </svg>
+      <Icon
+        pixels={20}
+        path="M12 2a1.5 1.5 0 0 1 1.5 1.5v.7A6 6 0 0 1 18 10v5l2 2v1H4v-1l2-2v-5a6 6 0 0 1 4.5-5.8v-.7A1.5 1.5 0 0 1 12 2Zm0 4a4 4 0 0 0-4 4v6h8v-6a4 4 0 0 0-4-4Zm-2 13h4a2 2 0 0 1-4 0Z"
+      />
     </ActionIcon>
   );
 }

@@ -1,10 +1,10 @@
-import { ActionIcon } from "@mantine/core";
 import { useClickOutside, useMediaQuery } from "@mantine/hooks";
 import { useId, useState } from "react";
 import { NavLink } from "react-router";
 import { AccountLines } from "../access/Account";
 import { AlertCount } from "../alerts/marks";
 import { PAGES } from "../pages/pages";
+import { Tool } from "../ui/Tool";
 import classes from "./layout.module.css";
 
 /** As in layout.module.css. */
@@ -34,18 +34,15 @@ function Menu() {
       className={classes.menu}
       onKeyDown={(event) => event.key === "Escape" && close()}
     >
-      <ActionIcon
-        variant="default"
-        size="lg"
-        aria-label="Pages"
+      <Tool
+        name="Pages"
+        title={undefined}
+        pixels={20}
+        path="M3 5h18v2H3V5Zm0 6h18v2H3v-2Zm0 6h18v2H3v-2Z"
         aria-expanded={opened}
         aria-controls={listId}
         onClick={() => setOpened(!opened)}
-      >
-        <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-          <path d="M3 5h18v2H3V5Zm0 6h18v2H3v-2Zm0 6h18v2H3v-2Z" />
-        </svg>
-      </ActionIcon>
+      />
       <span className={classes.alerts}>
         <AlertCount />
       </span>

@@ -1,4 +1,3 @@
-import { ActionIcon } from "@mantine/core";
 import { Suspense, useEffect, useState } from "react";
 import { useLocation, useNavigate } from "react-router";
 import { PAGES } from "../pages/pages";
@@ -7,6 +6,7 @@ import { Dialog } from "../ui/Dialog";
 import { Guarded } from "../ui/Guarded";
 import { keep, readKept } from "../ui/kept";
 import { lazyPart } from "../ui/lazyPart";
+import { Tool } from "../ui/Tool";
 
 const ShortcutList = lazyPart(() => import("./ShortcutList"));
 
@@ -19,18 +19,14 @@ export function ShortcutsButton() {
   useEffect(() => setOpened(false), [pathname]);
   return (
     <>
-      <ActionIcon
-        variant="default"
-        size="lg"
-        aria-label="Keyboard and name"
+      <Tool
+        name="Keyboard and name"
         title="Keyboard and name (?)"
+        pixels={20}
+        path="M4 5h16a2 2 0 0 1 2 2v10a2 2 0 0 1-2 2H4a2 2 0 0 1-2-2V7a2 2 0 0 1 2-2Zm0 2v10h16V7H4Zm1.5 1.5h2v2h-2v-2Zm3.7 0h2v2h-2v-2Zm3.6 0h2v2h-2v-2Zm3.7 0h2v2h-2v-2Zm-11 4h2v2h-2v-2Zm3.7 0h5.6v2H9.2v-2Zm7.3 0h2v2h-2v-2Z"
         aria-haspopup="dialog"
         onClick={() => setOpened(true)}
-      >
-        <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-          <path d="M4 5h16a2 2 0 0 1 2 2v10a2 2 0 0 1-2 2H4a2 2 0 0 1-2-2V7a2 2 0 0 1 2-2Zm0 2v10h16V7H4Zm1.5 1.5h2v2h-2v-2Zm3.7 0h2v2h-2v-2Zm3.6 0h2v2h-2v-2Zm3.7 0h2v2h-2v-2Zm-11 4h2v2h-2v-2Zm3.7 0h5.6v2H9.2v-2Zm7.3 0h2v2h-2v-2Z" />
-        </svg>
-      </ActionIcon>
+      />
       <Dialog opened={opened} onClose={() => setOpened(false)} title="Keyboard and name">
         <Guarded of={pathname}>
           <Suspense fallback={null}>

@@ -75,9 +75,8 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
           name="Follow the robot"
           pressed={following}
           onClick={() => (following ? pictureRef.current?.showAll() : pictureRef.current?.follow())}
-        >
-          <path d="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
-        </Tool>
+          path="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z"
+        />
       </MapTools>
     </div>
   );
@@ -96,16 +95,14 @@ interface MapToolsProps {
 export function MapTools({ onZoom, onShowAll, children }: MapToolsProps) {
   return (
     <div className={classes.tools}>
-      <Tool name="Closer" onClick={() => onZoom(ZOOM_STEP)}>
-        <path d="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
-      </Tool>
-      <Tool name="Farther" onClick={() => onZoom(1 / ZOOM_STEP)}>
-        <path d="M5 11h14v2H5v-2Z" />
-      </Tool>
+      <Tool name="Closer" onClick={() => onZoom(ZOOM_STEP)} path="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
+      <Tool name="Farther" onClick={() => onZoom(1 / ZOOM_STEP)} path="M5 11h14v2H5v-2Z" />
       {children}
-      <Tool name="Show all" onClick={onShowAll}>
-        <path d="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z" />
-      </Tool>
+      <Tool
+        name="Show all"
+        onClick={onShowAll}
+        path="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z"
+      />
     </div>
   );
 }

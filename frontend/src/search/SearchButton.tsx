@@ -1,9 +1,9 @@
-import { ActionIcon } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { Suspense, useCallback, useEffect, useRef, useState } from "react";
 import { useLocation } from "react-router";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
+import { Tool } from "../ui/Tool";
 
 const Palette = lazyPart(() => import("./Palette"));
 
@@ -42,20 +42,15 @@ export function SearchButton() {
 
   return (
     <>
-      <ActionIcon
-        variant="default"
-        size="lg"
+      <Tool
+        name="Search and commands"
+        path="M10 2a8 8 0 0 1 6.3 12.9l5.4 5.4-1.4 1.4-5.4-5.4A8 8 0 1 1 10 2Zm0 2a6 6 0 1 0 0 12 6 6 0 0 0 0-12Z"
         visibleFrom="xs"
-        aria-label="Search and commands"
         title="Search and commands (Ctrl+K)"
         aria-haspopup="dialog"
         aria-keyshortcuts="Control+K Meta+K"
         onClick={open}
-      >
-        <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-          <path d="M10 2a8 8 0 0 1 6.3 12.9l5.4 5.4-1.4 1.4-5.4-5.4A8 8 0 1 1 10 2Zm0 2a6 6 0 1 0 0 12 6 6 0 0 0 0-12Z" />
-        </svg>
-      </ActionIcon>
+      />
       {used && (
         <Guarded of={pathname}>
           <Suspense fallback={null}>

@@ -1,10 +1,10 @@
-import { NativeSelect, SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
+import { SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
 import { keepPreviousData } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { fetchStatistics } from "../api/history";
 import type { GoalCounts, Statistics } from "../api/types";
-import { useFleet, useFleetLive, useRobotOptions } from "../fleet/context";
-import { GroupSelect } from "../fleet/RobotFields";
+import { useFleet, useFleetLive } from "../fleet/context";
+import { GroupSelect, RobotSelect } from "../fleet/RobotFields";
 import { TagSelect } from "../goals/TagSelect";
 import { useAddress } from "../ui/address";
 import { Trouble } from "../ui/errors";
@@ -93,7 +93,6 @@ const BY = Object.entries(GROUPINGS).map(([value, label]) => ({ value, label }))
 /** Which goals, and what they are grouped by. */
 function Controls({ view, change }: ControlsProps) {
   const { store } = useFleet();
-  const robots = useRobotOptions(view.robot);
   return (
     <section aria-label="Choose goals" className={classes.controls}>
       <TimeRangeField
@@ -107,12 +106,7 @@ function Controls({ view, change }: ControlsProps) {
         value={view.by}
         onChange={(by) => change({ by: by as Grouping })}
       />
-      <NativeSelect
-        aria-label="Robot"
-        value={view.robot ?? ""}
-        onChange={(event) => change({ robot: event.currentTarget.value || null })}
-        data={[{ value: "", label: "All robots" }, ...robots]}
-      />
+      <RobotSelect aria-label="Robot" robot={view.robot} onRobot={(robot) => change({ robot })} />
       <GroupSelect aria-label="Group" group={view.group} onGroup={(group) => change({ group })} />
       <TagSelect aria-label="Tag" any="All tags" chosen={view.tags} onTags={(tags) => change({ tags })} />
     </section>

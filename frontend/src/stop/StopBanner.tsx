@@ -1,9 +1,9 @@
-import { Button, Group, Paper, Stack, Text } from "@mantine/core";
+import { Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo, useState } from "react";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import type { Naming } from "../fleet/names";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
@@ -176,19 +176,15 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
               ? "The robots stay where they are until one is. Check first that their area is clear."
               : "The robot stays where it is until one is. Check first that the area is clear."}
           </Text>
-          <Group justify="flex-end" gap="sm">
-            <Button variant="default" onClick={ask.close} data-autofocus>
-              {names.length > 1 ? "Keep them stopped" : "Keep it stopped"}
-            </Button>
-            <Button
-              onClick={() => {
-                ask.close();
-                release.mutate(asked);
-              }}
-            >
-              {several ? "Release all" : "Release"}
-            </Button>
-          </Group>
+          <QuestionBar
+            keep={names.length > 1 ? "Keep them stopped" : "Keep it stopped"}
+            onKeep={ask.close}
+            go={several ? "Release all" : "Release"}
+            onGo={() => {
+              ask.close();
+              release.mutate(asked);
+            }}
+          />
         </Stack>
       </Dialog>
     </>

@@ -1,6 +1,6 @@
-import { Button, CloseButton, Group, Modal, Stack, Title } from "@mantine/core";
+import { Button, CloseButton, Group, Modal, Stack, Text, Title } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
-import type { ReactNode } from "react";
+import { type ReactNode, useId } from "react";
 import type { CommandError } from "../api/errors";
 import { CommandErrorAlert } from "./errors";
 
@@ -65,6 +65,43 @@ export function RemovalDialog(props: RemovalDialogProps) {
         </Group>
       </Stack>
     </Dialog>
+  );
+}
+
+interface QuestionBarProps {
+  /** The button that leaves things as they are. */
+  keep: string;
+  onKeep: () => void;
+  go: string;
+  onGo: () => void;
+  /** Why it cannot be done any more; null where it can. It is said above the buttons. */
+  reason?: string | null;
+}
+
+/** The end of a question in a dialog: what leaves things as they are, which has the focus, and what does it. */
+export function QuestionBar({ keep, onKeep, go, onGo, reason }: QuestionBarProps) {
+  const reasonId = useId();
+  const disabled = reason !== undefined && reason !== null;
+  return (
+    <>
+      {reason !== undefined && (
+        <Text size="sm" c="dimmed" id={reasonId} role="status">
+          {reason}
+        </Text>
+      )}
+      <Group justify="flex-end" gap="sm">
+        <Button variant="default" onClick={onKeep} data-autofocus>
+          {keep}
+        </Button>
+        <Button
+          disabled={disabled}
+          aria-describedby={reason === undefined ? undefined : reasonId}
+          onClick={onGo}
+        >
+          {go}
+        </Button>
+      </Group>
+    </>
   );
 }
 

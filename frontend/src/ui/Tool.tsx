@@ -1,34 +1,38 @@
-import { ActionIcon } from "@mantine/core";
-import type { ReactNode } from "react";
+import { ActionIcon, type ActionIconProps } from "@mantine/core";
+import type { ComponentProps } from "react";
 
-interface ToolProps {
+interface ToolProps extends ActionIconProps, Omit<ComponentProps<"button">, keyof ActionIconProps | "name"> {
   /** What it does, in a word. */
   name: string;
-  disabled?: boolean;
-  /** Why it is disabled. */
-  why?: string;
+  /** The picture, on 24 by 24. */
+  path: string;
+  /** Of the picture (px). */
+  pixels?: number;
   /** For one that switches something on and off: whether it is on. */
   pressed?: boolean;
-  onClick: () => void;
-  /** The picture's paths, on 24 by 24. */
-  children: ReactNode;
 }
 
 /** A small button with a picture on it. */
-export function Tool({ name, disabled = false, why, pressed, onClick, children }: ToolProps) {
+export function Tool({ name, path, pixels, pressed, title = name, ...button }: ToolProps) {
   return (
     <ActionIcon
       variant={pressed ? "filled" : "default"}
       size="lg"
       aria-label={name}
       aria-pressed={pressed}
-      title={disabled ? why : name}
-      disabled={disabled}
-      onClick={onClick}
+      title={title}
+      {...button}
     >
-      <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-        {children}
-      </svg>
+      <Icon path={path} pixels={pixels} />
     </ActionIcon>
+  );
+}
+
+/** A picture on 24 by 24, in the color of the text; what it means is said beside it. */
+export function Icon({ path, pixels = 18 }: { path: string; pixels?: number | undefined }) {
+  return (
+    <svg width={pixels} height={pixels} viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
+      <path d={path} />
+    </svg>
   );
 }

@@ -9,6 +9,7 @@ import { robotName, robotPath } from "../../fleet/names";
 import { linkOf, placeWords } from "../../fleet/words";
 import { useOperate } from "../../operations/context";
 import { moveOf, OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../../operations/operation";
+import { Icon } from "../../ui/Tool";
 import { BatteryMeter, LastCell, NowCell } from "./cells";
 import type { Sort } from "./list";
 import classes from "./overview.module.css";
@@ -146,9 +147,7 @@ const RowMenu = memo(function RowMenu({ robot, live }: { robot: Robot; live: boo
           className={classes.menu ?? ""}
           aria-label={`Commands for ${robotName(robot)}`}
         >
-          <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-            <path d="M12 4a2 2 0 1 1 0 4 2 2 0 0 1 0-4Zm0 6a2 2 0 1 1 0 4 2 2 0 0 1 0-4Zm0 6a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
-          </svg>
+          <Icon path="M12 4a2 2 0 1 1 0 4 2 2 0 0 1 0-4Zm0 6a2 2 0 1 1 0 4 2 2 0 0 1 0-4Zm0 6a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
         </ActionIcon>
       </Menu.Target>
       <Menu.Dropdown>

@@ -10,6 +10,7 @@ import { isThere, linkOf, placeWords } from "../../fleet/words";
 import { Dialog } from "../../ui/Dialog";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
+import { Icon } from "../../ui/Tool";
 import classes from "./robot.module.css";
 
 /** Which robot this is, whether it is docked, and how it can be reached where something is wrong with that. */
@@ -82,9 +83,7 @@ function LabelButton({ robot }: { robot: string }) {
           aria-disabled={reason !== null}
           onClick={() => reason === null && dialog.open()}
         >
-          <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-            <path d="M3 17.2V21h3.8L17.9 9.9l-3.8-3.8L3 17.2ZM20.7 7a1 1 0 0 0 0-1.4l-2.3-2.3a1 1 0 0 0-1.4 0l-1.8 1.8 3.8 3.8L20.7 7Z" />
-          </svg>
+          <Icon path="M3 17.2V21h3.8L17.9 9.9l-3.8-3.8L3 17.2ZM20.7 7a1 1 0 0 0 0-1.4l-2.3-2.3a1 1 0 0 0-1.4 0l-1.8 1.8 3.8 3.8L20.7 7Z" />
         </ActionIcon>
       </Tooltip>
       <Dialog opened={opened} onClose={dialog.close} title={`Name and groups of ${naming.fullNameOf(robot)}`}>
