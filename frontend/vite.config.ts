@@ -47,14 +47,15 @@ export default defineConfig({
     maxWorkers: "100%",
     pool: "threads",
     restoreMocks: true,
+    // The files share the modules that they import: to load these for each file takes as long as the tests.
+    isolate: false,
     projects: [
-      // What needs no page; a file that needs a bit of one says so at its top. They mock no modules, so they share them.
+      // What needs no page; a file that needs a bit of one says so at its top.
       {
         extends: true,
         test: {
           name: "logic",
           environment: "node",
-          isolate: false,
           include: ["tests/**/*.test.ts"],
           setupFiles: ["tests/clock.ts"],
         },
@@ -64,7 +65,6 @@ export default defineConfig({
         test: {
           name: "pages",
           environment: "jsdom",
-          isolate: false,
           include: ["tests/**/*.test.tsx"],
           setupFiles: ["tests/clock.ts", "tests/setup.ts"],
         },

@@ -219,20 +219,6 @@ def test_the_labels_of_a_plot_are_whole(page: Page, gateway: RunningGateway, wid
     assert [label for label in page.evaluate("labels") if label[1] > 0] == []
 
 
-def test_send_again(page: Page, gateway: RunningGateway) -> None:
-    open_goal(page, gateway, count_of(3, gateway))
-    press(page, "Send again …")
-    dialog = page.get_by_role("dialog", name="Send this goal again?")
-    expect(dialog).to_contain_text("A robot may move")
-    dialog.get_by_role("button", name="Do not send").click()
-    expect(dialog).to_be_hidden()
-    press(page, "Send again …")
-    dialog.get_by_role("button", name="Send again").click()
-    page.get_by_role("link", name="Watch the new goal").click()
-    expect_status(page, "succeeded")
-    expect(page.get_by_role("list", name="Result").get_by_text("0, 1, 1, 2")).to_be_visible()
-
-
 def test_the_list_is_live_and_its_filters_are_in_the_address(page: Page, gateway: RunningGateway) -> None:
     count_of(2, gateway)
     page.goto(f"{gateway.url}/ui/goals")
@@ -335,25 +321,6 @@ def test_a_goal_of_somebody_else(page: Page, gateway: RunningGateway, domain: in
         expect(page.get_by_test_id("feedback-table").locator("tbody tr").nth(2)).to_be_visible()
         press(page, "Cancel")
         expect_status(page, "canceled")
-
-
-def test_older_goals_are_loaded(page: Page, gateway: RunningGateway) -> None:
-    for _ in range(55):
-        gateway.http.post("/actions/fibonacci/goals", json={"order": 1}).raise_for_status()
-    page.goto(f"{gateway.url}/ui/goals?action=/fibonacci")
-    rows = page.get_by_role("table").locator("tbody tr")
-    expect(rows).to_have_count(50)
-    total = len(json.loads(export(page, "JSON")))
-    assert total >= 55
-    press(page, "Load older goals")
-    expect(rows).to_have_count(min(total, 100))
-
-
-@pytest.mark.expect_page_errors
-def test_a_goal_that_nobody_knows(page: Page, gateway: RunningGateway) -> None:
-    page.goto(f"{gateway.url}/ui/goals/00000000-0000-4000-8000-000000000000")
-    expect(page.get_by_text("goal_not_found")).to_be_visible()
-    expect(page.get_by_role("button", name="Try again")).to_be_visible()
 
 
 def test_accessibility(page: Page, gateway: RunningGateway) -> None:

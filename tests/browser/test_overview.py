@@ -72,24 +72,6 @@ def test_each_robot_at_a_glance(page: Page, gateway: RunningGateway) -> None:
     expect(page.get_by_role("heading", level=1, name="/robot1")).to_be_visible()
 
 
-def test_sort_and_filter_stay_in_the_address(page: Page) -> None:
-    battery = page.get_by_role("columnheader", name="Battery")
-    battery.get_by_role("button").click()
-    expect(battery).to_have_attribute("aria-sort", "ascending")
-    expect_order(page, "/robot1", "/robot2")
-    battery.get_by_role("button").click()
-    expect_order(page, "/robot2", "/robot1")
-    page.get_by_role("button", name=re.compile(r"^1 Docked")).click()
-    expect(row(page, "/robot1")).to_be_hidden()
-    page.reload()
-    expect(row(page, "/robot2")).to_be_visible()
-    expect(row(page, "/robot1")).to_be_hidden()
-    page.keyboard.press("/")
-    page.keyboard.type("nobody")
-    page.get_by_role("button", name="Show all 2").click()
-    expect_order(page, "/robot2", "/robot1")
-
-
 def test_a_robot_is_named_and_found_by_its_group(page: Page, gateway: RunningGateway) -> None:
     """By keyboard alone, and each letter is kept however quickly it is typed."""
     row(page, "/robot2").get_by_role("link", name="/robot2").focus()
@@ -129,40 +111,6 @@ def test_a_robot_is_named_and_found_by_its_group(page: Page, gateway: RunningGat
         gateway.http.put("/robots/label", json=label).raise_for_status()
     page.get_by_role("button", name="Show all 2").press("Enter")
     expect_order(page, "/robot1", "/robot2")
-
-
-def test_a_view_is_saved_opened_renamed_and_deleted(page: Page, gateway: RunningGateway) -> None:
-    page.goto(f"{gateway.url}/?sort=name&order=desc&q=robot")
-    expect_order(page, "/robot2", "/robot1")
-    page.get_by_role("button", name="Columns").click()
-    page.get_by_role("menuitemcheckbox", name="Last result").click()
-    page.keyboard.press("Escape")
-    views = page.get_by_role("button", name="Views")
-    views.click()
-    page.get_by_label("Name of the view").fill("Backwards")
-    page.keyboard.press("Enter")
-    expect(page.get_by_role("link", name="Backwards")).to_have_attribute("aria-current", "true")
-    assert find_violations(page) == []
-    page.goto(gateway.url)
-    expect_order(page, "/robot1", "/robot2")
-    page.get_by_role("button", name="Columns").click()
-    page.get_by_role("menuitemcheckbox", name="Last result").click()
-    page.keyboard.press("Escape")
-    heads = page.get_by_role("columnheader")
-    expect(heads.filter(has_text="Last result")).to_be_visible()
-    views.click()
-    page.get_by_role("link", name="Backwards").click()
-    expect_order(page, "/robot2", "/robot1")
-    expect(heads.filter(has_text="Last result")).to_have_count(0)
-    expect(page).to_have_url(re.compile(r"q=robot&sort=name&order=desc&hide=last$"))
-    views.click()
-    page.get_by_role("button", name="Rename Backwards").click()
-    page.get_by_label("New name of Backwards").fill("From the end")
-    page.keyboard.press("Enter")
-    page.reload()
-    views.click()
-    page.get_by_role("button", name="Delete From the end").click()
-    expect(page.get_by_role("link", name="From the end")).to_be_hidden()
 
 
 def test_an_alert_is_acknowledged_with_a_name_for_all_to_see(page: Page, browser: Browser) -> None:

@@ -242,32 +242,6 @@ def test_place_by_drag(page: Page) -> None:
     assert (before.y - after.y) / (after.x - before.x) == pytest.approx(2.0, abs=0.15)
 
 
-def test_place_by_keyboard(page: Page) -> None:
-    before = pose_in_words(page)
-    page.get_by_test_id("scene").focus()
-    for key in ("ArrowLeft", "ArrowLeft", "Shift+ArrowLeft", "Shift+ArrowLeft"):
-        page.keyboard.press(key)
-    expect(page.get_by_text("Enter does it")).to_be_visible()
-    page.keyboard.press("Enter")
-    wait_until(lambda: pose_in_words(page).x == pytest.approx(before.x - 0.1, abs=0.011), "the robot farther away")
-    assert pose_in_words(page).heading == pytest.approx(before.heading + 10, abs=1)
-
-
-def test_place_by_numbers_and_reset(page: Page) -> None:
-    before = pose_in_words(page)
-    open_tab(page, "Developer")
-    page.get_by_label("x (m)").fill("-2")
-    page.get_by_label("y (m)").fill("-0.5")
-    page.get_by_label("Heading (°)").fill("15")
-    press(page, "Place")
-    open_tab(page, "Operate")
-    expect(page.get_by_test_id("scene-words")).to_contain_text(f"x {MINUS}2.00 m, y {MINUS}0.50 m, heading 15°")
-    open_tab(page, "Developer")
-    press(page, "Reset")
-    open_tab(page, "Operate")
-    wait_until(lambda: pose_in_words(page) == before, "the robot at its start")
-
-
 def test_a_fault_ends_the_goal_with_its_code(page: Page) -> None:
     open_tab(page, "Developer")
     fault = page.get_by_role("switch", name="Dead charger")
