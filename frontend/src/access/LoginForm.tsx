@@ -23,7 +23,7 @@ export default function LoginForm({ onDone }: { onDone?: () => void }) {
     login.mutate(body, {
       onSuccess: (state) => {
         session.set(state);
-        // What was refused while nobody was logged in.
+        // What was refused without a login.
         void client.invalidateQueries();
         onDone?.();
       },

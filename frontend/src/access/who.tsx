@@ -4,10 +4,10 @@ import { session } from "../api/session";
 import { keep, readKept } from "../ui/kept";
 
 const KEY = "dock-gateway-name";
-const NOBODY = "the dashboard";
+const DASHBOARD = "the dashboard";
 export const MAX_NAME = 60;
 
-/** The name of who is logged in, which the gateway uses whatever it is sent; null where nobody is. */
+/** The name of the login, which the gateway uses whatever it is sent; null without a login. */
 export function loginName(): string | null {
   return session.state.principal?.name ?? null;
 }
@@ -24,7 +24,7 @@ export function setOwnName(name: string): void {
 
 /** Who stops the robot, as others are told. */
 export function whoStops(): string {
-  return ownName().trim() || NOBODY;
+  return ownName().trim() || DASHBOARD;
 }
 
 /** The name that is kept in this browser, as it was when the dialog was opened. */
@@ -39,7 +39,7 @@ interface NameInputProps {
   onChange: (name: string) => void;
 }
 
-/** Who makes a change; asked for only where nobody is logged in. */
+/** Who makes a change; asked for only without a login. */
 export function NameInput({ value, description, onChange }: NameInputProps) {
   const known = loginName();
   if (known !== null)

@@ -30,7 +30,7 @@ function Page({ name }: { name: string }) {
   const live = useFleetLive();
   const { data, error, refetch } = useActions();
   const now = data?.find((action) => action.action_name === name) ?? null;
-  // An action server that goes away takes nobody's form with it.
+  // The form stays when the action server goes away.
   const [known, setKnown] = useState<ActionInfo | null>(null);
   if (now !== null && now !== known) setKnown(now);
   if (now === null && data !== undefined && known?.available === true)

@@ -7,7 +7,7 @@ import { PageTitle, Section } from "../ui/Section";
 import { ActionsTable } from "./ActionsTable";
 import { sendLine, useActions } from "./actions";
 
-/** With fewer than this nobody has to search. */
+/** The search is shown from this many actions on. */
 const MANY = 6;
 
 /** Every action on the graph; `?q=` is what is searched for. */

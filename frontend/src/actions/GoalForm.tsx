@@ -185,7 +185,7 @@ interface SendDialogProps {
   reason: string | null;
   opened: boolean;
   onClose: () => void;
-  /** @param unasked Whether nobody wants to be asked again. */
+  /** @param unasked Whether not to ask again for this action. */
   onSend: (unasked: boolean) => void;
 }
 

@@ -16,7 +16,7 @@ import classes from "./alerts.module.css";
 import { SeverityMark } from "./marks";
 import { alertsOf, openAlerts, urgentFirst } from "./order";
 
-/** So many are shown before somebody asks for the others. */
+/** The number of alerts that are shown at first. */
 const FIRST = 4;
 
 interface AlertListProps {
@@ -26,7 +26,7 @@ interface AlertListProps {
   group?: string | null;
 }
 
-/** What needs somebody's eyes, the most urgent first. Those that were acknowledged are folded away. */
+/** The alerts, the most urgent first. Those that were acknowledged are folded away. */
 export const AlertList = memo(function AlertList({ quiet = false, group = null }: AlertListProps) {
   const alerts = useFleetTopic("alerts");
   const naming = useNaming();
@@ -186,7 +186,7 @@ function AcknowledgeButton({ id, what }: { id: string; what: string }) {
         size="compact-sm"
         className={classes.answer ?? ""}
         reason={reason}
-        {...(reason === null ? { title: "Says to everybody that you have seen it" } : {})}
+        {...(reason === null ? { title: "Shows everyone that you have seen it" } : {})}
         aria-label={`Acknowledge: ${what}`}
         onClick={press}
       >
@@ -227,8 +227,8 @@ function NameForm({ onName }: { onName: (name: string) => void }) {
     <form onSubmit={submit}>
       <Stack gap="md">
         <Text size="sm">
-          Everybody who has this dashboard open reads that you have seen the alert and look after it. It stays
-          in the list until what it is about is over.
+          Everyone with this dashboard open sees that you look after the alert. It stays in the list until it
+          ends.
         </Text>
         <TextInput
           label="Your name"

@@ -30,7 +30,7 @@ export function SeverityMark({ mark }: { mark: Mark }) {
   );
 }
 
-/** How many alerts nobody has acknowledged; nothing where there is none. Said aloud when it changes. */
+/** The number of unacknowledged alerts; nothing for none. Screen readers say when it changes. */
 export function AlertCount() {
   const open = openAlerts(useFleetTopic("alerts"));
   const critical = open.some(({ severity }) => severity === "critical");

@@ -11,7 +11,7 @@ export function urgentFirst(alerts: readonly Alert[]): Alert[] {
   );
 }
 
-/** The alerts that nobody has acknowledged. */
+/** The alerts that are not acknowledged. */
 export function openAlerts(alerts: readonly Alert[]): Alert[] {
   return alerts.filter((alert) => alert.acknowledged === null);
 }
@@ -28,7 +28,7 @@ export function alertsOf(alerts: readonly Alert[], group: string | null, naming:
   );
 }
 
-/** How much a robot needs somebody: the higher, the more. */
+/** How urgent a robot's alerts are: the higher, the more. */
 export type Attention = 0 | 1 | 2 | 3;
 
 /** By robot: that of its most urgent alert. Robots without one are left out. */

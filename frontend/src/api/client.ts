@@ -60,7 +60,7 @@ export function createGateway(http: Http, robot: string | null = null) {
       (await settle(
         http.POST("/goals/{goal_id}/cancel", { params: { path: { goal_id: goalId } }, signal: deadline() }),
       )) as Goal,
-    /** Stops, and lets nobody go on until `release`; also several robots with one request. */
+    /** Stops robots until `release`; also several with one request. */
     stop: (by: string, robots: readonly string[] = robot === null ? [] : [robot]): Promise<StopReport> =>
       settle(
         http.POST("/stop", { body: { by }, params: { query: { robot: [...robots] } }, signal: deadline() }),

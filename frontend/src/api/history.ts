@@ -50,10 +50,10 @@ export function fetchStatistics(
 const BATTERY_TIMEOUT_MS = 12_000;
 
 /**
- * What was measured from `since` on and before `until` (ms), at so many points at most.
+ * What was measured from `since` on and before `until` (ms), at `points` points at most.
  *
  * @param robot Its namespace; null for the one that the gateway is configured for.
- * @param signal Ends the request where nobody wants the answer any more.
+ * @param signal Ends the request when its answer is no longer needed.
  */
 export function batteryHistory(
   http: Http,

@@ -16,7 +16,7 @@ export function createQueryClient(): QueryClient {
 }
 
 /**
- * Nothing is asked for again and again while the page is hidden, or while nobody is logged in: each of these requests would
+ * Nothing is polled while the page is hidden, or without a login: each of these requests would
  * be refused. Queries go on with their `refetchInterval` afterwards.
  */
 export function pauseWhileUnseen(): void {

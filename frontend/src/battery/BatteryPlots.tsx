@@ -27,7 +27,7 @@ import { between, edges, formatMoment, formatSpan, LIVE, pan, pause, type View, 
 const REDRAW_MS = 200;
 /** How wide a plot is, about. */
 const PIXELS = 600;
-/** Without any messages time moves on so often. */
+/** Between two redraws without messages, as time moves on. */
 const SCROLL_MS = 1000;
 /** Out of sight, as for a picture of the whole page. */
 const UNSEEN_MS = 5000;

@@ -232,7 +232,7 @@ function Others({ publishers: { topic, others }, active }: { publishers: Publish
   );
 }
 
-/** The graph is asked again so often. */
+/** Between two requests for the graph. */
 const RENEW_MS = 5000;
 
 interface Publishers {
@@ -263,7 +263,7 @@ function distinct(names: readonly string[]): string[] {
   return [...new Set(names)].sort();
 }
 
-/** Who can publish this robot's battery now; null as long as nobody knows. */
+/** Who can publish this robot's battery now; null while that is unknown. */
 function usePublishers(): Publishers | null {
   const { http } = useFleet();
   const { robot } = useServices();

@@ -97,7 +97,7 @@ export class PlotGroup {
     }
   }
 
-  /** Moves the crosshair by so many points; onto the last one that is shown where there is none. Returns it in words. */
+  /** Moves the crosshair by a number of points, to the last one if it is on none. Returns the values there in words. */
   step(by: number): string | null {
     const plot = this.#plots.voltage;
     const { times } = this.#points;

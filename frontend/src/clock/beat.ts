@@ -1,6 +1,6 @@
 /*
  * What changes by itself does so on common beats: a frame costs much more than what is drawn in it, so that all that is due
- * is shown in one. The browser draws no frames while nobody can see the page: then nothing beats.
+ * is shown in one. The browser draws no frames while the page is hidden: then nothing beats.
  */
 
 /** From one beat to the next: fifteen a second, smooth enough for what moves, at a quarter of what every frame would cost (ms). */
@@ -8,7 +8,7 @@ export const BEAT_MS = 200 / 3;
 
 interface Waiting {
   call: () => void;
-  /** So many beats are between two calls. */
+  /** The number of beats from one call to the next. */
   every: number;
   /** The beat of the next call. */
   due: number;
@@ -17,7 +17,7 @@ interface Waiting {
 const waiting = new Set<Waiting>();
 let timer: ReturnType<typeof setTimeout> | undefined;
 
-/** Calls `listener` on every beat of so many ms, in whole BEAT_MS, until the returned function is called. */
+/** Calls `listener` every `intervalMs`, rounded to whole beats, until the returned function is called. */
 export function onBeat(intervalMs: number, listener: () => void): () => void {
   const every = Math.max(1, Math.round(intervalMs / BEAT_MS));
   const one: Waiting = { call: listener, every, due: nextOf(every) };

@@ -48,7 +48,7 @@ const KEY = "dock-gateway-ask-before-moving";
 interface Asking {
   /** Whether a click that makes the robot move is asked about. */
   asks: boolean;
-  /** Nobody is hurt by a simulated robot: it is never asked about. */
+  /** A simulated robot hurts no one: it moves without a question. */
   simulated: boolean;
   change: (asks: boolean) => void;
 }

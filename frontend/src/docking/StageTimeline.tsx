@@ -10,7 +10,7 @@ import type { StageVisit } from "../store/stages";
 import { formatDuration } from "../ui/time";
 import classes from "./docking.module.css";
 
-/** Durations are renewed so often. */
+/** Between two updates of the durations. */
 const TEXT_MS = 400;
 
 const SIGNS: Record<StepState, string> = {

@@ -116,7 +116,7 @@ interface RobotSelectProps extends Pick<NativeSelectProps, "label" | "aria-label
   onRobot: (robot: string | null) => void;
 }
 
-/** Chooses a robot by its namespace, also one that the address names and nobody knows. */
+/** Chooses a robot by its namespace, also an unknown one that the address names. */
 export function RobotSelect({ robot, onRobot, ...props }: RobotSelectProps) {
   const robots = useFleetTopic("robots");
   const naming = useNaming();

@@ -21,7 +21,7 @@ export class FleetStore extends StreamStore<FleetState, FleetTopics> {
 
   readonly onEvent = (event: GatewayEvent): void => {
     if (!this.take(event)) return;
-    // The page's title counts them, also where nobody sees the rest of the page.
+    // The page's title counts them, also while the page is hidden.
     if (event.type === "alerts") this.shown.flush();
     else this.shown.schedule();
   };

@@ -59,7 +59,7 @@ export class FieldsFound {
   }
 }
 
-/** The field to look at where nobody has chosen: the first that changes, else the first. */
+/** The field that is plotted by default: the first that changes, else the first. */
 export function mostTelling(fields: readonly FoundField[]): FoundField | null {
   return fields.find(({ min, max }) => max > min) ?? fields[0] ?? null;
 }

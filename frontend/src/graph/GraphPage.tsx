@@ -72,7 +72,7 @@ interface ShownProps {
 }
 
 function Shown({ graph, form, view, change }: ShownProps) {
-  // What is pressed shows that it is before all of the picture is drawn anew.
+  // A pressed control shows it before the whole picture is drawn again.
   const { namespace, hidden, services, gateway, search, shown } = useDeferredValue(view);
   const gatewayNode = useGatewayNode();
   const filtered = useMemo(

@@ -13,7 +13,7 @@ import { usePlaces, useSight } from "./usePlaces";
 import { LinkArrow, VertexBox } from "./VertexBox";
 import type { ChangeView, Shown } from "./view";
 
-/** More than this takes seconds to lay out, and nobody can read it. */
+/** More things than this take seconds to lay out, and are too small to read. */
 const TOO_MANY = 400;
 
 interface GraphPictureProps {

@@ -49,7 +49,7 @@ export function warningOf(topic: GraphTopic): string | null {
   return conflictsOf(topic).length > 0 ? "incompatible QoS" : null;
 }
 
-/** `reliable, volatile, keep last 10`: what matters of a quality, without what nobody knows. */
+/** `reliable, volatile, keep last 10`: what matters of a quality, without what is unknown. */
 export function describeQuality(quality: Quality): string {
   const { reliability, durability, history, depth, deadline_s, lifespan_s, liveliness } = quality;
   const parts = [reliability, durability].map(words);

@@ -7,7 +7,7 @@ import { type Layout, layOut, layOutNew, type Place } from "./layout";
 interface Laid extends Layout {
   elements: Elements;
   arrangement: string;
-  /** How often all of it was laid out anew. */
+  /** The number of times that all of it was laid out again. */
   times: number;
 }
 
@@ -19,7 +19,7 @@ interface Arranged extends Layout {
 
 /**
  * The places of all elements. What is there stays where it is, also where somebody has dragged it to, until another
- * arrangement is shown or all of it is laid out anew.
+ * arrangement is shown or all of it is laid out again.
  */
 export function usePlaces(elements: Elements, arrangement: string): Arranged {
   const [laid, setLaid] = useState<Laid>(() => ({ ...layOut(elements), elements, arrangement, times: 0 }));

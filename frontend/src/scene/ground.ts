@@ -23,7 +23,7 @@ interface Surface extends Drawing {
 export class Ground {
   readonly #canvas = document.createElement("canvas");
   #drawn: Surface | null = null;
-  /** So many points of the trail are drawn. */
+  /** The number of points of the trail that are drawn. */
   #points = 0;
 
   /** Puts the ground on a canvas, instead of what was there, and the trail's end up to the robot. */

@@ -18,7 +18,7 @@ export abstract class Picture {
   /** Draws in the next frame. */
   abstract readonly invalidate: () => void;
 
-  /** What is to be seen where nobody has chosen a part of it. */
+  /** The points that the view shows by default. */
   protected abstract points(): Point[];
 
   abstract destroy(): void;

@@ -51,7 +51,7 @@ export function zoom(view: View, size: Size, place: Point, factor: number): View
   };
 }
 
-/** Moves what is seen along with a pointer, by so many CSS pixels. */
+/** Moves the view with a pointer, by a distance in CSS pixels. */
 export function pan(view: View, dx: number, dy: number): View {
   return { ...view, x: view.x - dx / view.scale, y: view.y + dy / view.scale };
 }

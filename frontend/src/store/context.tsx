@@ -65,7 +65,7 @@ export function useScene<Part extends string | number | boolean>(read: (scene: S
 
 /**
  * How current the data of a source is. `none`: nothing has come yet; `stale`: nothing has come for longer than is usual;
- * `offline`: the gateway is not connected, so that nobody knows.
+ * `offline`: the gateway is not connected, so that it is unknown.
  */
 export type Freshness = "live" | "stale" | "none" | "offline";
 

@@ -105,7 +105,7 @@ function samePose(a: Pose, b: Pose | null): boolean {
 
 /** Points closer together than this become one. */
 const SPACING_M = 0.015;
-/** A robot that moves farther at once was carried: the trail begins anew. */
+/** A robot that moves farther at once was carried: a new trail begins. */
 export const JUMP_M = 0.4;
 export const MAX_POINTS = 2000;
 

@@ -36,7 +36,7 @@ function visit(
   return [...visits, { stage, since }].slice(-MAX_VISITS);
 }
 
-/** A goal that may have changed while nobody listened: when its last stage ended is not known any more. */
+/** A goal that may have changed during an outage: when its last stage ended is unknown. */
 export function withGap(stages: Stages, goalId: string): Stages {
   const known = stages.get(goalId);
   const last = known?.at(-1);

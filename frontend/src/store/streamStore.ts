@@ -98,7 +98,7 @@ export const RENDER_INTERVAL_MS = 200;
 
 /**
  * What is shown of a state that changes often: all of its topics as of one moment, renewed at most five times a second,
- * and not at all while nobody can see the page. Each topic has subscribers of its own, told when it is another object.
+ * and not at all while the page is hidden. Each topic has subscribers of its own, called when it is another object.
  */
 export class Shown<Topics extends object> {
   #shown: Topics;

@@ -30,7 +30,7 @@ interface MessageTreeProps {
   schema?: JsonSchema | undefined;
   /** What it is, to a screen reader. */
   label: string;
-  /** So many levels of messages are unfolded at first, and short messages in any level. */
+  /** The number of levels that are unfolded at first; short messages are in any level. */
   open?: number;
 }
 

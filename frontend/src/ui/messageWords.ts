@@ -57,7 +57,7 @@ export function valueWords(
   return unit === null || value === null ? words : `${words} ${unit}`;
 }
 
-/** So many equal items in a row are told as one. */
+/** From this many equal items in a row on, they are written as one. */
 const MIN_RUN = 5;
 
 function arrayWords(values: readonly unknown[], node: SchemaNode | undefined, digits: Digits): string {

@@ -1,7 +1,7 @@
 import type uPlot from "uplot";
 import { alike, COMPARED, type Digits, decimalsOf, NO_DIGITS, withNumber } from "./numbers";
 
-/** What a plot draws, kept outside of React: it looks whether the version has changed before it draws anew. */
+/** What a plot draws, kept outside of React: it is read again only when the version has changed. */
 export interface PlotSource {
   readonly version: number;
   /** The x values, ascending, then those of each line; null is a gap. */

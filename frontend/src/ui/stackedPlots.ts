@@ -82,7 +82,7 @@ export class StackedPlots {
     this.#show();
   }
 
-  /** Draws anew, as where the bands are others. */
+  /** Draws again, as after a change of the bands. */
   redraw(): void {
     this.#show();
   }

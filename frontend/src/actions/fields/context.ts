@@ -37,7 +37,7 @@ export interface InputProps<V extends Value> {
   description: string | null;
   unit: string | null;
   value: V;
-  /** Whether nobody knows what it is when it is left empty. */
+  /** Whether its value is unknown when it is left empty. */
   optional: boolean;
 }
 

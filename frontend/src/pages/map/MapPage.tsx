@@ -37,7 +37,7 @@ export default function MapPage() {
           ) : placed.length > 0 ? (
             <FleetMap scenes={scenes} placed={placed} />
           ) : (
-            <Nobody />
+            <NoRobots />
           )}
         </Section>
         {frames !== null && missing.length > 0 && <NotShown missing={missing} />}
@@ -65,7 +65,7 @@ function Fresh({ scenes }: { scenes: FleetScenes }) {
   return <FreshnessBadge freshness={freshness} />;
 }
 
-function Nobody() {
+function NoRobots() {
   return (
     <Stack gap={4} className={classes.empty}>
       <Text fw={600}>No robot on this map</Text>

@@ -4,7 +4,7 @@ import { type RefObject, useLayoutEffect, useState } from "react";
 /** As high as a row is with two lines (px). */
 const ROW_PX = 65;
 
-/** Up to so many rows are all on the page: the browser's own search finds them. */
+/** Up to this many rows are all on the page, where the browser's own search finds them. */
 const FEW = 60;
 
 const OVERSCAN = 12;

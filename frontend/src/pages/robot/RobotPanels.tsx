@@ -63,7 +63,7 @@ function PanelsSkeleton() {
 
 /**
  * Asks, whenever the page reconnects or the scene stops or goes on, for what the snapshot does not hold; events
- * tell of what changes later. Shows nothing. The simulator is asked for where there is a true pose, which nobody else tells;
+ * tell of what changes later. Shows nothing. The simulator is asked for where there is a true pose, which has no other source;
  * the stored poses of a goal that ran already when the page was opened, once.
  */
 function Answers() {

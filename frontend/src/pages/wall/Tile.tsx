@@ -101,7 +101,7 @@ interface Grid {
   pages: number;
 }
 
-/** The grid with the largest tiles for so many robots; several pages where they would be too small on one. */
+/** The grid with the largest tiles for `count` robots; several pages where they would be too small on one. */
 export function gridFor(count: number, width: number, height: number): Grid {
   const most = Math.max(1, Math.floor(width / LEAST_WIDTH)) * Math.max(1, Math.floor(height / LEAST_HEIGHT));
   const pages = Math.max(1, Math.ceil(count / most));

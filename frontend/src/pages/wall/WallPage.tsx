@@ -161,7 +161,7 @@ export async function newBuild(): Promise<string | null> {
   }
 }
 
-/** Once for each build: behind a proxy that serves an old page, the page would be loaded for ever. */
+/** Once for each build: behind a proxy that serves an old page, the page would be loaded again and again. */
 function isFirst(build: string): boolean {
   try {
     if (sessionStorage.getItem(KEY) === build) return false;

@@ -66,7 +66,7 @@ export function State() {
   );
 }
 
-/** So many alerts are shown; the others are counted. */
+/** The number of alerts that are shown; the others are counted. */
 const MOST = 4;
 
 interface WallAlertsProps {
@@ -74,7 +74,7 @@ interface WallAlertsProps {
   group: string | null;
 }
 
-/** The alerts that nobody has acknowledged; those of a group and of the gateway where there is a group. */
+/** The unacknowledged alerts; with a group, those of the group and of the gateway. */
 export function WallAlerts({ alerts, group }: WallAlertsProps) {
   const naming = useNaming();
   const open = useMemo(() => {
