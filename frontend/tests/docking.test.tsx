@@ -152,7 +152,7 @@ describe("a goal that ran when the page was opened", () => {
       ]),
     );
     const urls = fetch.mock.calls.map(([request]) => request.url);
-    expect(urls.filter((url) => url.endsWith("/goals/a/history?type=status&limit=1000"))).toHaveLength(1);
+    expect(urls.filter((url) => url.endsWith("/goals/a/history?type=status&limit=2000"))).toHaveLength(1);
   });
 });
 

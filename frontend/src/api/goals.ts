@@ -36,23 +36,25 @@ export function createGoalsApi(http: Http) {
     /** Where the robot was while a goal ran, oldest first; all that is stored. */
     poses: async (goalId: string): Promise<PoseEvent[]> => {
       const poses: PoseEvent[] = [];
-      let after: string | null = null;
-      do {
-        const page: GoalHistory = await settle(
-          http.GET("/goals/{goal_id}/history", {
-            params: {
-              path: { goal_id: goalId },
-              query: { type: ["pose"], limit: EVENTS, ...(after === null ? {} : { after }) },
-            },
-            signal: deadline(),
-          }),
-        );
-        poses.push(...page.events.filter((event) => event.type === "pose"));
-        after = page.next_after;
-      } while (after !== null);
+      for await (const { events } of historyOf(http, goalId, "pose"))
+        poses.push(...events.filter((event) => event.type === "pose"));
       return poses;
     },
   };
+}
+
+/** The pages of one kind of events in a goal's history, oldest first. */
+async function* historyOf(http: Http, goalId: string, type: "pose" | "status"): AsyncGenerator<GoalHistory> {
+  let after: string | null = null;
+  do {
+    const query = { type: [type], limit: EVENTS, ...(after === null ? {} : { after }) };
+    const params = { path: { goal_id: goalId }, query };
+    const page: GoalHistory = await settle(
+      http.GET("/goals/{goal_id}/history", { params, signal: deadline() }),
+    );
+    yield page;
+    after = page.next_after;
+  } while (after !== null);
 }
 
 export type GoalsApi = ReturnType<typeof createGoalsApi>;
@@ -121,19 +123,12 @@ interface Statuses {
 /** Every status that a goal was in, as far as the history goes back. */
 export async function statusesOf(http: Http, goalId: string): Promise<Statuses> {
   const events: StatusEvent[] = [];
-  let [complete, after] = [true, null as string | null];
-  for (let page = 0; page < MAX_PAGES; page += 1) {
-    const query = { type: ["status" as const], limit: 1000, ...(after === null ? {} : { after }) };
-    const answer: Schemas["GoalHistory"] = await settle(
-      http.GET("/goals/{goal_id}/history", {
-        params: { path: { goal_id: goalId }, query },
-        signal: deadline(),
-      }),
-    );
-    for (const event of answer.events) if (event.type === "status") events.push(event);
-    complete &&= answer.complete;
-    after = answer.next_after;
-    if (after === null) break;
+  let [complete, pages] = [true, 0];
+  for await (const page of historyOf(http, goalId, "status")) {
+    events.push(...page.events.filter((event) => event.type === "status"));
+    complete &&= page.complete;
+    pages += 1;
+    if (pages === MAX_PAGES) break;
   }
   return { events, complete };
 }

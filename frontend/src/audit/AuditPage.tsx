@@ -1,6 +1,6 @@
 import { Badge, Button, Group, Skeleton, Stack, Table, Text } from "@mantine/core";
 import { Link } from "react-router";
-import { type AuditRecord, auditExportUrl } from "../api/history";
+import { type AuditRecord, type AuditPage as AuditRecords, auditExportUrl, listAudit } from "../api/history";
 import { useForbidden } from "../api/session";
 import { useFleet, useNaming } from "../fleet/context";
 import { codeWords } from "../goal/words";
@@ -9,25 +9,27 @@ import { useAddress } from "../ui/address";
 import { Downloads } from "../ui/Downloads";
 import { Trouble } from "../ui/errors";
 import { Breakable } from "../ui/Fact";
+import { type PagedList, usePages } from "../ui/requests";
 import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
+import { useZone } from "../ui/zone";
 import { AuditFilters } from "./AuditFilters";
 import classes from "./audit.module.css";
+import type { AuditFilter } from "./filter";
 import { auditFilter, GOAL_ID, OUTCOME_WORDS, type Outcome, toQuery, whatWords } from "./filter";
-import { type AuditList, useAudit } from "./useAudit";
 
 /** Who did what, from where, to which robot, with which outcome; for admins. */
 export default function AuditPage() {
   const forbidden = useForbidden("GET /audit");
   const { store } = useFleet();
   const [filter, change] = useAddress(auditFilter);
-  const list = useAudit(filter);
+  const list = useRecords(filter);
   return (
     <Stack gap="md">
       <PageTitle title="Audit">
         {forbidden === null && (
           <Group gap="xs">
-            <Button variant="default" size="compact-sm" disabled={list.loading} onClick={list.refresh}>
+            <Button variant="default" size="compact-sm" disabled={list.loading} onClick={list.refetch}>
               Refresh
             </Button>
             <Downloads
@@ -46,7 +48,7 @@ export default function AuditPage() {
             and reading this page are recorded, too.
           </Text>
           <AuditFilters filter={filter} change={change} />
-          <Trouble what="The audit log could not be loaded" error={list.error} onRetry={list.refresh} />
+          <Trouble what="The audit log could not be loaded" error={list.error} onRetry={list.refetch} />
           <Listed list={list} />
         </>
       )}
@@ -54,10 +56,22 @@ export default function AuditPage() {
   );
 }
 
-function Listed({ list }: { list: AuditList }) {
-  const { records, error, loading, more, loadMore } = list;
-  if (records === null)
+/** The records that fit. They are loaded only when asked for, as reading them is recorded, too. */
+function useRecords(filter: AuditFilter): PagedList<AuditRecords> {
+  const { http, store } = useFleet();
+  const zone = useZone();
+  return usePages<AuditRecords, number>({
+    queryKey: ["audit", zone, auditFilter.write(filter).toString()],
+    queryFn: (cursor) => listAudit(http, toQuery(filter, store.gatewayNow()), cursor),
+    enabled: useForbidden("GET /audit") === null,
+  });
+}
+
+function Listed({ list }: { list: PagedList<AuditRecords> }) {
+  const { pages, error, loading, more, loadMore } = list;
+  if (pages === undefined)
     return error === null && <Skeleton height={200} role="status" aria-label="The records are loading" />;
+  const records = pages.flatMap((page) => page.records);
   if (records.length === 0) return <Text size="sm">No record fits.</Text>;
   return (
     <Stack gap="sm">

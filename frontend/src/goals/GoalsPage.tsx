@@ -29,7 +29,7 @@ export default function GoalsPage() {
         </Group>
       </PageTitle>
       <GoalFilters filter={filter} change={change} />
-      <Trouble what="The list of goals could not be loaded" error={list.error} onRetry={list.retry} />
+      <Trouble what="The list of goals could not be loaded" error={list.error} onRetry={list.refetch} />
       <Listed list={list} filter={filter} onClear={() => change(goalFilter.initial)} />
     </>
   );

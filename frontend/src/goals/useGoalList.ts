@@ -1,23 +1,16 @@
-import { keepPreviousData, useInfiniteQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef } from "react";
-import { type CommandError, toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
 import type { AnyGoal, AnyGoalPage, ListedGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
+import { type PagedList, usePages } from "../ui/requests";
 import { useZone } from "../ui/zone";
 import { type GoalFilter, goalFilter, matches, toQuery } from "./filter";
 
 const REFETCH_MS = 10_000;
 
-export interface GoalList {
+export interface GoalList extends Omit<PagedList<AnyGoalPage>, "pages"> {
   /** Newest first; null until the first page has come. */
   goals: readonly ListedGoal[] | null;
-  error: CommandError | null;
-  /** Whether there are older ones. */
-  more: boolean;
-  loading: boolean;
-  loadMore(): void;
-  retry(): void;
 }
 
 /** The goals that fit: what the gateway lists, kept up to date by the stream of all robots. */
@@ -25,41 +18,21 @@ export function useGoalList(filter: GoalFilter): GoalList {
   const { http, store } = useFleet();
   const zone = useZone();
   const api = useMemo(() => createGoalsApi(http), [http]);
-  const query = useInfiniteQuery<
-    AnyGoalPage,
-    CommandError,
-    { pages: AnyGoalPage[] },
-    readonly string[],
-    string | null
-  >({
+  const { pages, ...list } = usePages<AnyGoalPage, string>({
     queryKey: ["goals", zone, goalFilter.write(filter).toString()],
-    queryFn: ({ pageParam }) =>
-      api.list(toQuery(filter, store.gatewayNow()), pageParam).catch((error: unknown) => {
-        throw toCommandError(error);
-      }),
-    initialPageParam: null,
-    getNextPageParam: (page) => page.next_cursor,
-    placeholderData: keepPreviousData,
+    queryFn: (cursor) => api.list(toQuery(filter, store.gatewayNow()), cursor),
+    keepPrevious: true,
     // The stream does not tell of tags. All pages are asked for again, the more the less often.
-    refetchInterval: ({ state }) => REFETCH_MS * (state.data?.pages.length ?? 1),
+    refetchMs: (count) => REFETCH_MS * count,
   });
-  const { data, refetch } = query;
-  useAgainWhenBack(refetch);
+  useAgainWhenBack(list.refetch);
   const known = useKnownGoals(filter.group);
   const goals = useMemo(() => {
-    if (data === undefined) return null;
+    if (pages === undefined) return null;
     const now = store.gatewayNow();
-    return mergeGoalList(data.pages, known, (goal) => matches(goal, filter, now));
-  }, [data, known, filter, store]);
-
-  return {
-    goals,
-    error: query.error,
-    more: query.hasNextPage && !query.isPlaceholderData,
-    loading: query.isFetching,
-    loadMore: () => void query.fetchNextPage(),
-    retry: () => void refetch(),
-  };
+    return mergeGoalList(pages, known, (goal) => matches(goal, filter, now));
+  }, [pages, known, filter, store]);
+  return { ...list, goals };
 }
 
 /** The goals that the stream tells of; of the robots in a group alone, unless it is null. */

@@ -1,11 +1,14 @@
 import {
+  keepPreviousData,
   type QueryFunctionContext,
   type UseMutationResult,
   type UseQueryOptions,
   type UseQueryResult,
+  useInfiniteQuery,
   useMutation,
   useQuery,
 } from "@tanstack/react-query";
+import { useCallback } from "react";
 import { type CommandError, toCommandError } from "../api/errors";
 
 function failing(error: unknown): never {
@@ -37,4 +40,52 @@ export function useAnswer<Answer, Shown = Answer>({
     ...options,
     queryFn: (context) => queryFn(context).catch(failing),
   });
+}
+
+/** A list that the gateway answers page by page. */
+export interface PagedList<Page> {
+  /** Undefined until the first page has come. */
+  pages: readonly Page[] | undefined;
+  error: CommandError | null;
+  /** Whether there are more pages. */
+  more: boolean;
+  loading: boolean;
+  loadMore: () => void;
+  refetch: () => void;
+}
+
+interface PagesOptions<Page, Cursor> {
+  queryKey: readonly string[];
+  queryFn: (cursor: Cursor | null) => Promise<Page>;
+  enabled?: boolean;
+  /** Between two requests for all pages, by their number (ms); without it they are asked for once. */
+  refetchMs?: (pages: number) => number;
+  /** Whether the pages of the key before are shown until those of another one have come. */
+  keepPrevious?: boolean;
+}
+
+/** The pages of a list; every failure is a CommandError. */
+export function usePages<Page extends { next_cursor: Cursor | null }, Cursor>(
+  options: PagesOptions<Page, Cursor>,
+): PagedList<Page> {
+  const { queryKey, queryFn, enabled = true, refetchMs, keepPrevious = false } = options;
+  const query = useInfiniteQuery<Page, CommandError, { pages: Page[] }, readonly string[], Cursor | null>({
+    queryKey,
+    queryFn: ({ pageParam }) => queryFn(pageParam as Cursor | null).catch(failing),
+    initialPageParam: null,
+    getNextPageParam: (page) => page.next_cursor,
+    enabled,
+    refetchOnReconnect: refetchMs !== undefined,
+    refetchInterval: ({ state }) => refetchMs?.(state.data?.pages.length ?? 1) ?? false,
+    ...(keepPrevious ? { placeholderData: keepPreviousData } : {}),
+  });
+  const { data, error, hasNextPage, isPlaceholderData, isFetching, fetchNextPage, refetch } = query;
+  return {
+    pages: data?.pages,
+    error,
+    more: hasNextPage && !isPlaceholderData,
+    loading: isFetching,
+    loadMore: () => void fetchNextPage(),
+    refetch: useCallback(() => void refetch(), [refetch]),
+  };
 }
