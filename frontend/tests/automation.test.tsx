@@ -6,7 +6,7 @@ import "../src/automation/AutomationPage";
 import { bodyOf, draftOf, errorsOf, withMode } from "../src/automation/draft";
 import { conditionWords, reasonWords } from "../src/automation/words";
 import { Naming } from "../src/fleet/names";
-import { robotsWords } from "../src/fleet/RobotFields";
+import { robotsWords } from "../src/fleet/robotChoice";
 import { newId } from "../src/ui/text";
 import { fakeGateway, renderPage } from "./page";
 

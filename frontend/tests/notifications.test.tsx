@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { Alert } from "../src/api/types";
 import type { Delivery, Webhook, WebhookBody } from "../src/api/webhooks";
 import { Naming } from "../src/fleet/names";
-import { ALL_ROBOTS } from "../src/fleet/RobotFields";
+import { ALL_ROBOTS } from "../src/fleet/robotChoice";
 import { isWanted } from "../src/notifications/Announcements";
 import { bodyOf, draftOf, errorsOf, switched } from "../src/notifications/WebhookForm";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.

@@ -6,7 +6,7 @@ import { NameInput, ownName, setOwnName, useOwnName } from "../access/who";
 import type { Rule, RuleMode } from "../api/automation";
 import { useNaming, useWhyNot } from "../fleet/context";
 import { robotPath } from "../fleet/names";
-import { robotsWords } from "../fleet/RobotFields";
+import { robotsWords } from "../fleet/robotChoice";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { EntryCard } from "../ui/EntryCard";
 import { CommandErrorAlert } from "../ui/errors";

@@ -15,7 +15,8 @@ import { type FormEvent, useMemo, useState } from "react";
 import { NameInput, ownName, setOwnName } from "../access/who";
 import type { Rule } from "../api/automation";
 import { useFleetTopic, useNaming } from "../fleet/context";
-import { isCovered, RobotFields } from "../fleet/RobotFields";
+import { RobotFields } from "../fleet/RobotFields";
+import { isCovered } from "../fleet/robotChoice";
 import { SaveBar } from "../ui/Dialog";
 import { newId } from "../ui/text";
 import {

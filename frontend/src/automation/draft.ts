@@ -1,5 +1,5 @@
 import type { Rule, RuleBody, RuleMode } from "../api/automation";
-import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../fleet/RobotFields";
+import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../fleet/robotChoice";
 import { zoneName } from "../ui/zone";
 import { WEEKDAYS } from "./words";
 

@@ -4,7 +4,7 @@ import type { Alert } from "../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { robotPath } from "../fleet/names";
-import { isCovered } from "../fleet/RobotFields";
+import { isCovered } from "../fleet/robotChoice";
 import { notify, type Preferences, playSound, usePreferences } from "./announce";
 
 /** The tab that announces alerts holds it, so that several tabs make one sound. */

@@ -3,7 +3,7 @@ import { useState } from "react";
 import { ownName } from "../access/who";
 import type { Delivery, Webhook } from "../api/webhooks";
 import { useNaming, useWhyNot } from "../fleet/context";
-import { robotsWords } from "../fleet/RobotFields";
+import { robotsWords } from "../fleet/robotChoice";
 import { ENTRY_BUTTON, EntryCard } from "../ui/EntryCard";
 import { CommandErrorAlert, Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";

@@ -1,4 +1,4 @@
-import { ALL_ROBOTS, type RobotChoice } from "../fleet/RobotFields";
+import { ALL_ROBOTS, type RobotChoice } from "../fleet/robotChoice";
 import { Kept, useKept } from "../ui/kept";
 
 /** Sounds and notifications of the operating system, as far as the browser allows them. */
