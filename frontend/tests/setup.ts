@@ -1,9 +1,22 @@
+import { notifications } from "@mantine/notifications";
 import { cleanup, configure } from "@testing-library/react";
 import type { ComponentType } from "react";
 import { afterEach, beforeEach, vi } from "vitest";
+import { ANYBODY, session } from "../src/api/session";
+import { ALL_ROBOTS } from "../src/fleet/robotChoice";
+import { setPreferences } from "../src/notifications/announce";
+import { setZone } from "../src/ui/zone";
 
 // On a busy machine seconds are not much.
 configure({ asyncUtilTimeout: 20_000 });
+
+// The files share their modules: each begins as on a page that was just opened.
+session.set(ANYBODY);
+setZone("local");
+setPreferences({ desktop: false, sound: false, warnings: true, robots: ALL_ROBOTS });
+notifications.clean();
+notifications.cleanQueue();
+localStorage.clear();
 
 // No gateway answers here, and parts of a page wait for one. What a file's tests have shown before is there at once.
 vi.mock("../src/ui/lazyPart", async () => {

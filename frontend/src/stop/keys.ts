@@ -23,7 +23,8 @@ export class DoubleEscape {
     }
     // A key that is held down repeats.
     if (event.repeat) return false;
-    const twice = event.timeStamp - this.#last <= TWICE_WITHIN_MS;
+    const since = event.timeStamp - this.#last;
+    const twice = since >= 0 && since <= TWICE_WITHIN_MS;
     this.#last = twice ? Number.NEGATIVE_INFINITY : event.timeStamp;
     return twice;
   }
