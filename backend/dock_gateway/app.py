@@ -9,24 +9,24 @@ from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
+from dock_gateway.access.authorization import authorize
 from dock_gateway.assembly import open_gateway
 from dock_gateway.audit import routes as audit_routes
+from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.automation import routes as automation_routes
 from dock_gateway.fleet import routes as fleet_routes
-from dock_gateway.gateway import Gateway
 from dock_gateway.goals import action_routes, dock_routes, export_routes, note_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
 from dock_gateway.graph import interface_routes
 from dock_gateway.graph import routes as graph_routes
-from dock_gateway.http.audit_trail import AuditTrail
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import allowed_methods
 from dock_gateway.http.openapi import Union, install_openapi
 from dock_gateway.http.operation import require_declared
 from dock_gateway.http.origin import OriginGuard
-from dock_gateway.http.principal import authorize
+from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems, problems
 from dock_gateway.http.schema import Problem
 from dock_gateway.observability import routes as health_routes
@@ -56,7 +56,7 @@ UNIONS = (
 class State(TypedDict):
     """State that lives as long as the app runs."""
 
-    gateway: Gateway
+    parts: Parts
 
 
 def api_routers() -> tuple[APIRouter, ...]:
@@ -90,18 +90,19 @@ def api_routers() -> tuple[APIRouter, ...]:
     return (*dock_routes.routers, *(module.router for module in modules))
 
 
-def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
+def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
     """Create the application.
 
     Args:
         settings: The settings.
-        gateway: An open gateway. Without one, the application joins the ROS graph at startup and leaves it at shutdown.
+        parts: Those of an open gateway. Without them, the application joins the ROS graph at startup and leaves it at
+            shutdown.
     """
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[State]:
-        async with open_gateway(settings) if gateway is None else nullcontext(gateway) as opened:
-            yield {"gateway": opened}
+        async with open_gateway(settings) if parts is None else nullcontext(parts) as opened:
+            yield {"parts": opened}
 
     app = FastAPI(
         title="dock-gateway",

@@ -9,10 +9,10 @@ from functools import partial
 from typing import Protocol, TypeVar
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.single_sign_on import open_single_sign_on
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.subjects import Subjects
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
@@ -29,17 +29,20 @@ from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
-from dock_gateway.gateway import Gateway
 from dock_gateway.goals.docks import Docks
+from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.limits import LIMITS, GoalLimits
+from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echoes import EchoRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.observability.metrics import Metrics
-from dock_gateway.observability.parts import Parts
 from dock_gateway.observability.traces import open_traces
 from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.labels import Labels
@@ -69,7 +72,7 @@ REASON_WAIT = 0.3
 
 
 @asynccontextmanager
-async def open_gateway(settings: Settings, limits: GoalLimits = LIMITS) -> AsyncIterator[Gateway]:
+async def open_gateway(settings: Settings, limits: GoalLimits = LIMITS) -> AsyncIterator[Parts]:
     """Open the history, join the ROS graph and run the gateway until the block ends."""
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
@@ -81,7 +84,7 @@ async def open_gateway(settings: Settings, limits: GoalLimits = LIMITS) -> Async
 
 async def _open(
     settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack, limits: GoalLimits
-) -> Gateway:
+) -> Parts:
     """Make every part, and register it with the stack for closing."""
     hub = Hub(
         queue_limit=settings.subscriber_queue,
@@ -109,7 +112,7 @@ async def _open(
     stopper.on_stop.append(activity.intervened)
     interlock.on_release.append(activity.intervened)
     _subscribe_on_demand(settings, bridge, hub, robots, activity, stack=stack)
-    board = _closed_by(stack, SceneBoard(hub, lambda: [robot.namespace for robot in robots.all()]))
+    board = _closed_by(stack, SceneBoard(hub, robots.namespaces))
     _listen_to_poses(settings, robots, MapPort, board, stack)
     if settings.store_poses:
         recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
@@ -129,7 +132,7 @@ async def _open(
     await robots.open(robots.default_namespace)
     await actions.pin("dock")
     await actions.pin("undock")
-    labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
+    labels = _closed_by(stack, Labels(history.labels, robots.namespaces))
     await labels.open()
     graph_watch = _make_graph_watch(settings, bridge, robots, actions)
     decisions = DecisionLog(hub, history.automation_decisions)
@@ -144,6 +147,7 @@ async def _open(
             findings=lambda: graph_watch.findings,
         ),
     )
+    robot_actions = RobotActions(settings, actions, robots)
     fleet = _closed_by(
         stack,
         Fleet(
@@ -151,6 +155,7 @@ async def _open(
             hub,
             robots=robots,
             actions=actions,
+            robot_actions=robot_actions,
             interlock=interlock,
             simulators=simulators,
             last_goals=last_goals,
@@ -170,42 +175,46 @@ async def _open(
             decisions=decisions,
         ),
     )
-    webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
-    outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
-    notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
+    notifier = _closed_by(stack, _make_notifier(history, alerts, labels))
     logins = _closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
-    metrics = _observe(Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier), stack)
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures, graph_watch))
     tasks.spawn(take_over_unfinished(actions, history))
     stack.callback(hub.close)
-    return Gateway(
-        settings=settings,
-        bridge=bridge,
-        hub=hub,
-        history=history,
-        actions=actions,
-        robots=robots,
-        stopper=stopper,
-        simulators=simulators,
-        calibrations=Calibrations(settings, bridge),
-        docks=_closed_by(stack, Docks(settings, bridge)),
-        fleet=fleet,
-        labels=labels,
-        alerts=alerts,
-        automation=automation,
-        notifier=notifier,
-        logins=logins,
-        tickets=Tickets(),
-        quotas=Quotas(settings),
-        audit=audit,
-        graph=graph,
-        echoes=echoes,
-        metrics=metrics,
+    parts = Parts(
+        {
+            Settings: settings,
+            Bridge: bridge,
+            Hub: hub,
+            History: history,
+            ActionRegistry: actions,
+            RobotActions: robot_actions,
+            Goals: Goals(actions, history),
+            Owners: Owners(actions.docking, robots, labels, history),
+            Docks: _closed_by(stack, Docks(settings, bridge)),
+            RobotRegistry: robots,
+            Labels: labels,
+            Simulators: simulators,
+            Calibrations: Calibrations(settings, bridge),
+            Stopper: stopper,
+            Fleet: fleet,
+            AlertBoard: alerts,
+            AutomaticDocking: automation,
+            Notifier: notifier,
+            Logins: logins,
+            Tickets: Tickets(),
+            Quotas: Quotas(settings),
+            AuditLog: audit,
+            Subjects: Subjects(settings, actions.action_of, robots.namespaces),
+            GraphCache: graph,
+            EchoRegistry: echoes,
+        }
     )
+    _observe(parts, stack)
+    return parts
 
 
 def _make_interlock(settings: Settings, hub: Hub) -> Interlock:
@@ -218,6 +227,12 @@ def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry,
     watch = GraphWatch(settings, bridge, robots, actions)
     actions.remark = watch.remark
     return watch
+
+
+def _make_notifier(history: History, alerts: AlertBoard, labels: Labels) -> Notifier:
+    webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
+    outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
+    return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox)
 
 
 def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, hub: Hub) -> None:
@@ -242,11 +257,11 @@ def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
     return part
 
 
-def _observe(parts: Parts, stack: AsyncExitStack) -> Metrics:
+def _observe(parts: Parts, stack: AsyncExitStack) -> None:
     """Measure the parts, and trace their goals if that is configured."""
     if traces := open_traces(parts):
         _closed_by(stack, traces)
-    return _closed_by(stack, Metrics(parts))
+    parts.add(Metrics, _closed_by(stack, Metrics(parts)))
 
 
 def _subscribe_on_demand(

@@ -5,11 +5,11 @@ import itertools
 import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
+from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.settings import Settings
 from tests.support.history import open_at
@@ -33,10 +33,9 @@ class AuditList:
         self.stored_first.append(entry.what)
 
 
-def audit_parts() -> dict[str, Any]:
+def audit_parts() -> dict[type, Any]:
     """The parts of a gateway that are needed to record a request."""
-    docking = SimpleNamespace(catalog=DockingCatalog(Settings()))
-    return {"audit": AuditList(), "actions": SimpleNamespace(goal=lambda _: None, docking=docking)}
+    return {AuditLog: AuditList(), Subjects: Subjects(Settings(), lambda _: None, list)}
 
 
 def make_entry(number: int, **fields: Any) -> AuditEntry:

@@ -7,15 +7,17 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import TIMING, Stopper, StopTiming
-from tests.support.audit import audit_parts
+from tests.support.audit import AuditList, audit_parts
 
 
 class FakeVelocity:
@@ -89,7 +91,8 @@ class FakeFleet:
         robots: Their `velocity` and `topic`, by namespace.
         goals: What runs on the action of each.
         actions: Their actions.
-        gateway: What the API calls.
+        parts: What the API calls.
+        audit: What was recorded.
     """
 
     def __init__(self, path: Path, *names: str, timing: StopTiming = TIMING) -> None:
@@ -106,7 +109,8 @@ class FakeFleet:
         registry: Any = SimpleNamespace(get=self._get, under=self._robots_under)
         self.actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock, timing)
-        self.gateway: Any = SimpleNamespace(**audit_parts(), stopper=self.stopper, settings=Settings())
+        self.audit = AuditList()
+        self.parts = Parts({**audit_parts(), AuditLog: self.audit, Stopper: self.stopper, Settings: Settings()})
 
     def _get(self, namespace: str | None = None) -> Any:
         name = next(iter(self.robots)) if namespace is None else read_namespace(namespace)

@@ -9,14 +9,16 @@ from fastapi import APIRouter, Depends, Path, Query, Request
 from starlette.responses import RedirectResponse, Response
 
 from dock_gateway.access.login_attempt import LIFETIME, MAX_PAGE, PAGE, LoginAttempt, is_page
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.schema import PersonList
+from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.grant import Role
-from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import address_of, cookie_name, keep_login
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import TheGateway, json_response, known_query
+from dock_gateway.http.requests import json_response, known_query
 
 log = logging.getLogger(__name__)
 router = APIRouter(tags=["Access"])
@@ -38,7 +40,7 @@ REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the bro
 @public_operation()
 async def begin_login(
     request: Request,
-    gateway: TheGateway,
+    logins: Part[Logins],
     page: Annotated[
         str,
         Query(
@@ -52,7 +54,7 @@ async def begin_login(
         raise InvalidField([FieldError("page", "/, or a page of the dashboard such as /ui/goals", got(page))])
 
     async def begin() -> Response:
-        address, attempt = await gateway.logins.begin_person(page, _redirect_uri(request))
+        address, attempt = await logins.begin_person(page, _redirect_uri(request))
         response = RedirectResponse(address, 303)
         _keep_attempt(response, request, attempt.cookie, LIFETIME)
         return response
@@ -68,18 +70,18 @@ async def begin_login(
     responses={**REDIRECT, **problems(401, 403, 404, 409, 429, 503)},
 )
 @public_operation(Audit.STORED_FIRST)
-async def finish_login(request: Request, gateway: TheGateway) -> Response:
+async def finish_login(request: Request, logins: Part[Logins]) -> Response:
     """Log in the browser that the identity provider sends back, with `code` and `state`. Only for providers."""
     audited(request, subject=None)  # not the query, which has the code
     attempt = LoginAttempt.read(request.cookies.get(_attempt_cookie(request)))
     page = "/" if attempt is None else attempt.page
-    lifetime = 0 if gateway.logins.sso is None else int(gateway.logins.sso.lifetime.total_seconds())
+    lifetime = 0 if logins.sso is None else int(logins.sso.lifetime.total_seconds())
 
     def note(person: str) -> None:
         audited(request, subject=person)
 
     async def finish() -> Response:
-        request.scope["principal"], secret = await gateway.logins.log_in_person(
+        request.scope["principal"], secret = await logins.log_in_person(
             attempt,
             request.query_params,
             _redirect_uri(request),
@@ -103,9 +105,9 @@ async def finish_login(request: Request, gateway: TheGateway) -> Response:
     dependencies=[Depends(known_query())],
 )
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_people(gateway: TheGateway) -> Response:
+async def list_people(logins: Part[Logins]) -> Response:
     """List the people who are logged in with the identity provider, by name, with what they may do."""
-    return json_response({"people": await gateway.logins.people.documents()})
+    return json_response({"people": await logins.people.documents()})
 
 
 @router.delete(
@@ -117,10 +119,10 @@ async def list_people(gateway: TheGateway) -> Response:
 )
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def end_person_sessions(
-    person: Annotated[str, Path(description="As in `/people`, such as `oidc:ada`")], gateway: TheGateway
+    person: Annotated[str, Path(description="As in `/people`, such as `oidc:ada`")], logins: Part[Logins]
 ) -> Response:
     """Log a person out everywhere. They can log in again for as long as the identity provider lets them."""
-    await gateway.logins.end_person(person)
+    await logins.end_person(person)
     return Response(status_code=204)
 
 

@@ -7,28 +7,30 @@ from typing import Any
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.access.authorization import identify
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.passwords import MAX_PASSWORD, describe_wrong
 from dock_gateway.access.schema import Session, Ticket
-from dock_gateway.access.tickets import LIFETIME
+from dock_gateway.access.tickets import LIFETIME, Tickets
+from dock_gateway.audit.trail import audited
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.core.grant import Role
-from dock_gateway.gateway import Gateway
-from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import (
     address_of,
     browser_of,
     forget_login,
-    identify,
     keep_browser,
     keep_login,
     principal_of,
     secret_of,
 )
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import TheGateway, json_response, known_query, read_json, read_object
+from dock_gateway.http.requests import json_response, known_query, read_json, read_object
+from dock_gateway.settings import Settings
 
 router = APIRouter(tags=["Access"], prefix="/session", dependencies=[Depends(known_query())])
 
@@ -55,9 +57,9 @@ LOGIN_REQUEST = {
 }
 
 
-def _session(gateway: Gateway, principal: Principal | None) -> Response:
+def _session(settings: Settings, logins: Logins, principal: Principal | None) -> Response:
     who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
-    settings, sso = gateway.settings, gateway.logins.sso
+    sso = logins.sso
     document = {
         "required": settings.authentication,
         "open_to": settings.open_to,
@@ -71,12 +73,12 @@ def _session(gateway: Gateway, principal: Principal | None) -> Response:
 
 @router.get("", name="get_session", response_model=Session, responses=problems(422))
 @public_operation()
-async def get_session(request: Request, gateway: TheGateway) -> Response:
+async def get_session(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
     """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
     try:
-        return _session(gateway, await identify(request))
+        return _session(settings, logins, await identify(request))
     except GatewayError:
-        return _session(gateway, None)
+        return _session(settings, logins, None)
 
 
 @router.post(
@@ -87,60 +89,60 @@ async def get_session(request: Request, gateway: TheGateway) -> Response:
     openapi_extra=body(LOGIN_REQUEST, required=True),
 )
 @public_operation(Audit.STORED_FIRST)
-async def log_in(request: Request, gateway: TheGateway) -> Response:
+async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
     """Log a browser in with a name and a password, or with a token.
 
     It keeps a cookie that scripts cannot read, for 30 days at most. After failed logins, the next one has to wait.
     """
     fields = read_object(await read_json(request), "user", "password", "token")
     if "token" in fields:
-        return _log_in_with_token(request, gateway, fields)
+        return _log_in_with_token(request, settings, logins, fields)
     name = _read_text(fields.get("user"), MAX_NAME, "user", "a user's name").strip().lower()
     audited(request, subject=name)
     password = _read_password(fields.get("password"))
-    if not gateway.settings.authentication:
+    if not settings.authentication:
         request.scope["principal"] = ANYBODY
-        return _session(gateway, ANYBODY)
+        return _session(settings, logins, ANYBODY)
     browser = browser_of(request)
-    principal, secret = await gateway.logins.log_in(name, password, address_of(request), browser)
+    principal, secret = await logins.log_in(name, password, address_of(request), browser)
     request.scope["principal"] = principal
-    response = _session(gateway, principal)
+    response = _session(settings, logins, principal)
     keep_login(response, request, secret)
-    keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser))
+    keep_browser(response, request, logins.guard.known_cookie(name, browser))
     return response
 
 
-def _log_in_with_token(request: Request, gateway: Gateway, fields: dict[str, Any]) -> Response:
+def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fields: dict[str, Any]) -> Response:
     secret = _read_text(read_object(fields, "token")["token"], MAX_SECRET, "token", "the secret of a token").strip()
-    if not gateway.settings.authentication:
+    if not settings.authentication:
         request.scope["principal"] = ANYBODY
-        return _session(gateway, ANYBODY)
-    request.scope["principal"] = principal = gateway.logins.identify_token(secret, address_of(request))
-    response = _session(gateway, principal)
+        return _session(settings, logins, ANYBODY)
+    request.scope["principal"] = principal = logins.identify_token(secret, address_of(request))
+    response = _session(settings, logins, principal)
     keep_login(response, request, secret)
     return response
 
 
 @router.delete("", name="log_out", response_model=Session, responses=problems(422, 503))
 @public_operation(Audit.STORED_FIRST)
-async def log_out(request: Request, gateway: TheGateway) -> Response:
+async def log_out(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
     """End the session of the browser. A token is only forgotten: it stays valid."""
     with suppress(GatewayError):
         request.scope["principal"] = await identify(request)
-    await gateway.logins.log_out(secret_of(request))
-    response = _session(gateway, None if gateway.settings.authentication else ANYBODY)
+    await logins.log_out(secret_of(request))
+    response = _session(settings, logins, None if settings.authentication else ANYBODY)
     forget_login(response, request)
     return response
 
 
 @router.post("/ticket", name="issue_ticket", status_code=201, response_model=Ticket, responses=problems(401, 403, 422))
 @operation(Role.VIEWER, Scope.ANY)
-async def issue_ticket(request: Request, gateway: TheGateway) -> Response:
+async def issue_ticket(request: Request, tickets: Part[Tickets]) -> Response:
     """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.
 
     For pages of other origins: a browser sends their WebSockets neither an `Authorization` header nor the cookie.
     """
-    ticket = gateway.tickets.issue(principal_of(request))
+    ticket = tickets.issue(principal_of(request))
     return json_response({"ticket": ticket, "expires_in_s": LIFETIME}, 201, {"Cache-Control": "no-store"})
 
 

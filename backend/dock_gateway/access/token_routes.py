@@ -7,17 +7,18 @@ from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.access.credentials import ID_DIGITS
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.schema import CreatedToken, TokenBody, TokenList
+from dock_gateway.audit.trail import audited
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Role
-from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
-    TheGateway,
     json_response,
     known_query,
 )
@@ -29,9 +30,9 @@ TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIG
 
 @router.get("", name="list_tokens", response_model=TokenList, responses=problems(401, 403, 422, 503))
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_tokens(gateway: TheGateway) -> Response:
+async def list_tokens(logins: Part[Logins]) -> Response:
     """List all tokens by name, without their secrets."""
-    return json_response({"tokens": await gateway.logins.tokens.documents()})
+    return json_response({"tokens": await logins.tokens.documents()})
 
 
 @router.post(
@@ -43,20 +44,20 @@ async def list_tokens(gateway: TheGateway) -> Response:
     openapi_extra=body(body_schema(TokenBody), required=True),
 )
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def create_token(request: Request, gateway: TheGateway) -> Response:
+async def create_token(request: Request, logins: Part[Logins]) -> Response:
     """Create a token. Only this answer has its secret."""
     body = await read(TokenBody, request)
     audited(request, subject=body.name)
     expires_at = None if body.days is None else utc_now() + timedelta(days=body.days)
     creator = principal_of(request).name
-    token, secret = await gateway.logins.create_token(body.name, body.grant(), expires_at, creator)
+    token, secret = await logins.create_token(body.name, body.grant(), expires_at, creator)
     return json_response({**token, "secret": secret}, 201, {"Cache-Control": "no-store"})
 
 
 @router.delete("/{token_id}", name="revoke_token", status_code=204, responses=problems(401, 403, 404, 422, 503))
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def revoke_token(token_id: TokenId, request: Request, gateway: TheGateway) -> Response:
+async def revoke_token(token_id: TokenId, request: Request, logins: Part[Logins]) -> Response:
     """Revoke a token: requests with it are refused, and its streams end, at other gateways within 2 s."""
-    audited(request, subject=gateway.logins.tokens.name_of(token_id) or token_id)
-    await gateway.logins.revoke_token(token_id)
+    audited(request, subject=logins.tokens.name_of(token_id) or token_id)
+    await logins.revoke_token(token_id)
     return Response(status_code=204)

@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.schema import PasswordBody, User, UserBody, UserList
 from dock_gateway.access.users import NAME
 from dock_gateway.core.access import Kind, Principal
@@ -13,9 +14,10 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import TheGateway, json_response, known_query
+from dock_gateway.http.requests import json_response, known_query
 
 router = APIRouter(tags=["Access"], dependencies=[Depends(known_query())])
 
@@ -29,9 +31,9 @@ UserName = Annotated[str, Depends(_name_in_path)]
 
 @router.get("/users", name="list_users", response_model=UserList, responses=problems(422, 503))
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_users(gateway: TheGateway) -> Response:
+async def list_users(logins: Part[Logins]) -> Response:
     """List all users by name, without their passwords."""
-    return json_response({"users": await gateway.logins.documents()})
+    return json_response({"users": await logins.documents()})
 
 
 @router.put(
@@ -42,45 +44,45 @@ async def list_users(gateway: TheGateway) -> Response:
     openapi_extra=body(body_schema(UserBody), required=True),
 )
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def put_user(name: UserName, request: Request, gateway: TheGateway) -> Response:
+async def put_user(name: UserName, request: Request, logins: Part[Logins]) -> Response:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
     body = await read(UserBody, request)
     grant, password, disabled = body.grant(), body.password, body.disabled
     try:
-        return json_response(await gateway.logins.edit_user(name, grant, password, disabled=disabled))
+        return json_response(await logins.edit_user(name, grant, password, disabled=disabled))
     except NotFound:
         if password is None:
             error = FieldError("password", "the password of the new user", "got none")
             raise InvalidField([error]) from None
-    user = await gateway.logins.add_user(name, grant, password, principal_of(request).name, disabled=disabled)
+    user = await logins.add_user(name, grant, password, principal_of(request).name, disabled=disabled)
     return json_response(user, 201)
 
 
 @router.delete("/users/{user}", name="remove_user", status_code=204, responses=problems(404, 409, 422, 503))
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def remove_user(name: UserName, gateway: TheGateway) -> Response:
+async def remove_user(name: UserName, logins: Part[Logins]) -> Response:
     """Remove a user, and end their sessions. Their goals go on, and records keep their name."""
-    await gateway.logins.remove_user(name)
+    await logins.remove_user(name)
     return Response(status_code=204)
 
 
 @router.delete("/users/{user}/sessions", name="end_sessions", status_code=204, responses=problems(404, 409, 422, 503))
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def end_sessions(name: UserName, gateway: TheGateway) -> Response:
+async def end_sessions(name: UserName, logins: Part[Logins]) -> Response:
     """Log a user out everywhere."""
-    await gateway.logins.end_sessions(name)
+    await logins.end_sessions(name)
     return Response(status_code=204)
 
 
 @router.delete("/sessions", name="log_out_everywhere", status_code=204, responses=problems(404, 409, 422, 503))
 @operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST)
-async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
+async def log_out_everywhere(request: Request, logins: Part[Logins]) -> Response:
     """Log the user who asks out in every browser."""
     principal = principal_of(request)
     if principal.kind is Kind.PERSON and principal.name is not None:
-        await gateway.logins.end_person(principal.name)
+        await logins.end_person(principal.name)
     else:
-        await gateway.logins.end_sessions(require_user(principal))
+        await logins.end_sessions(require_user(principal))
     response = Response(status_code=204)
     forget_login(response, request)
     return response
@@ -94,14 +96,14 @@ async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
     openapi_extra=body(body_schema(PasswordBody), required=True),
 )
 @operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST)
-async def change_password(request: Request, gateway: TheGateway) -> Response:
+async def change_password(request: Request, logins: Part[Logins]) -> Response:
     """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
     body = await read(PasswordBody, request)
     name = require_user(principal_of(request))
-    secret = await gateway.logins.change_password(name, body.old, body.new, address_of(request))
+    secret = await logins.change_password(name, body.old, body.new, address_of(request))
     response = Response(status_code=204)
     keep_login(response, request, secret)
-    keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser_of(request)))
+    keep_browser(response, request, logins.guard.known_cookie(name, browser_of(request)))
     return response
 
 

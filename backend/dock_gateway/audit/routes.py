@@ -14,21 +14,21 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.gateway import Gateway
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import (
     GOAL_ID,
     ROBOT_PATTERN,
     LimitQuery,
-    TheGateway,
     json_response,
     known_query,
     read_goal_id,
 )
 from dock_gateway.http.sheets import rows_of
+from dock_gateway.storage import History
 
 router = APIRouter(tags=["Access"], prefix="/audit")
 
@@ -79,13 +79,13 @@ AuditFilterQuery = Annotated[AuditFilter, Depends(read_audit_filter)]
 )
 @operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
 async def list_audit(
-    gateway: TheGateway,
+    history: Part[History],
     wanted: AuditFilterQuery,
     limit: LimitQuery = 50,
     cursor: Annotated[int | None, Query(ge=1, le=LAST, description="`next_cursor` of the previous page")] = None,
 ) -> Response:
     """List requests and commands, newest first: all that change something, exports, and reads of this list."""
-    rows = await gateway.history.audit.page(wanted, limit=limit + 1, before=cursor)
+    rows = await history.audit.page(wanted, limit=limit + 1, before=cursor)
     more = len(rows) > limit
     records = [row.document() for row in rows[:limit]]
     return json_response({"records": records, "next_cursor": rows[limit - 1].sequence if more else None})
@@ -101,34 +101,34 @@ async def list_audit(
 @operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
 async def export_audit(
     request: Request,
-    gateway: TheGateway,
+    history: Part[History],
     wanted: AuditFilterQuery,
     format: FormatQuery = "json",  # noqa: A002
 ) -> Response:
     """Download all matching records, newest first."""
-    chunks = _as_csv(gateway, wanted) if format == "csv" else _as_json(gateway, wanted)
+    chunks = _as_csv(history, wanted) if format == "csv" else _as_json(history, wanted)
     return await download(request, chunks, f"audit-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
 
-async def _as_csv(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:
+async def _as_csv(history: History, wanted: AuditFilter) -> AsyncGenerator[bytes]:
     head: list[list[object]] = [[*AuditRecord.model_fields]]
-    async for rows in _pages(gateway, wanted):
+    async for rows in _pages(history, wanted):
         yield rows_of([*head, *(list(row.document().values()) for row in rows)])
         head = []
 
 
-async def _as_json(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:
+async def _as_json(history: History, wanted: AuditFilter) -> AsyncGenerator[bytes]:
     before = b"[\n"
-    async for rows in _pages(gateway, wanted):
+    async for rows in _pages(history, wanted):
         if rows:
             yield before + b",\n".join(encode(row.document()) for row in rows)
             before = b",\n"
     yield b"\n]\n" if before == b",\n" else b"[]\n"
 
 
-async def _pages(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[list[AuditRow]]:
+async def _pages(history: History, wanted: AuditFilter) -> AsyncGenerator[list[AuditRow]]:
     """Yield the matching rows page by page. The first page may be empty."""
-    page = partial(gateway.history.audit.page, wanted, limit=ROWS)
+    page = partial(history.audit.page, wanted, limit=ROWS)
     rows = await page()
     yield rows
     while len(rows) == ROWS and (rows := await page(before=rows[-1].sequence)):

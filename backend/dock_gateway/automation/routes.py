@@ -5,12 +5,14 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
+from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.automation.schema import DecisionList, Rule, RuleBody, RuleList
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
@@ -18,7 +20,6 @@ from dock_gateway.http.requests import (
     SLUG_IN_PATH,
     LimitQuery,
     RobotQuery,
-    TheGateway,
     json_response,
     known_query,
     read_goal_id,
@@ -43,9 +44,9 @@ GoalIdQuery = Annotated[
 
 @router.get("/rules", response_model=RuleList, responses=problems(422, 503), dependencies=[NO_QUERY])
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_rules(gateway: TheGateway, grant: TheGrant) -> Response:
+async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Response:
     """List the rules by name, each with the robots that it applies to and what it waits for."""
-    return json_response({"rules": await gateway.automation.documents(grant)})
+    return json_response({"rules": await automation.documents(grant)})
 
 
 @router.put(
@@ -56,20 +57,20 @@ async def list_rules(gateway: TheGateway, grant: TheGrant) -> Response:
     openapi_extra=body(body_schema(RuleBody), required=True),
 )
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def replace_rule(rule_id: RuleId, request: Request, gateway: TheGateway) -> Response:
+async def replace_rule(rule_id: RuleId, request: Request, automation: Part[AutomaticDocking]) -> Response:
     """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
 
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
     """
     body = await read_signed(RuleBody, request)
-    return json_response(await gateway.automation.replace(rule_id, body.rule()))
+    return json_response(await automation.replace(rule_id, body.rule()))
 
 
 @router.delete("/rules/{rule_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def remove_rule(rule_id: RuleId, gateway: TheGateway) -> Response:
+async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking]) -> Response:
     """Remove a rule. Goals that it sent go on."""
-    await gateway.automation.remove(rule_id)
+    await automation.remove(rule_id)
     return Response(status_code=204)
 
 
@@ -81,7 +82,7 @@ async def remove_rule(rule_id: RuleId, gateway: TheGateway) -> Response:
 )
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_decisions(
-    gateway: TheGateway,
+    automation: Part[AutomaticDocking],
     grant: TheGrant,
     *,
     robot: RobotQuery = None,
@@ -90,7 +91,7 @@ async def list_decisions(
     limit: LimitQuery = 50,
 ) -> Response:
     """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
-    found = await gateway.automation.decisions.newest(
+    found = await automation.decisions.newest(
         robot=None if robot is None else read_namespace(robot),
         rule_id=rule,
         goal_id=None if goal_id is None else read_goal_id(goal_id),

@@ -16,9 +16,10 @@ from uvicorn.config import STARTUP_FAILURE
 from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
 from dock_gateway.core import ros_variables
+from dock_gateway.core.hub import Hub
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.gateway import Gateway
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.edge.certificates import Certificates, load_certificates
 from dock_gateway.http.edge.connection import Connection
 from dock_gateway.http.edge.forwarded import ForwardedHeaders
@@ -27,6 +28,7 @@ from dock_gateway.http.edge.listener import Listener
 from dock_gateway.http.edge.options import edge_options
 from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.http.edge.tls import open_tls
+from dock_gateway.http.parts import Parts
 from dock_gateway.http.request_id import RequestId
 from dock_gateway.settings import Settings, unknown_variables
 
@@ -45,15 +47,15 @@ class Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, certificates: Certificates | None = None) -> None:
         super().__init__(config)
         self._certificates = certificates
-        self._gateway: Gateway | None = None
+        self._parts: Parts | None = None
         self._tasks = Tasks("watching the certificate")
 
-    async def serve_gateway(self, gateway: Gateway, settings: Settings) -> None:
+    async def serve_gateway(self, parts: Parts, settings: Settings) -> None:
         """Serve until a signal arrives. Return at once if one has arrived before."""
         if self.should_exit:
             return
-        self._gateway = gateway
-        app = RequestId(SecurityHeaders(create_app(settings, gateway), tls=settings.tls))
+        self._parts = parts
+        app = RequestId(SecurityHeaders(create_app(settings, parts), tls=settings.tls))
         self.config.app = ForwardedHeaders(app, settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
@@ -86,10 +88,12 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then shut down."""
-        if self._gateway is not None:
-            self._gateway.say_goodbye()
+        if self._parts is not None:
+            hub = self._parts[Hub]
+            hub.close()
+            self._parts[ActionRegistry].release_all()
             deadline = time.monotonic() + FAREWELL
-            while len(self._gateway.hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
+            while len(hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
                 await asyncio.sleep(0.01)
         await super().shutdown(sockets)
         await self._tasks.close()
@@ -143,6 +147,6 @@ async def _serve(server: Server, settings: Settings) -> bool:
     with server.capture_signals():  # from now on, and until everything is closed
         if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal closed, which uvicorn does not handle
-        async with open_gateway(settings) as gateway:
-            await server.serve_gateway(gateway, settings)
+        async with open_gateway(settings) as parts:
+            await server.serve_gateway(parts, settings)
     return server.started

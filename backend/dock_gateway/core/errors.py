@@ -112,6 +112,11 @@ class NotAllowed(GatewayError):
     code = "origin_not_allowed"
 
 
+def not_covered(about: str) -> NotAllowed:
+    """Return the error that something lies beyond a grant."""
+    return NotAllowed(f"your access does not include {about}", code="not_covered")
+
+
 class NotFound(GatewayError):
     """Nothing has that name."""
 

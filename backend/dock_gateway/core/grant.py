@@ -9,6 +9,7 @@ from typing import Any
 
 import orjson
 
+from dock_gateway.core.errors import not_covered
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import encode
 
@@ -67,6 +68,15 @@ class Grant:
     def covers_action(self, name: str) -> bool:
         """Return whether they see and send the goals of an action."""
         return bool(self._robots.fullmatch(name) and self._actions.fullmatch(name))
+
+    def require_action(self, name: str) -> None:
+        """Refuse an action that is not covered.
+
+        Raises:
+            NotAllowed: It is not (`not_covered`).
+        """
+        if not self.covers_action(name):
+            raise not_covered(f"the action {name[:100]}")
 
     def covers_topic(self, name: str) -> bool:
         """Return whether they may read a topic. Those of an action show its goals."""

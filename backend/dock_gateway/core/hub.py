@@ -4,12 +4,20 @@ import asyncio
 import itertools
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
+from typing import Protocol
 
 from dock_gateway.core.errors import TooManyRequests, Unavailable
 from dock_gateway.core.event import Event, EventClock
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import narrow
+
+
+class FrameWriter(Protocol):
+    """Writes to one connection past its queue."""
+
+    def write_frame(self, frame: bytes) -> bool:
+        """Write a whole frame now. Return False, without writing, if it would have to wait."""
 
 
 class Subscriber:
@@ -21,8 +29,8 @@ class Subscriber:
     Attributes:
         overrun: Whether too many events wait; the reader must be disconnected.
         expelled: Whether the reader may no longer read; it must be disconnected.
-        immediate: Sends an event past the queue and its task, or returns False. Used only while that task waits and
-            the queue is empty, so the order is kept.
+        writer: Writes an event's frame past the queue and its task, if the connection can. Used only while that task
+            waits and the queue is empty, so the order is kept.
         after: Id of the last event that the reader received, at any gateway. Events up to it are not queued.
         dropped: Number of events dropped since the reader came.
     """
@@ -33,7 +41,7 @@ class Subscriber:
         self.event_filter = event_filter
         self.overrun = False
         self.expelled = False
-        self.immediate: Callable[[Event], bool] | None = None
+        self.writer: FrameWriter | None = None
         self.after = ""
         self.dropped = 0
         self._waiting = False
@@ -52,7 +60,7 @@ class Subscriber:
         if shown is None:
             return
         event = shown
-        if self._waiting and self.immediate is not None and not self._queue and self.immediate(event):
+        if self._waiting and self.writer is not None and not self._queue and self.writer.write_frame(event.frame):
             return
         if event.supersedes and self._supersede(event):
             return
@@ -84,7 +92,7 @@ class Subscriber:
     def expel(self) -> None:
         """End the stream, as its reader may no longer read."""
         self.expelled = True
-        self.immediate = None
+        self.writer = None
         self._wake.set()
 
     def wake(self) -> None:

@@ -17,6 +17,7 @@ from dock_gateway.fleet.alerts import TOPIC, AlertBoard
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.hints import Join, Sight, find_join, split_robots
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.last_goals import LastGoals, latest
@@ -52,6 +53,7 @@ class Fleet:
         *,
         robots: RobotRegistry,
         actions: ActionRegistry,
+        robot_actions: RobotActions,
         interlock: Interlock,
         simulators: Simulators,
         last_goals: LastGoals,
@@ -62,6 +64,7 @@ class Fleet:
         self._hub = hub
         self._robots = robots
         self._actions = actions
+        self._robot_actions = robot_actions
         self._interlock = interlock
         self._simulators = simulators
         self._last_goals = last_goals
@@ -75,10 +78,6 @@ class Fleet:
     def states(self) -> list[RobotState]:
         """Return the current state of every robot, by name."""
         return self._see()[0]
-
-    def sights(self, grant: Grant = UNLIMITED, states: list[RobotState] | None = None) -> list[Sight]:
-        """Return which docking servers and batteries are on the graph, of the robots of a grant."""
-        return [_sight(state) for state in states or self.states() if grant.covers_robot(state.name)]
 
     def _see(self) -> tuple[list[RobotState], list[Goal]]:
         """Return the current state of every robot, by name, and the lost goals on actions that belong to no robot."""
@@ -138,7 +137,7 @@ class Fleet:
         """
         only = None if namespace is None else self._robots.get(namespace).namespace
         states = [state for state in self.states() if grant.covers_robot(state.name)]
-        sights = self.sights(grant, states)
+        sights = self._robot_actions.sights(grant)
         return [state.document(grant, _join(state, sights)) for state in states if only in (None, state.name)]
 
     # ------------------------------------------------------------------ publishing
@@ -154,7 +153,7 @@ class Fleet:
     def look(self) -> None:
         """Update the alerts; publish the robots that have changed, if there are subscribers."""
         states, strays = self._see()
-        sights = self.sights(states=states)
+        sights = self._robot_actions.sights()
         self._alerts.look(states, strays, self._duplicates(), split_robots(sights))
         if not self._hub.watched(TOPIC):
             self._published = {}
@@ -169,13 +168,6 @@ class Fleet:
     async def close(self) -> None:
         """Stop checking."""
         await cancel(self._task)
-
-
-def _sight(state: RobotState) -> Sight:
-    dock, undock = (
-        None if each is None or not each.available else each.action_name for each in (state.dock, state.undock)
-    )
-    return Sight(state.name, dock, undock, None if state.battery.age is None else state.battery_topic)
 
 
 def _join(state: RobotState, sights: list[Sight]) -> Join | None:

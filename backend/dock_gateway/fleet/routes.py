@@ -5,22 +5,25 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import not_covered
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, RobotList
-from dock_gateway.http.audit_trail import audited
 from dock_gateway.http.bodies import body_schema, read, read_signed
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     RobotQuery,
-    TheGateway,
     json_response,
     known_query,
 )
-from dock_gateway.http.scopes import not_covered
+from dock_gateway.robots.labels import Labels
 from dock_gateway.storage import RobotLabel
 
 router = APIRouter()
@@ -35,11 +38,11 @@ NO_QUERY = Depends(known_query())
     dependencies=[Depends(known_query("robot"))],
 )
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
+async def list_robots(fleet: Part[Fleet], grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List every robot that was found, or only the one given by `robot`."""
     if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
         raise not_covered(f"the robot {name}")
-    return json_response({"robots": gateway.fleet.documents(robot, grant)})
+    return json_response({"robots": fleet.documents(robot, grant)})
 
 
 @router.put(
@@ -51,14 +54,14 @@ async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = 
     openapi_extra=body(body_schema(Label), required=True),
 )
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def label_robot(request: Request, gateway: TheGateway) -> Response:
+async def label_robot(request: Request, labels: Part[Labels]) -> Response:
     """Replace the display name and the groups of a robot, at every gateway that shares the history.
 
     `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
     """
     label = await read(Label, request)
     audited(request, robot=label.robot)
-    await gateway.labels.replace(label.robot, RobotLabel(label.display_name, label.groups))
+    await labels.replace(label.robot, RobotLabel(label.display_name, label.groups))
     return json_response(label.model_dump())
 
 
@@ -67,9 +70,9 @@ AlertId = Annotated[str, Path(description="`id` of the alert")]
 
 @router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
+async def list_alerts(alerts: Part[AlertBoard], grant: TheGrant) -> Response:
     """List the active alerts: critical ones first, then oldest first."""
-    return json_response({"alerts": gateway.alerts.documents(grant)})
+    return json_response({"alerts": alerts.documents(grant)})
 
 
 @router.put(
@@ -81,10 +84,10 @@ async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
     openapi_extra=body(body_schema(AcknowledgementBody), required=True),
 )
 @operation(Role.OPERATOR, Scope.ALERT)
-async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
+async def acknowledge(alert_id: AlertId, request: Request, alerts: Part[AlertBoard]) -> Response:
     """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
     body = await read_signed(AcknowledgementBody, request)
-    return json_response(await gateway.alerts.acknowledge(alert_id, body.by))
+    return json_response(await alerts.acknowledge(alert_id, body.by))
 
 
 @router.delete(
@@ -95,6 +98,6 @@ async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) 
     dependencies=[NO_QUERY],
 )
 @operation(Role.OPERATOR, Scope.ALERT)
-async def withdraw_acknowledgement(alert_id: AlertId, gateway: TheGateway) -> Response:
+async def withdraw_acknowledgement(alert_id: AlertId, alerts: Part[AlertBoard]) -> Response:
     """Withdraw an acknowledgement. Succeeds even if there is none."""
-    return json_response(await gateway.alerts.withdraw(alert_id))
+    return json_response(await alerts.withdraw(alert_id))

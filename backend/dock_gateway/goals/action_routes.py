@@ -5,16 +5,21 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
-from dock_gateway.core.filters import is_hidden
-from dock_gateway.core.goal import Verb
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.filters import is_hidden, parent_of
+from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.grant import Role
-from dock_gateway.goals import routes as goals
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.action_schema import ActionInfo, ActionList
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.routes import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.schema import ActionGoal, ActionGoalPage
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant, read_own_key
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     CursorQuery,
@@ -22,11 +27,13 @@ from dock_gateway.http.requests import (
     GraphName,
     LimitQuery,
     StatusQuery,
-    TheGateway,
     goal_response,
     json_response,
     known_query,
+    read_json,
+    read_wait,
 )
+from dock_gateway.storage import GoalFilter
 
 router = APIRouter(tags=["Actions"], prefix="/actions")
 
@@ -52,12 +59,24 @@ def describe(action: Action) -> dict[str, object]:
     }
 
 
+async def find_goal(goals: Goals, action: Action, goal_id: str) -> Goal:
+    """Return a goal of this action.
+
+    Raises:
+        NotFound: The action has no goal with this id.
+    """
+    goal = await goals.get(goal_id)
+    if goal.action_name != action.name:
+        raise NotFound(f"goal {goal_id} is on {goal.action_name}, not on {action.name}", code="goal_not_found")
+    return goal
+
+
 HiddenQuery = Annotated[bool, Query(description="Whether to list hidden actions, too")]
 
 
 @router.get("", response_model=ActionList, responses=problems(422), dependencies=[Depends(known_query("hidden"))])
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQuery = False) -> Response:
+async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden: HiddenQuery = False) -> Response:
     """List every action on the graph. If an action's interface package is missing, `hint` says what to install.
 
     As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
@@ -66,7 +85,7 @@ async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQu
     def listed(name: str, verb: Verb | None) -> bool:
         return grant.covers_action(name) and (hidden or verb is not None or not is_hidden(name))
 
-    found = [describe(action) for action in gateway.actions.all() if listed(action.name, action.verb)]
+    found = [describe(action) for action in actions.all() if listed(action.name, action.verb)]
     missing = [
         {
             "action_name": entry.name,
@@ -81,7 +100,7 @@ async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQu
             "feedback_dropped": 0,
             "unknown_goals_ignored": 0,
         }
-        for entry in gateway.actions.uninstalled()
+        for entry in actions.uninstalled()
         if listed(entry.name, entry.verb)
     ]
     return json_response({"actions": [*found, *missing]})
@@ -95,14 +114,19 @@ async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQu
         200: {"model": ActionGoal, "description": "It ended"},
         **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
     },
-    openapi_extra={**GOAL_BODY, "parameters": goals.HEADERS},
+    openapi_extra={**GOAL_BODY, "parameters": HEADERS},
     dependencies=[NO_QUERY],
 )
 @operation(Role.OPERATOR, Scope.ACTION, sends_goal=True)
-async def send_action_goal(name: GraphName, request: Request, gateway: TheGateway) -> Response:
+async def send_action_goal(name: GraphName, request: Request, actions: Part[ActionRegistry]) -> Response:
     """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
-    action = await gateway.actions.find(f"/{name}")
-    return await goals.send_goal(request, action, f"/actions{action.name}/goals")
+    action = await actions.find(f"/{name}")
+    audited(request, action_name=action.name, robot=parent_of(action.name))
+    wait, key = read_wait(request), read_own_key(request)
+    # It must not be empty: to use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
+    message = action.port.goal_codec.parse(await read_json(request))
+    goal = await action.submitter.submit(message, key)
+    return await answer_sent(request, action, goal, f"/actions{action.name}/goals", wait)
 
 
 @router.get(
@@ -114,22 +138,27 @@ async def send_action_goal(name: GraphName, request: Request, gateway: TheGatewa
 @operation(Role.VIEWER, Scope.ACTION)
 async def list_action_goals(
     name: GraphName,
-    gateway: TheGateway,
+    actions: Part[ActionRegistry],
+    goals: Part[Goals],
+    *,
     status: StatusQuery = None,
     limit: LimitQuery = 50,
     cursor: CursorQuery = None,
 ) -> Response:
     """List the goals of an action, newest first."""
-    wanted = goals.on_action(await gateway.actions.find(f"/{name}"), status)
-    return await goals.list_goals(gateway, wanted, limit, cursor)
+    action = await actions.find(f"/{name}")
+    wanted = GoalFilter(frozenset({action.name}), statuses=frozenset(status or ()))
+    return await answer_page(goals, wanted, limit, cursor)
 
 
 @router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.GOAL)
-async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
+async def get_action_goal(
+    name: GraphName, goal_id: GoalId, actions: Part[ActionRegistry], goals: Part[Goals]
+) -> Response:
     """Return one goal of an action."""
-    action = await gateway.actions.find(f"/{name}")
-    goal = await goals.find_goal(gateway, action, goal_id)
+    action = await actions.find(f"/{name}")
+    goal = await find_goal(goals, action, goal_id)
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}")
 
 
@@ -140,16 +169,18 @@ async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway)
     responses=problems(404, 409, 422, 503, 504),
 )
 @operation(Role.OPERATOR, Scope.GOAL)
-async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
+async def cancel_action_goal(
+    name: GraphName, goal_id: GoalId, actions: Part[ActionRegistry], goals: Part[Goals]
+) -> Response:
     """Ask the action server to cancel a goal, whoever sent it."""
-    action = await gateway.actions.find(f"/{name}")
-    goal = await goals.find_goal(gateway, action, goal_id)
+    action = await actions.find(f"/{name}")
+    goal = await find_goal(goals, action, goal_id)
     await action.canceler.cancel(goal)
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}", 202)
 
 
 @router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
 @operation(Role.VIEWER, Scope.ACTION)
-async def get_action(name: GraphName, gateway: TheGateway) -> Response:
+async def get_action(name: GraphName, actions: Part[ActionRegistry]) -> Response:
     """Return one action."""
-    return json_response(describe(await gateway.actions.find(f"/{name}")))
+    return json_response(describe(await actions.find(f"/{name}")))

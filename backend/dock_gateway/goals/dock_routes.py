@@ -6,17 +6,22 @@ from typing import Any
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.core.errors import NotFound
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import Verb
-from dock_gateway.core.grant import Role
-from dock_gateway.gateway import Gateway
-from dock_gateway.goals import routes as goals
-from dock_gateway.goals.action import Action
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.docks import Docks
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.goals.routes import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.schema import Goal, GoalPage
 from dock_gateway.http.openapi import docking_body
 from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant, read_own_key
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     CursorQuery,
@@ -24,12 +29,13 @@ from dock_gateway.http.requests import (
     LimitQuery,
     RobotQuery,
     StatusQuery,
-    TheGateway,
     goal_response,
     json_response,
     known_query,
+    read_json,
+    read_wait,
 )
-from dock_gateway.http.scopes import require_action
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import DockList
 from dock_gateway.storage import GoalFilter
 
@@ -78,6 +84,43 @@ UNDOCK = Operations(
 )
 
 
+async def send_docking_goal(
+    request: Request, robot_actions: RobotActions, verb: Verb, robot: str | None, grant: Grant
+) -> Response:
+    """Send a goal to a robot's action or, if that has no server and another one is picked meanwhile, to that one.
+
+    Raises:
+        Conflict: `stopped`: a stop was requested meanwhile.
+    """
+    action = await robot_actions.find(verb, robot, grant)
+    audited(request, action_name=action.name, robot=parent_of(action.name))
+    wait, key = read_wait(request), read_own_key(request)
+    body = await read_json(request, empty=action.default_request)
+    stops = action.delivery.stops
+    try:
+        goal = await action.submitter.submit(action.parse_request(body), key)
+    except Unavailable:
+        if action.on_graph or (other := await robot_actions.find(verb, robot, grant)) is action:
+            raise
+        action.delivery.require_no_stop_since(stops)
+        action = other
+        goal = await action.submitter.submit(action.parse_request(body), key)
+        audited(request, action_name=action.name)
+    return await answer_sent(request, action, goal, f"/{verb}", wait)
+
+
+async def find_goal(goals: Goals, verb: Verb, goal_id: str) -> GoalRecord:
+    """Return a goal that docks or undocks a robot.
+
+    Raises:
+        NotFound: There is no such goal, or it is one of another kind.
+    """
+    goal = await goals.get(goal_id)
+    if goal.verb != verb:
+        raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
+    return goal
+
+
 def goal_routes(operations: Operations) -> APIRouter:
     """Return the routes of a verb."""
     verb, path = operations.verb, operations.path
@@ -93,18 +136,15 @@ def goal_routes(operations: Operations) -> APIRouter:
             200: {"model": Goal, "description": "It ended"},
             **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
         },
-        openapi_extra={**operations.body, "parameters": goals.HEADERS},
+        openapi_extra={**operations.body, "parameters": HEADERS},
         dependencies=[Depends(known_query("robot"))],
     )
     @operation(Role.OPERATOR, operations.scope, sends_goal=True)
-    async def send_goal(request: Request, gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
-        async def pick() -> Action:
-            action = await gateway.docking_action(verb, robot)
-            require_action(grant, action.name)
-            return action
-
-        with gateway.hinting(robot, grant):
-            return await goals.send_goal(request, await pick(), path, pick=pick)
+    async def send_goal(
+        request: Request, robot_actions: Part[RobotActions], grant: TheGrant, robot: RobotQuery = None
+    ) -> Response:
+        with robot_actions.hinting(robot, grant):
+            return await send_docking_goal(request, robot_actions, verb, robot, grant)
 
     @router.get(
         "",
@@ -115,7 +155,10 @@ def goal_routes(operations: Operations) -> APIRouter:
     )
     @operation(Role.VIEWER, operations.scope)
     async def list_goals(
-        gateway: TheGateway,
+        robot_actions: Part[RobotActions],
+        actions: Part[ActionRegistry],
+        robots: Part[RobotRegistry],
+        goals: Part[Goals],
         grant: TheGrant,
         *,
         robot: RobotQuery = None,
@@ -124,23 +167,17 @@ def goal_routes(operations: Operations) -> APIRouter:
         cursor: CursorQuery = None,
     ) -> Response:
         """List goals, newest first."""
-        await gateway.docking_action(verb, robot)
-        names = gateway.actions.docking.all_names(gateway.robots.get(robot).namespace, verb)
+        await robot_actions.find(verb, robot)
+        names = actions.docking.all_names(robots.get(robot).namespace, verb)
         covered = frozenset(filter(grant.covers_action, names))
         wanted = GoalFilter(names, statuses=frozenset(status or ()), among=covered)
-        return await goals.list_goals(gateway, wanted, limit, cursor)
-
-    async def find_goal(gateway: Gateway, goal_id: str) -> GoalRecord:
-        goal = await gateway.goal(goal_id)
-        if goal.verb != verb:
-            raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
-        return goal
+        return await answer_page(goals, wanted, limit, cursor)
 
     @router.get("/{goal_id}", name=f"get_{operations.prefix}goal", response_model=Goal, responses=problems(404, 422))
     @operation(Role.VIEWER, Scope.GOAL)
-    async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+    async def get_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
         """Return one goal, of any robot."""
-        return goal_response(await find_goal(gateway, goal_id), f"{path}/{goal_id}")
+        return goal_response(await find_goal(goals, verb, goal_id), f"{path}/{goal_id}")
 
     @router.post(
         "/{goal_id}/cancel",
@@ -150,10 +187,10 @@ def goal_routes(operations: Operations) -> APIRouter:
         responses=problems(404, 409, 422, 503, 504),
     )
     @operation(Role.OPERATOR, Scope.GOAL)
-    async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+    async def cancel_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
-        await find_goal(gateway, goal_id)
-        return goal_response(await gateway.cancel(goal_id), f"{path}/{goal_id}", 202)
+        await find_goal(goals, verb, goal_id)
+        return goal_response(await goals.cancel(goal_id), f"{path}/{goal_id}", 202)
 
     return router
 
@@ -163,10 +200,10 @@ docks_router = APIRouter(tags=["Dock"], dependencies=[Depends(known_query("robot
 
 @docks_router.get("/docks", response_model=DockList, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.DOCK)
-async def list_docks(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def list_docks(robot_actions: Part[RobotActions], docks: Part[Docks], robot: RobotQuery = None) -> Response:
     """List the docks of the robot's docking server, in its order. There are none if it knows no docks by name."""
-    action = await gateway.docking_action("dock", robot)
-    return json_response(await gateway.docks.document(action.name, action.family))
+    action = await robot_actions.find("dock", robot)
+    return json_response(await docks.document(action.name, action.family))
 
 
 routers = (goal_routes(DOCK), goal_routes(UNDOCK), docks_router)

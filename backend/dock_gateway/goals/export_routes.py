@@ -9,16 +9,16 @@ from starlette.responses import Response
 from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import Role
-from dock_gateway.gateway import Gateway
-from dock_gateway.goals.routes import with_tags
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.queries import QUERY, GoalFilterQuery
 from dock_gateway.goals.schema import ExportedGoal, TaggedGoal
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
-from dock_gateway.http.queries import QUERY, GoalFilterQuery
-from dock_gateway.http.requests import GoalId, TheGateway, known_query
+from dock_gateway.http.requests import GoalId, known_query
 from dock_gateway.http.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
-from dock_gateway.storage import GoalFilter
+from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.protocol import NEVER
 
 router = APIRouter(tags=["Goals"], prefix="/goals")
@@ -36,7 +36,8 @@ GOALS, EVENTS = 200, 500
 @operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS)
 async def export_goals(
     request: Request,
-    gateway: TheGateway,
+    goals: Part[Goals],
+    history: Part[History],
     wanted: GoalFilterQuery,
     format: FormatQuery = "json",  # noqa: A002
 ) -> Response:
@@ -44,7 +45,7 @@ async def export_goals(
 
     CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
     """
-    chunks = goals_as_csv(gateway, wanted) if format == "csv" else goals_as_json(gateway, wanted)
+    chunks = goals_as_csv(goals, history, wanted) if format == "csv" else goals_as_json(goals, wanted)
     return await download(request, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
 
@@ -58,73 +59,74 @@ async def export_goals(
 async def export_goal(
     request: Request,
     goal_id: GoalId,
-    gateway: TheGateway,
+    goals: Part[Goals],
+    history: Part[History],
     format: FormatQuery = "json",  # noqa: A002
 ) -> Response:
     """Download one goal.
 
     CSV has its feedback: one row per event, one column per field. JSON has the goal with its events.
     """
-    goal = await gateway.goal(goal_id)
-    chunks = goal_as_csv(gateway, goal) if format == "csv" else goal_as_json(gateway, goal)
+    goal = await goals.get(goal_id)
+    chunks = goal_as_csv(history, goal) if format == "csv" else goal_as_json(history, goal)
     return await download(request, chunks, f"goal-{goal_id}", format)
 
 
-async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+async def goals_as_csv(all_goals: Goals, history: History, wanted: GoalFilter) -> AsyncGenerator[bytes]:
     """Yield a header row, then one row per goal."""
     head: list[list[object]] = [[*GOAL_COLUMNS]]
-    async for goals in pages(gateway, wanted):
-        tags = await gateway.history.notes.tags_of([goal.goal_id for goal in goals])
+    async for goals in pages(all_goals, wanted):
+        tags = await history.notes.tags_of([goal.goal_id for goal in goals])
         yield rows_of([*head, *(goal_row(goal, tags.get(goal.goal_id, ())) for goal in goals)])
         head = []
 
 
-async def goals_as_json(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+async def goals_as_json(all_goals: Goals, wanted: GoalFilter) -> AsyncGenerator[bytes]:
     """Yield one JSON array with one line per goal."""
     before = b"[\n"
-    async for goals in pages(gateway, wanted):
+    async for goals in pages(all_goals, wanted):
         if goals:
-            yield before + b",\n".join(map(encode, await with_tags(gateway, goals)))
+            yield before + b",\n".join(map(encode, await all_goals.with_tags(goals)))
             before = b",\n"
     yield b"\n]\n" if before == b",\n" else b"[]\n"
 
 
-async def goal_as_csv(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
+async def goal_as_csv(history: History, goal: Goal) -> AsyncGenerator[bytes]:
     """Yield a header row, then one row per feedback event."""
     sheet = FeedbackSheet()
     last = ""
-    async for events in pieces(gateway, goal.goal_id, {FEEDBACK}):
+    async for events in pieces(history, goal.goal_id, {FEEDBACK}):
         await asyncio.to_thread(sheet.look_at, [event.data for event in events])
         last = events[-1].id or last
     yield sheet.head()
-    async for events in pieces(gateway, goal.goal_id, {FEEDBACK}, until=last):
+    async for events in pieces(history, goal.goal_id, {FEEDBACK}, until=last):
         yield await asyncio.to_thread(sheet.rows, [event.data for event in events])
 
 
-async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
+async def goal_as_json(history: History, goal: Goal) -> AsyncGenerator[bytes]:
     """Yield the goal with its tags, notes and `events`, and whether these are `complete`."""
-    notes = await gateway.history.notes.of(goal.goal_id)
-    complete = await gateway.history.knows_all_of(goal)
+    notes = await history.notes.of(goal.goal_id)
+    complete = await history.knows_all_of(goal)
     before = encode(goal.document() | vars(notes) | {"complete": complete})[:-1] + b',"events":[\n'
-    async for events in pieces(gateway, goal.goal_id, set(STORED_KINDS.values())):
+    async for events in pieces(history, goal.goal_id, set(STORED_KINDS.values())):
         yield before + b",\n".join(event.data for event in events)
         before = b",\n"
     yield b"\n]}\n" if before == b",\n" else before + b"]}\n"
 
 
-async def pages(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[list[Goal]]:
+async def pages(all_goals: Goals, wanted: GoalFilter) -> AsyncGenerator[list[Goal]]:
     """Yield the matching goals page by page. The first page may be empty."""
-    goals, cursor = await gateway.page(wanted, GOALS)
+    goals, cursor = await all_goals.page(wanted, GOALS)
     yield goals
     while cursor is not None:
-        goals, cursor = await gateway.page(wanted, GOALS, cursor)
+        goals, cursor = await all_goals.page(wanted, GOALS, cursor)
         yield goals
 
 
-async def pieces(gateway: Gateway, goal_id: str, kinds: set[str], *, until: str = NEVER) -> AsyncGenerator[list[Event]]:
+async def pieces(history: History, goal_id: str, kinds: set[str], *, until: str = NEVER) -> AsyncGenerator[list[Event]]:
     """Yield the events of a goal in non-empty pieces."""
     after = ""
-    while events := await gateway.history.events_of(goal_id, kinds=kinds, after=after, until=until, limit=EVENTS):
+    while events := await history.events_of(goal_id, kinds=kinds, after=after, until=until, limit=EVENTS):
         yield events
         after = events[-1].id or ""
         if len(events) < EVENTS:

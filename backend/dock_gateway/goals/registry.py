@@ -322,6 +322,11 @@ class ActionRegistry:
         """Return a running or lost goal of any action."""
         return next((goal for action in self._actions.values() if (goal := action.tracker.live.get(goal_id))), None)
 
+    def action_of(self, goal_id: str) -> str | None:
+        """Return the name of the action of a goal that this process knows."""
+        goal = self.goal(goal_id)
+        return None if goal is None else goal.action_name
+
     def on_progress(self, goal_id: str, stage: str | None, retries: int | None, stamp_ns: int) -> None:
         """Store the progress of a goal that its action server reported."""
         for action in self._actions.values():
@@ -367,6 +372,10 @@ class ActionRegistry:
         """Call a function with every action."""
         for action in self._actions.values():
             do(action)
+
+    def release_all(self) -> None:
+        """Wake every caller that waits for a goal, as the gateway is about to close."""
+        self.each(lambda action: action.tracker.release_all())
 
     async def close(self) -> None:
         """Close every action."""

@@ -4,20 +4,22 @@ from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
+from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.schema import Graph, GraphTopic
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GraphName, TheGateway, json_response, known_query
+from dock_gateway.http.requests import GraphName, json_response, known_query
 
 router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_query())])
 
 
 @router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
 @operation(Role.VIEWER, Scope.LISTED)
-async def get_graph(request: Request, gateway: TheGateway, grant: TheGrant) -> Response:
+async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) -> Response:
     """Return the graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
-    view = await gateway.graph.graph(grant)
+    view = await graph.graph(grant)
     headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
     if is_known(request.headers.get("if-none-match"), view.tag):
         return Response(status_code=304, headers=headers)
@@ -26,9 +28,9 @@ async def get_graph(request: Request, gateway: TheGateway, grant: TheGrant) -> R
 
 @router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.TOPIC)
-async def get_topic(name: GraphName, gateway: TheGateway) -> Response:
+async def get_topic(name: GraphName, graph: Part[GraphCache]) -> Response:
     """Return the current state of one topic, with its publishers and subscribers."""
-    return json_response((await gateway.graph.topic(f"/{name}")).document())
+    return json_response((await graph.topic(f"/{name}")).document())
 
 
 def is_known(condition: str | None, tag: str) -> bool:

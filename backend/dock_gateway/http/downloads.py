@@ -7,9 +7,12 @@ from typing import Annotated, Literal
 from fastapi import Query, Request
 from starlette.responses import Response
 
+from dock_gateway.core.request import PERMIT
+from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import principal_of
-from dock_gateway.http.requests import get_gateway
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.slow_clients import PacedResponse
+from dock_gateway.settings import Settings
 
 Format = Literal["csv", "json"]
 FormatQuery = Annotated[Format, Query(description="`csv` for spreadsheets, `json` for programs")]
@@ -22,17 +25,18 @@ async def download(request: Request, chunks: AsyncGenerator[bytes], name: str, k
 
     An error before the first piece becomes an error response.
     """
-    gateway, principal = get_gateway(request), principal_of(request)
+    parts, principal, permit = parts_of(request), principal_of(request), PERMIT.get()
 
     async def counted() -> AsyncGenerator[bytes]:
         async with aclosing(chunks):
-            with gateway.quotas.hold(principal, "exports"):
+            with parts[Quotas].hold(principal, "exports"):
                 async for chunk in chunks:
-                    gateway.logins.require_valid(principal)
+                    if permit is not None:
+                        permit.require()
                     yield chunk
 
     held = counted()
     first = await anext(held)
     headers = {"Content-Disposition": f'attachment; filename="{name}.{kind}"'}
-    timeout = gateway.settings.subscriber_timeout
+    timeout = parts[Settings].subscriber_timeout
     return PacedResponse(first, held, timeout, media_type=MEDIA_TYPES[kind], headers=headers)

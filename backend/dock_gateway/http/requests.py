@@ -16,8 +16,9 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.namespace import NAMESPACE
-from dock_gateway.gateway import Gateway
+from dock_gateway.http.parts import parts_of
 from dock_gateway.settings import NAME as ROS_NAME
+from dock_gateway.settings import Settings
 
 # The default content type of `curl -d` is accepted as JSON, too. OriginGuard keeps other origins from exploiting it.
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
@@ -30,20 +31,6 @@ MAX_DIGITS = 18  # enough for every number in a header
 # A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
 NAME = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
-
-
-def get_gateway(connection: HTTPConnection) -> Gateway:
-    """Return the gateway of the running app."""
-    gateway: Gateway = connection.state.gateway
-    return gateway
-
-
-# Dependencies are coroutines: FastAPI runs each plain function in a thread pool, on every request.
-
-
-async def depend_on_gateway(connection: HTTPConnection) -> Gateway:
-    """Return the gateway of the running app, for `Depends`."""
-    return get_gateway(connection)
 
 
 def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
@@ -108,7 +95,7 @@ async def read_body(request: Request, within: float | None = None) -> bytes:
 
 
 async def _read_in_time(request: Request, within: float | None) -> bytes:
-    settings = get_gateway(request).settings
+    settings = parts_of(request)[Settings]
     timeout = settings.body_timeout if within is None else min(within, settings.body_timeout)
     try:
         async with asyncio.timeout(timeout):
@@ -223,7 +210,6 @@ def check_key(key: str | None, path: str) -> str | None:
 
 GOAL_ID = re.compile(r"[0-9A-Fa-f]{8}-?(?:[0-9A-Fa-f]{4}-?){3}[0-9A-Fa-f]{12}")
 
-TheGateway = Annotated[Gateway, Depends(depend_on_gateway)]
 # A name on the ROS graph without its leading slash.
 GraphName = Annotated[
     str,

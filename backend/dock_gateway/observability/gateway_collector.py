@@ -7,9 +7,19 @@ from prometheus_client import Metric
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
+from dock_gateway.core.hub import Hub
 from dock_gateway.core.webhook import SEVERITIES, DeliveryState
+from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.observability.parts import NAMESPACE, VERBS, Parts, verb_of
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.observability.goal_metrics import VERBS, verb_of
+from dock_gateway.observability.request_metrics import NAMESPACE
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
+from dock_gateway.webhooks.notifier import Notifier
 
 OUTCOMES = {
     DeliveryState.DELIVERED: "delivered",
@@ -32,7 +42,7 @@ class GatewayCollector(Collector):
         yield from self._fleet()
 
     def _streams(self) -> Iterator[Metric]:
-        hub = self._parts.hub
+        hub = self._parts[Hub]
         yield _gauge("stream_subscribers", "Readers of event streams, and WebSockets at /ws", len(hub))
         yield _counters("events_published", "Events by kind; feedback is that received from ROS", "kind", hub.published)
         yield _counters("events_sent", "Events handed to readers of streams, by kind", "kind", hub.sent)
@@ -40,23 +50,23 @@ class GatewayCollector(Collector):
         yield _counter(
             "feedback_unread",
             "Feedback messages that were too large or came too fast to be read",
-            self._parts.actions.feedback_dropped,
+            self._parts[ActionRegistry].feedback_dropped,
         )
         yield _counter(
             "unknown_goals_ignored",
             "Goals in status messages, and feedback messages, beyond the limit of unknown goals of one node",
-            self._parts.actions.unknown_goals_ignored,
+            self._parts[ActionRegistry].unknown_goals_ignored,
         )
 
     def _history(self) -> Iterator[Metric]:
-        stats = self._parts.history.stats()
+        stats = self._parts[History].stats()
         yield _gauge("history_waiting", "Entries in memory that are not in the database yet", stats.waiting)
         yield _gauge("history_spooled", "Entries on disk that are not in the database yet", stats.spooled)
         yield _counter("history_dropped", "Feedback and battery events that were not stored", stats.dropped)
         yield _gauge("database_reachable", "Whether the database answers", stats.database_reachable)
 
     def _ros(self) -> Iterator[Metric]:
-        bridge, actions = self._parts.bridge, self._parts.actions
+        bridge, actions = self._parts[Bridge], self._parts[ActionRegistry]
         yield _gauge("ros_up", "Whether the ROS threads run", bridge.alive)
         yield _gauge("dds_participants", "DDS participants of the gateway", 1 + len(bridge.branches))
         servers: Counter[str] = Counter(available=0, not_answering=0, unavailable=0)
@@ -73,14 +83,14 @@ class GatewayCollector(Collector):
 
     def _fleet(self) -> Iterator[Metric]:
         parts = self._parts
-        robots = parts.robots.all()
+        robots = parts[RobotRegistry].all()
         yield _gauge("robots", "Robots that the gateway serves", len(robots))
-        stopped = sum(parts.stopper.state(robot.namespace)["latched"] for robot in robots)
+        stopped = sum(parts[Stopper].state(robot.namespace)["latched"] for robot in robots)
         yield _gauge("robots_stopped", "Robots held by a latched stop", stopped)
         alerts = Counter(dict.fromkeys(SEVERITIES, 0))
-        alerts.update(alert["severity"] for alert in parts.alerts.documents())
+        alerts.update(alert["severity"] for alert in parts[AlertBoard].documents())
         yield _gauges("alerts", "Active alerts", "severity", alerts)
-        attempts = {outcome: parts.notifier.attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
+        attempts = {outcome: parts[Notifier].attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
         yield _counters("webhook_attempts", "Attempts to send an alert to a webhook", "outcome", attempts)
 
 

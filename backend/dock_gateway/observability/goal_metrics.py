@@ -3,13 +3,26 @@
 from prometheus_client import CollectorRegistry, Counter, Histogram
 
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.observability.parts import NAMESPACE, VERBS, Parts, verb_of
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.observability.request_metrics import NAMESPACE
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+
+# The label `verb` of goals: what they do to a robot. `other` is any action that is neither docking nor undocking.
+OTHER = "other"
+VERBS = ("dock", "undock", OTHER)
 
 # From 1 s to 10 min.
 BUCKETS = (1, 2, 5, 10, 20, 30, 45, 60, 90, 120, 180, 300, 600)
 # The states in which a goal that was executed ends.
 EXECUTED = (GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED)
 LABELS = ("robot", "action", "verb")
+
+
+def verb_of(goal: Goal) -> str:
+    """Return the label `verb` of a goal."""
+    return goal.verb or OTHER
 
 
 class GoalMetrics:
@@ -45,8 +58,8 @@ class GoalMetrics:
                 self._duration.labels(verb, status.value)
         self._actions: set[str] = set()
         self._parts = parts
-        parts.actions.on_end.append(self._on_end)
-        parts.actions.on_lost.append(self._on_lost)
+        parts[ActionRegistry].on_end.append(self._on_end)
+        parts[ActionRegistry].on_lost.append(self._on_lost)
 
     def _on_end(self, goal: Goal) -> None:
         """Count a goal that ended."""
@@ -65,14 +78,14 @@ class GoalMetrics:
 
     def _labels(self, goal: Goal) -> tuple[str, str, str]:
         action = goal.action_name
-        if action not in self._actions and len(self._actions) >= self._parts.settings.max_actions:
+        if action not in self._actions and len(self._actions) >= self._parts[Settings].max_actions:
             self._remove_gone()
         self._actions.add(action)
-        robot = self._parts.robots.owner(action)
+        robot = self._parts[RobotRegistry].owner(action)
         return "" if robot is None else robot.namespace, action, verb_of(goal)
 
     def _remove_gone(self) -> None:
-        for action in [name for name in self._actions if self._parts.actions.get(name) is None]:
+        for action in [name for name in self._actions if self._parts[ActionRegistry].get(name) is None]:
             self._actions.remove(action)
             for counter in (self._ended, self._lost, self._retries):
                 counter.remove_by_labels({"action": action})

@@ -18,7 +18,9 @@ from dock_gateway import __version__
 from dock_gateway.core.event import nanoseconds
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.request import CURRENT
-from dock_gateway.observability.parts import Parts
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
 
 # Seconds at shutdown for the spans that have not been sent yet. The process has to end within 3 s.
 FLUSH_WITHIN = 0.5
@@ -49,11 +51,12 @@ class GoalTraces:
     def __init__(self, provider: TracerProvider, parts: Parts) -> None:
         self._provider = provider
         self._tracer = provider.get_tracer("dock_gateway", __version__)
-        self._robots = parts.robots
+        self._robots = parts[RobotRegistry]
         self._traces: dict[str, GoalTrace] = {}
-        parts.actions.on_sent.append(self._on_sent)
-        parts.actions.on_change.append(self._on_change)
-        parts.actions.on_end.append(self._on_end)
+        actions = parts[ActionRegistry]
+        actions.on_sent.append(self._on_sent)
+        actions.on_change.append(self._on_change)
+        actions.on_end.append(self._on_end)
 
     def _on_sent(self, goal: Goal) -> None:
         if goal.goal_id not in self._traces:  # otherwise it is sent again

@@ -21,10 +21,10 @@ from prometheus_client.registry import Collector
 
 from dock_gateway import __version__
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.http.parts import Parts
 from dock_gateway.observability.gateway_collector import GatewayCollector
 from dock_gateway.observability.goal_metrics import GoalMetrics
-from dock_gateway.observability.parts import NAMESPACE, Parts
-from dock_gateway.observability.request_metrics import RequestMetrics
+from dock_gateway.observability.request_metrics import NAMESPACE, RequestMetrics
 
 # Seconds between two measurements of the event loop's lag.
 LAG_INTERVAL = 0.5
@@ -38,7 +38,7 @@ class Metrics:
     """The metrics of one gateway, and those of its process.
 
     Args:
-        parts: What is measured.
+        parts: The parts of the gateway, which are measured.
     """
 
     def __init__(self, parts: Parts) -> None:

@@ -2,8 +2,8 @@
 
 from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram
 
-from dock_gateway.observability.parts import NAMESPACE
-
+# The prefix of the gateway's metrics.
+NAMESPACE = "dock_gateway"
 # From 1 ms to the longest `Prefer: wait=`, in seconds.
 BUCKETS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300)
 

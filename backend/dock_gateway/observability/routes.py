@@ -7,34 +7,43 @@ from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
 from starlette.responses import PlainTextResponse, Response
 
 from dock_gateway import __version__
-from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.access.authorization import identify
+from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
 from dock_gateway.core.grant import UNLIMITED, Role
+from dock_gateway.core.hub import Hub
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import Scope, operation, public_operation
-from dock_gateway.http.principal import identify
+from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
-from dock_gateway.http.scopes import not_covered
+from dock_gateway.http.requests import RobotQuery, json_response, known_query
+from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.schema import Health, Readiness
-from dock_gateway.ros.bridge import ros_environment
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.ros.bridge import Bridge, ros_environment
+from dock_gateway.settings import Settings
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
 
 router = APIRouter(tags=["Health"])
 
 
 @router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
 @public_operation()
-async def healthz(gateway: TheGateway) -> Response:
+async def healthz(bridge: Part[Bridge], settings: Part[Settings], hub: Part[Hub]) -> Response:
     """Report whether the ROS thread is alive and responsive."""
     try:
-        await gateway.bridge.call(lambda: None, timeout=1.0)
+        await bridge.call(lambda: None, timeout=1.0)
         alive = True
     except Unavailable:
         alive = False
     health = {
         "status": "ok" if alive else "ros_unavailable",
         "version": __version__,
-        "node": gateway.settings.resolve(gateway.settings.node_name),
+        "node": settings.resolve(settings.node_name),
         "ros": ros_environment(),
-        "subscribers": len(gateway.hub),
+        "subscribers": len(hub),
     }
     return json_response(health, 200 if alive else 503)
 
@@ -46,7 +55,7 @@ async def healthz(gateway: TheGateway) -> Response:
     dependencies=[Depends(known_query("robot"))],
 )
 @public_operation()
-async def readyz(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) -> Response:
     """Report whether the docking server of a robot is available and answers, and the state of the history.
 
     Who stopped which robots, the robots that were found, and the last error of the history are only shown to users
@@ -58,16 +67,16 @@ async def readyz(request: Request, gateway: TheGateway, robot: RobotQuery = None
     sees_everything = await _sees_everything(request)
     if robot is not None and not sees_everything:
         raise not_covered("robots by name here")
-    name = gateway.robots.get(robot).namespace
-    state, undock = gateway.actions.servers_of(name)
-    dock = gateway.actions.get(state.action_name)
-    ready = gateway.bridge.alive and dock is not None and dock.watch.ready
-    history, stop = gateway.history.stats(), gateway.stopper.state(name)
+    name = parts[RobotRegistry].get(robot).namespace
+    state, undock = parts[ActionRegistry].servers_of(name)
+    dock = parts[ActionRegistry].get(state.action_name)
+    ready = parts[Bridge].alive and dock is not None and dock.watch.ready
+    history, stop = parts[History].stats(), parts[Stopper].state(name)
     hint, robots, found = None, list[str](), list[str]()
     if sees_everything:
-        hint = None if state.available else gateway.hint(name, UNLIMITED)
-        robots = [sight.robot for sight in gateway.fleet.sights() if sight.battery or sight.dock or sight.undock]
-        found = [alert.detail for alert in gateway.alerts.of_graph(name)]
+        hint = None if state.available else parts[RobotActions].hint(name, UNLIMITED)
+        robots = [sight.robot for sight in parts[RobotActions].sights() if sight.battery or sight.dock or sight.undock]
+        found = [alert.detail for alert in parts[AlertBoard].of_graph(name)]
     else:
         history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}
     document = {
@@ -94,6 +103,6 @@ async def _sees_everything(request: Request) -> bool:
 
 @router.get("/metrics", response_class=PlainTextResponse)
 @operation(Role.VIEWER, Scope.EVERY)
-async def metrics(request: Request, gateway: TheGateway) -> Response:
+async def metrics(request: Request, metrics: Part[Metrics]) -> Response:
     """Return the gateway's metrics in Prometheus' text format."""
-    return Response(await gateway.metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)
+    return Response(await metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)

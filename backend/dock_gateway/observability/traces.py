@@ -4,7 +4,7 @@ import logging
 import os
 from typing import TYPE_CHECKING
 
-from dock_gateway.observability.parts import Parts
+from dock_gateway.http.parts import Parts
 
 if TYPE_CHECKING:
     from dock_gateway.observability.goal_traces import GoalTraces

@@ -11,10 +11,14 @@ from dock_gateway.core.event import moment, nanoseconds, utc_now
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
-from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
+from dock_gateway.http.requests import RobotQuery, json_response, known_query
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import BatteryHistory
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
 from dock_gateway.storage.battery import FIELDS, BatterySpan, Bucket
 
 router = APIRouter(tags=["Battery"])
@@ -31,7 +35,9 @@ MIN_STEP = 1_000  # nanoseconds; the API gives times in microseconds
 )
 @operation(Role.VIEWER, Scope.ROBOT)
 async def battery_history(
-    gateway: TheGateway,
+    robots: Part[RobotRegistry],
+    settings: Part[Settings],
+    history: Part[History],
     *,
     robot: RobotQuery = None,
     since: SinceQuery = None,
@@ -42,11 +48,11 @@ async def battery_history(
 
     `until` defaults to now, and `since` to five minutes before `until`.
     """
-    namespace = gateway.robots.default_namespace if robot is None else read_namespace(robot)
+    namespace = robots.default_namespace if robot is None else read_namespace(robot)
     until = until or utc_now()
     since = since or until - DEFAULT_SPAN
-    span = divide(namespace, since, until, points, counts_to_100=gateway.settings.counts_to_100(namespace))
-    return json_response(describe(span, since, until, await gateway.history.battery(span)))
+    span = divide(namespace, since, until, points, counts_to_100=settings.counts_to_100(namespace))
+    return json_response(describe(span, since, until, await history.battery(span)))
 
 
 def divide(robot: str, since: datetime, until: datetime, points: int, *, counts_to_100: bool = False) -> BatterySpan:

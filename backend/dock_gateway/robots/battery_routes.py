@@ -8,9 +8,11 @@ from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import battery_body, body
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query, read_json, read_object
+from dock_gateway.http.requests import RobotQuery, json_response, known_query, read_json, read_object
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import BatteryAnswer, Published, Publisher
 
 router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
@@ -48,10 +50,10 @@ def read_rate(value: object) -> float:
 
 @router.get("/battery", response_model=BatteryAnswer, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.ROBOT)
-async def get_battery(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
+async def get_battery(robots: Part[RobotRegistry], grant: TheGrant, robot: RobotQuery = None) -> Response:
     """Return the latest battery state, its age, whether it is stale, and without one which batteries there are."""
-    known = gateway.robots.get(robot)
-    others = [topic for topic in await gateway.robots.other_batteries(known) if grant.covers_topic(topic)]
+    known = robots.get(robot)
+    others = [topic for topic in await robots.other_batteries(known) if grant.covers_topic(topic)]
     return json_response({**known.battery.document(), "other_topics": others[:MAX_TOPICS]})
 
 
@@ -62,17 +64,17 @@ async def get_battery(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = 
     openapi_extra=battery_body(required=True),
 )
 @operation(Role.SUPERVISOR, Scope.ROBOT)
-async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def publish_battery(request: Request, robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
     """Publish one battery state. Omitted float fields are NaN."""
-    state = await gateway.robots.get(robot).publisher.publish(await read_json(request))
+    state = await robots.get(robot).publisher.publish(await read_json(request))
     return json_response({"state": fragment(state)})
 
 
 @router.get("/battery/publisher", response_model=Publisher, responses=problems(404, 422))
 @operation(Role.VIEWER, Scope.ROBOT)
-async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def get_publisher(robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
     """Return what the gateway publishes repeatedly."""
-    return json_response(gateway.robots.get(robot).publisher.document())
+    return json_response(robots.get(robot).publisher.document())
 
 
 @router.put(
@@ -82,19 +84,19 @@ async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Respon
     openapi_extra=body(PUBLISHER_REQUEST, required=True),
 )
 @operation(Role.SUPERVISOR, Scope.ROBOT)
-async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def start_publisher(request: Request, robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
     """Start publishing a battery state repeatedly. Replaces what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
     if "state" not in fields:
         raise InvalidField([FieldError("state", "an object, {} for the defaults", "got none")])
     rate_hz = read_rate(fields.get("rate_hz", USUAL_RATE))
-    await gateway.robots.get(robot).publisher.start(fields["state"], rate_hz)
-    return json_response(gateway.robots.get(robot).publisher.document())
+    await robots.get(robot).publisher.start(fields["state"], rate_hz)
+    return json_response(robots.get(robot).publisher.document())
 
 
 @router.delete("/battery/publisher", status_code=204, responses=problems(404, 422))
 @operation(Role.SUPERVISOR, Scope.ROBOT)
-async def stop_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def stop_publisher(robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
     """Stop publishing."""
-    await gateway.robots.get(robot).publisher.stop()
+    await robots.get(robot).publisher.stop()
     return Response(status_code=204)

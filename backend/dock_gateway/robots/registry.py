@@ -205,6 +205,10 @@ class RobotRegistry:
     def __contains__(self, namespace: str) -> bool:
         return namespace in self._robots
 
+    def namespaces(self) -> list[str]:
+        """Return the namespaces of all robots."""
+        return [robot.namespace for robot in self.all()]
+
     def all(self) -> list[Robot]:
         """Return the robots, sorted by namespace."""
         return sorted(self._robots.values(), key=lambda robot: robot.namespace)

@@ -8,13 +8,15 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.scene import Pose
-from dock_gateway.gateway import Gateway
 from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, TheGateway, json_response, known_query
+from dock_gateway.http.requests import RobotQuery, json_response, known_query
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import FaultBody, PlaceBody, Simulator
+from dock_gateway.robots.simulator import Simulators
 
 router = APIRouter(tags=["Simulator"], prefix="/simulator", dependencies=[Depends(known_query("robot"))])
 
@@ -37,22 +39,22 @@ Fault = Literal[
 FaultPath = Annotated[Fault, Path(description="What breaks")]
 
 
-def _robot(gateway: Gateway, robot: str | None) -> str:
-    return gateway.robots.get(robot).namespace
-
-
 @router.get("", response_model=Simulator, responses=problems(404, 422))
 @operation(Role.VIEWER, Scope.ROBOT)
-async def get_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def get_simulator(
+    simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
+) -> Response:
     """Return the active faults, and whether the robot touches its dock and is charged there."""
-    return json_response(gateway.simulators.get(_robot(gateway, robot)).document())
+    return json_response(simulators.get(robots.get(robot).namespace).document())
 
 
 @router.post("/reset", response_model=Simulator, responses=problems(404, 422, 503, 504))
 @operation(Role.OPERATOR, Scope.ROBOT)
-async def reset_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def reset_simulator(
+    simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
+) -> Response:
     """Move the robot to its start pose, restore its battery, and clear every fault."""
-    return json_response(await gateway.simulators.reset(_robot(gateway, robot)))
+    return json_response(await simulators.reset(robots.get(robot).namespace))
 
 
 @router.post(
@@ -62,11 +64,13 @@ async def reset_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Resp
     openapi_extra=body(body_schema(PlaceBody), required=True),
 )
 @operation(Role.OPERATOR, Scope.ROBOT)
-async def place_robot(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def place_robot(
+    request: Request, simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
+) -> Response:
     """Move the robot to a pose through RViz's `initialpose` topic."""
     body = await read(PlaceBody, request)
     pose = Pose(body.x, body.y, math.remainder(body.theta, math.tau))
-    return json_response(await gateway.simulators.place(_robot(gateway, robot), pose))
+    return json_response(await simulators.place(robots.get(robot).namespace, pose))
 
 
 @router.put(
@@ -76,7 +80,13 @@ async def place_robot(request: Request, gateway: TheGateway, robot: RobotQuery =
     openapi_extra=body(body_schema(FaultBody), required=True),
 )
 @operation(Role.OPERATOR, Scope.ROBOT)
-async def switch_fault(fault: FaultPath, request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def switch_fault(
+    fault: FaultPath,
+    request: Request,
+    simulators: Part[Simulators],
+    robots: Part[RobotRegistry],
+    robot: RobotQuery = None,
+) -> Response:
     """Switch a fault on or off."""
     body = await read(FaultBody, request)
-    return json_response(await gateway.simulators.switch(_robot(gateway, robot), fault, active=body.active))
+    return json_response(await simulators.switch(robots.get(robot).namespace, fault, active=body.active))

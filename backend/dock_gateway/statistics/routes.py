@@ -16,24 +16,24 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.grant import Role
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.owners import owners
-from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.problems import problems
-from dock_gateway.http.queries import (
-    EARLIEST,
+from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.queries import (
     ActionsQuery,
     GroupQuery,
     NamespaceQuery,
     OriginQuery,
-    SinceQuery,
     TagsQuery,
-    UntilQuery,
     read_goal_filter,
 )
-from dock_gateway.http.requests import TheGateway, json_response, known_query
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.problems import problems
+from dock_gateway.http.queries import EARLIEST, SinceQuery, UntilQuery
+from dock_gateway.http.requests import json_response, known_query
+from dock_gateway.settings import Settings
 from dock_gateway.statistics.schema import Statistics
-from dock_gateway.storage import GoalFilter
+from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.statistics import Span, Tallies, Tally, merged
 
 router = APIRouter(tags=["Goals"])
@@ -57,7 +57,8 @@ Group = tuple[str, GoalFilter, Tally]
 
 async def read_wanted(
     *,
-    gateway: TheGateway,
+    settings: Part[Settings],
+    owners: Part[Owners],
     grant: TheGrant,
     robot: NamespaceQuery = None,
     action: ActionsQuery = None,
@@ -77,7 +78,8 @@ async def read_wanted(
     if since >= until:
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
     return await read_goal_filter(
-        gateway=gateway,
+        settings=settings,
+        owners=owners,
         grant=grant,
         robot=robot,
         action=action,
@@ -100,7 +102,7 @@ WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
 )
 @operation(Role.VIEWER, Scope.LISTED)
 async def statistics(
-    gateway: TheGateway, wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
+    history: Part[History], owners: Part[Owners], wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
 ) -> Response:
     """Return how the goals ended that were created from `since` up to but not including `until`.
 
@@ -109,14 +111,14 @@ async def statistics(
     zone = read_zone(tz)
     whole = _span(wanted)
     days = divide(*whole, zone) if by == "day" else {"": whole}
-    found = await gateway.history.tally(wanted, list(days.values()), by_action=by != "day")
+    found = await history.tally(wanted, list(days.values()), by_action=by != "day")
     if by == "day":
         groups = [
             (day, replace(wanted, since=span[0], until=span[1]), merged(tallies.values()))
             for (day, span), tallies in zip(days.items(), found, strict=True)
         ]
     else:
-        groups = group(wanted, found[0], owners(gateway, found[0]) if by == "robot" else str)
+        groups = group(wanted, found[0], owners.among(found[0]) if by == "robot" else str)
     document = await asyncio.to_thread(describe, wanted, groups)
     return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
 

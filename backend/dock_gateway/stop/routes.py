@@ -15,20 +15,20 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import QueryParams
 from starlette.responses import Response
 
+from dock_gateway.audit.subjects import robots_text
+from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
 from dock_gateway.core.grant import Role
-from dock_gateway.gateway import Gateway
-from dock_gateway.http.audit_trail import Trail, audited, robots_text
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of, signed
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     ROBOT_PATTERN,
     RobotQuery,
     RobotsQuery,
-    TheGateway,
     json_response,
     known_query,
     name_schema,
@@ -38,6 +38,7 @@ from dock_gateway.http.requests import (
     read_wait,
 )
 from dock_gateway.stop.schema import StopReport, StopState
+from dock_gateway.stop.stopper import Stopper
 
 log = logging.getLogger(__name__)
 
@@ -66,7 +67,7 @@ PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "exam
 
 
 async def stop_robots(
-    gateway: Gateway,
+    stopper: Stopper,
     principal: Principal,
     robots: list[str],
     value: object,
@@ -77,7 +78,7 @@ async def stop_robots(
     """Stop robots as requested, or by the defaults if the request cannot be read.
 
     Args:
-        gateway: The gateway.
+        stopper: Stops them.
         principal: Who stops them; whatever else cannot be read, their name is recorded if it is known.
         robots: The robots; none is the configured one.
         value: The decoded body, or the fields of a command.
@@ -97,7 +98,7 @@ async def stop_robots(
         how = _read_stop(read_object(signed(principal, value), *FIELDS))
     if wrong:
         log.warning("a stop is carried out although parts of the request are invalid: %s", _warning(wrong)["detail"])
-    report = vars(await gateway.stopper.stop(*robots, **how, wait=wait))
+    report = vars(await stopper.stop(*robots, **how, wait=wait))
     if (problem := report.pop("problem")) is not None:
         wrong.insert(0, problem)
     return {**report, "warning": _warning(wrong) if wrong else None}
@@ -159,7 +160,7 @@ def _read_robots(query: QueryParams, value: object, wrong: list[GatewayError]) -
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
 @operation(Role.VIEWER, Scope.ANY, reads_body=True)
-async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None) -> Response:
+async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = None) -> Response:
     """Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
 
     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
@@ -177,27 +178,27 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None)
     wait = 0.0
     wrong: list[GatewayError] = []
     with _noting(wrong):
-        value = await _read_body(request, gateway)
+        value = await _read_body(request, stopper)
     with _noting(wrong):
         wait = read_wait(request)
     robots = _read_robots(request.query_params, value, wrong)
     if robots:
         audited(request, robot=robots_text(robots))
-    return json_response(await stop_robots(gateway, principal_of(request), robots, value, wait=wait, wrong=wrong))
+    return json_response(await stop_robots(stopper, principal_of(request), robots, value, wait=wait, wrong=wrong))
 
 
-async def _read_body(request: Request, gateway: Gateway) -> Any:
+async def _read_body(request: Request, stopper: Stopper) -> Any:
     """Return the decoded body. If it is late, stop the robot meanwhile, without latching: the body may name another.
 
     The audit log has that as a stop of its own, as the body may never come, or be about another robot.
     """
-    timing = gateway.stopper.timing
+    timing = stopper.timing
     reading = asyncio.create_task(read_json(request, empty={}, within=timing.body_within))
     await asyncio.wait({reading}, timeout=timing.begin_within)
     if not reading.done():
         wrong: list[GatewayError] = []
         with _noting(wrong):
-            await gateway.stopper.stop(*_read_robots(request.query_params, {}, []), latch=False)
+            await stopper.stop(*_read_robots(request.query_params, {}, []), latch=False)
         status, code = (wrong[0].status, wrong[0].code) if wrong else (HTTPStatus.OK, None)
         await Trail(request.scope).record(status, code)
     return await reading
@@ -205,13 +206,13 @@ async def _read_body(request: Request, gateway: Gateway) -> Any:
 
 @router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
 @operation(Role.VIEWER, Scope.ROBOT)
-async def get_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def get_stop(stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
     """Return whether a stop is latched for a robot."""
-    return json_response(gateway.stopper.state(robot))
+    return json_response(stopper.state(robot))
 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
 @operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
-async def release_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def release_stop(stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
     """Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move."""
-    return json_response(await gateway.stopper.release(robot))
+    return json_response(await stopper.release(robot))

@@ -8,15 +8,20 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
-from dock_gateway.gateway import Gateway
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import check_key, read_goal_id
-from dock_gateway.http.scopes import require_action
 from dock_gateway.robots.battery_routes import read_rate
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
 from dock_gateway.stop.routes import stop_robots
+from dock_gateway.stop.stopper import Stopper
 
 Fields = dict[str, Any]
-Command = Callable[[Gateway, Principal, Fields], Awaitable[Fields]]
+Command = Callable[[Parts, Principal, Fields], Awaitable[Fields]]
 
 MAX_ID = 200
 STOP = "stop"
@@ -60,24 +65,23 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
 
 
 @operation(Role.OPERATOR, Scope.NEW_GOAL, sends_goal=True)
-async def send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Send a goal to `action`, or a robot to its charging dock. The ack has the goal."""
     if fields.get("action") is not None:
-        return await _submit_goal(gateway, principal, fields)
-    with gateway.hinting(fields.get("robot"), principal.grant):
-        return await _submit_goal(gateway, principal, fields)
+        return await _submit_goal(parts, principal, fields)
+    with parts[RobotActions].hinting(fields.get("robot"), principal.grant):
+        return await _submit_goal(parts, principal, fields)
 
 
-async def _submit_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+async def _submit_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
     name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
     if name is None:
-        action = await gateway.docking_action("dock", robot)
-        require_action(principal.grant, action.name)
+        action = await parts[RobotActions].find("dock", robot, principal.grant)
         message = action.parse_request(action.default_request if goal is None else goal, "goal")
     else:
-        namespace = None if robot is None else gateway.robots.get(robot).namespace
-        action = await gateway.actions.find(gateway.settings.resolve(name, namespace))
+        namespace = None if robot is None else parts[RobotRegistry].get(robot).namespace
+        action = await parts[ActionRegistry].find(parts[Settings].resolve(name, namespace))
         message = action.port.goal_codec.parse(goal, "goal")
     key = check_key(fields.get("idempotency_key"), "idempotency_key")
     own = None if key is None else principal.own(key)
@@ -85,17 +89,17 @@ async def _submit_goal(gateway: Gateway, principal: Principal, fields: Fields) -
 
 
 @operation(Role.OPERATOR, Scope.GOAL)
-async def cancel_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+async def cancel_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Ask the action server to cancel a goal, whoever sent it."""
     check_fields(fields, ("goal_id",))
-    return {"goal": (await gateway.cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
+    return {"goal": (await parts[Goals].cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOT)
-async def publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+async def publish_battery(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Publish a battery state once, or with `rate_hz` until it is stopped."""
     check_fields(fields, ("robot",), ("state", "rate_hz"))
-    publisher = gateway.robots.get(fields.get("robot")).publisher
+    publisher = parts[RobotRegistry].get(fields.get("robot")).publisher
     if "rate_hz" in fields:
         await publisher.start(fields.get("state", {}), read_rate(fields["rate_hz"]))
         return {"battery_publisher": publisher.document()}
@@ -103,33 +107,33 @@ async def publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fie
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOT)
-async def stop_publishing(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+async def stop_publishing(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Stop publishing battery states."""
     check_fields(fields, ("robot",))
-    publisher = gateway.robots.get(fields.get("robot")).publisher
+    publisher = parts[RobotRegistry].get(fields.get("robot")).publisher
     await publisher.stop()
     return {"battery_publisher": publisher.document()}
 
 
 @operation(Role.VIEWER, Scope.ANY)
-async def stop(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+async def stop(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Stop a robot, or every robot, and cancel its goals."""
     robot = fields.pop("robot", None)
     check_fields({"robot": robot}, ("robot",))
     if robot is None:  # an unknown field may be a misspelt `robot`
         check_fields(fields, (), ("latch", "by", "id"))
-    return await stop_robots(gateway, principal, [] if robot is None else [robot], fields)
+    return await stop_robots(parts[Stopper], principal, [] if robot is None else [robot], fields)
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
-async def release_stop(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+async def release_stop(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Let a robot that was stopped move again."""
     check_fields(fields, ("robot",))
-    return {"stop": await gateway.stopper.release(fields.get("robot"))}
+    return {"stop": await parts[Stopper].release(fields.get("robot"))}
 
 
 @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
-async def ping(_: Gateway, __: Principal, fields: Fields) -> Fields:
+async def ping(_: Parts, __: Principal, fields: Fields) -> Fields:
     """Answer with the time."""
     check_fields(fields)
     return {"time": utc_now()}

@@ -9,20 +9,22 @@ from fastapi import APIRouter, Depends, Request, WebSocket
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
+from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.access import Principal
 from dock_gateway.core.event import Event
 from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
-from dock_gateway.gateway import Gateway
+from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.principal import TICKET, principal_of, subscribed
+from dock_gateway.http.parts import AllParts, Parts
+from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
-from dock_gateway.http.requests import GoalId, GraphName, TheGateway, known_query
+from dock_gateway.http.requests import GoalId, GraphName, known_query
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
+from dock_gateway.settings import Settings
 from dock_gateway.streams.feed import begin, end_of, feed, follow
-from dock_gateway.streams.frames import fast_path
+from dock_gateway.streams.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
 
 log = logging.getLogger(__name__)
 
@@ -37,7 +39,7 @@ SSE_RESPONSES = {
 
 @router.websocket("/ws/feedback", dependencies=[Depends(known_query(*STREAM_QUERY, "after", "max_rate", TICKET))])
 @operation(Role.VIEWER, Scope.LISTED)
-async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
+async def feedback(websocket: WebSocket, parts: AllParts) -> None:
     """Send a snapshot, then every event as it happens.
 
     `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=battery,cmd_vel,system,scene,scenes,robots`
@@ -46,12 +48,12 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     query = websocket.query_params
     after, max_rate = read_after(query), read_max_rate(query)
     principal = principal_of(websocket)
-    with subscribed(gateway, principal, await read_event_filter(gateway, query, principal.grant)) as subscriber:
+    with subscribed(parts, principal, await read_event_filter(parts, query, principal.grant)) as subscriber:
         await websocket.accept()
         if max_rate is None:
-            subscriber.immediate = fast_path(websocket)
-        events = feed(gateway, subscriber, after=after, max_rate=max_rate)
-        await until_one_ends(write_events(websocket, gateway, subscriber, events), ignore_input(websocket))
+            subscriber.writer = frame_writer(websocket)
+        events = feed(parts, subscriber, after=after, max_rate=max_rate)
+        await until_one_ends(write_events(websocket, parts, subscriber, events), ignore_input(websocket))
 
 
 async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
@@ -74,22 +76,22 @@ async def ignore_input(websocket: WebSocket) -> None:
 
 
 async def write_events(
-    websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]
+    websocket: WebSocket, parts: Parts, subscriber: Subscriber, events: AsyncIterator[Event]
 ) -> None:
     """Send a reader's events until they end, then close with the reason."""
     async for event in events:
-        await send_text(websocket, gateway, event.text)
+        await send_text(websocket, parts, event.text)
     reason = end_of(subscriber)
     await websocket.close(CLOSE_CODES[reason], reason)
 
 
-async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
+async def send_text(websocket: WebSocket, parts: Parts, text: str) -> None:
     """Send a message. Cut off a client that does not read for `subscriber_timeout` seconds.
 
     Raises:
         TimeoutError: The client did not read in time.
     """
-    await send_in_time(websocket.send, {"type": "websocket.send", "text": text}, gateway.settings.subscriber_timeout)
+    await send_in_time(websocket.send, {"type": "websocket.send", "text": text}, parts[Settings].subscriber_timeout)
 
 
 class EventStream(PacedResponse):
@@ -103,40 +105,40 @@ class EventStream(PacedResponse):
 @router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @operation(Role.VIEWER, Scope.GOAL)
-async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+async def dock_events(goal_id: GoalId, request: Request, parts: AllParts) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    return await _sse(request, gateway, goal_id)
+    return await _sse(request, parts, goal_id)
 
 
 @router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @operation(Role.VIEWER, Scope.GOAL)
-async def action_events(name: GraphName, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+async def action_events(name: GraphName, goal_id: GoalId, request: Request, parts: AllParts) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    return await _sse(request, gateway, goal_id)
+    return await _sse(request, parts, goal_id)
 
 
-async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
+async def _sse(request: Request, parts: Parts, goal_id: str) -> Response:
     await known_query("feedback", "after", "max_rate")(request)
     last = request.headers.get("last-event-id")
     after = read_after(request.query_params if last is None else {"after": last})
     query = {"goal_id": goal_id, "feedback": request.query_params.get("feedback", "true")}
-    chunks = _sse_chunks(gateway, principal_of(request), query, after, read_max_rate(request.query_params))
+    chunks = _sse_chunks(parts, principal_of(request), query, after, read_max_rate(request.query_params))
     first = await anext(chunks)  # errors are raised before the stream begins
-    return EventStream(first, chunks, gateway.settings.subscriber_timeout)
+    return EventStream(first, chunks, parts[Settings].subscriber_timeout)
 
 
 async def _sse_chunks(
-    gateway: Gateway, principal: Principal, query: dict[str, str], after: str | None, max_rate: float | None
+    parts: Parts, principal: Principal, query: dict[str, str], after: str | None, max_rate: float | None
 ) -> AsyncGenerator[bytes]:
-    with subscribed(gateway, principal, await read_event_filter(gateway, query, principal.grant)) as subscriber:
+    with subscribed(parts, principal, await read_event_filter(parts, query, principal.grant)) as subscriber:
         # The events that the client is sent show whether the goal has ended. It could end during a separate lookup.
         ended = False
-        async for event in begin(gateway, subscriber, after):
+        async for event in begin(parts, subscriber, after):
             yield event.sse
             ended = event.ends_goal
         if ended:
             return
-        async for event in follow(gateway, subscriber, max_rate):
+        async for event in follow(parts, subscriber, max_rate):
             yield event.sse
             if event.ends_goal:
                 return

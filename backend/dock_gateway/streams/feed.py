@@ -8,21 +8,29 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED
-from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.throttle import Throttle
-from dock_gateway.gateway import Gateway
-from dock_gateway.storage import LaterEvents
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.simulator import Simulators
+from dock_gateway.settings import Settings
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History, LaterEvents
 
 
-async def snapshot(gateway: Gateway, event_filter: EventFilter) -> Event:
+async def snapshot(parts: Parts, event_filter: EventFilter) -> Event:
     """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
-    goals = await gateway.recent_goals(event_filter)
-    robot = gateway.robots.get(event_filter.robot)
-    dock, undock = gateway.actions.servers_of(event_filter.robot)
+    goals = await parts[Goals].recent(event_filter)
+    robot = parts[RobotRegistry].get(event_filter.robot)
+    dock, undock = parts[ActionRegistry].servers_of(event_filter.robot)
     fleet = {}
     if "robots" in event_filter.topics:
         grant = event_filter.grant or UNLIMITED
-        fleet = {"robots": gateway.fleet.documents(grant=grant), "alerts": gateway.alerts.documents(grant)}
+        fleet = {"robots": parts[Fleet].documents(grant=grant), "alerts": parts[AlertBoard].documents(grant)}
     return notice(
         "snapshot",
         utc_now(),
@@ -30,31 +38,31 @@ async def snapshot(gateway: Gateway, event_filter: EventFilter) -> Event:
         goals=[goal.document() for goal in goals],
         battery=robot.battery.document(),
         battery_publisher=robot.publisher.document(),
-        stop=gateway.stopper.state(event_filter.robot),
+        stop=parts[Stopper].state(event_filter.robot),
         action_server=dock,
         undock_server=undock,
         **fleet,
     )
 
 
-def present(gateway: Gateway, event_filter: EventFilter) -> list[Event]:
+def present(parts: Parts, event_filter: EventFilter) -> list[Event]:
     """Return the current state as events, for events that have no id and so are not replayed."""
     name, now = event_filter.robot, utc_now()
-    publisher = gateway.robots.get(name).publisher
+    publisher = parts[RobotRegistry].get(name).publisher
     events = [
-        system_event("stop", gateway.stopper.state(name), now, robot=name),
+        system_event("stop", parts[Stopper].state(name), now, robot=name),
         system_event("battery_publisher", publisher.document(), now, robot=name),
     ]
-    servers = gateway.actions.servers_of(name)
+    servers = parts[ActionRegistry].servers_of(name)
     events.append(system_event("docking", servers._asdict(), now, robot=name))
     events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
-    if (simulator := gateway.simulators.document(name)) is not None:
+    if (simulator := parts[Simulators].document(name)) is not None:
         events.append(system_event("simulator", simulator, now, robot=name))
     wanted = [event for event in events if event_filter.covers(event)]
     if "robots" in event_filter.topics:
         grant = event_filter.grant or UNLIMITED
-        wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(grant=grant), gone=[]))
-        wanted.append(fleet_event("alerts", now, alerts=gateway.alerts.documents(grant)))
+        wanted.append(fleet_event("robots", now, robots=parts[Fleet].documents(grant=grant), gone=[]))
+        wanted.append(fleet_event("alerts", now, alerts=parts[AlertBoard].documents(grant)))
     return wanted
 
 
@@ -65,29 +73,29 @@ PATIENCE = 3.0
 
 
 async def feed(
-    gateway: Gateway, subscriber: Subscriber, *, after: str | None = None, max_rate: float | None = None
+    parts: Parts, subscriber: Subscriber, *, after: str | None = None, max_rate: float | None = None
 ) -> AsyncIterator[Event]:
     """Yield every message for one reader. Ends when the gateway closes or the reader is too slow.
 
     Args:
-        gateway: The gateway.
+        parts: The parts of the gateway.
         subscriber: The reader's place in the hub.
         after: Id of the last event that the reader has seen. First come `resumed`, the missed events, and the current
             state of what is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
         max_rate: Maximum messages per second of each goal's feedback, of battery and of velocity.
     """
-    async for event in begin(gateway, subscriber, after):
+    async for event in begin(parts, subscriber, after):
         yield event
-    async for event in follow(gateway, subscriber, max_rate):
+    async for event in follow(parts, subscriber, max_rate):
         yield event
 
 
-async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
+async def follow(parts: Parts, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
     """Yield every message of a `feed` after the first ones: events, and notices of the stream itself."""
-    interval = gateway.settings.heartbeat_interval
+    interval = parts[Settings].heartbeat_interval
     throttle = Throttle(max_rate)
     next_heartbeat = time.monotonic() + interval
-    while not (gateway.hub.closing or subscriber.overrun or subscriber.expelled):
+    while not (parts[Hub].closing or subscriber.overrun or subscriber.expelled):
         due = min(next_heartbeat, throttle.next_due())
         events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
         if dropped:
@@ -108,18 +116,18 @@ def end_of(subscriber: Subscriber) -> str:
     return "too_slow" if subscriber.overrun else "shutting_down"
 
 
-async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
+async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
     """Yield the first messages: a snapshot, or the events missed since an event.
 
     If the reader wants a single goal, `ends_goal` of the last one says whether the reader now knows how the goal ended.
     """
     subscriber.clear()  # everything up to now is in the snapshot or the replay
-    if after is not None and gateway.hub.clock.is_past(after):
-        missed = await _missed(gateway, subscriber, after)
+    if after is not None and parts[Hub].clock.is_past(after):
+        missed = await _missed(parts, subscriber, after)
         if missed.complete:
-            over = await _ended_before(gateway, subscriber.event_filter, after)
+            over = await _ended_before(parts, subscriber.event_filter, after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
-            for event in permitted(subscriber, (*missed.events, *present(gateway, subscriber.event_filter))):
+            for event in permitted(subscriber, (*missed.events, *present(parts, subscriber.event_filter))):
                 yield event
             return
         yield notice("gap", utc_now(), after=after, count=len(missed.events))
@@ -128,7 +136,7 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
     if not subscriber.expelled:
-        yield await snapshot(gateway, subscriber.event_filter)
+        yield await snapshot(parts, subscriber.event_filter)
 
 
 def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event]:
@@ -139,43 +147,43 @@ def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event
         yield event
 
 
-async def _ended_before(gateway: Gateway, event_filter: EventFilter, after: str) -> bool:
+async def _ended_before(parts: Parts, event_filter: EventFilter, after: str) -> bool:
     """Whether a reader of one goal that has seen the event `after` knows how that goal ended."""
     if event_filter.goal_id is None:
         return False
-    goal = await gateway.goal(event_filter.goal_id)
+    goal = await parts[Goals].get(event_filter.goal_id)
     return goal.status.terminal and (goal.last_event_id or "") <= after
 
 
-async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> LaterEvents:
+async def _missed(parts: Parts, subscriber: Subscriber, after: str) -> LaterEvents:
     """Return the events after an event, published by any gateway. The reader's queue skips them."""
     subscriber.after = after
-    missed = gateway.hub.since(after, subscriber.event_filter)
+    missed = parts[Hub].since(after, subscriber.event_filter)
     if missed is not None:
         return LaterEvents(missed, complete=True)
-    later = await _from_history(gateway, subscriber.event_filter, after)
+    later = await _from_history(parts, subscriber.event_filter, after)
     if later.events:
         subscriber.catch_up(later.events[-1].id or after)
     return later
 
 
-async def _from_history(gateway: Gateway, event_filter: EventFilter, after: str) -> LaterEvents:
+async def _from_history(parts: Parts, event_filter: EventFilter, after: str) -> LaterEvents:
     """Return the stored events after an event that this process has not seen or no longer holds."""
     deadline = time.monotonic() + PATIENCE
     while True:
         try:
-            return await _read_history(gateway, event_filter, after)
+            return await _read_history(parts, event_filter, after)
         except GatewayError:
-            if time.monotonic() >= deadline or gateway.hub.closing:
+            if time.monotonic() >= deadline or parts[Hub].closing:
                 return LaterEvents([], complete=False)
             await asyncio.sleep(0.1)
 
 
-async def _read_history(gateway: Gateway, event_filter: EventFilter, after: str) -> LaterEvents:
+async def _read_history(parts: Parts, event_filter: EventFilter, after: str) -> LaterEvents:
     missed: list[Event] = []
     complete, last = True, after
     for _ in range(MAX_PIECES):
-        piece = await gateway.history.events_after(
+        piece = await parts[History].events_after(
             last,
             goal_id=event_filter.goal_id,
             action_name=event_filter.action_name,

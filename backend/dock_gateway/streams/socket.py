@@ -15,6 +15,8 @@ from fastapi import APIRouter, Depends, WebSocket
 from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
+from dock_gateway.access.authorization import authorize_command, subscribed
+from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import (
     Conflict,
@@ -28,18 +30,17 @@ from dock_gateway.core.errors import (
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
-from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import cancel
-from dock_gateway.gateway import Gateway
-from dock_gateway.http.audit_trail import audited_command
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
-from dock_gateway.http.principal import TICKET, authorize_command, principal_of, subscribed
+from dock_gateway.http.parts import AllParts, Parts
+from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.problems import INTERNAL
-from dock_gateway.http.queries import read_after, read_event_filter, read_max_rate
-from dock_gateway.http.requests import TheGateway, known_query
+from dock_gateway.http.requests import known_query
 from dock_gateway.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
 from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends
 from dock_gateway.streams.feed import end_of, feed
+from dock_gateway.streams.queries import read_after, read_event_filter, read_max_rate
 
 log = logging.getLogger(__name__)
 
@@ -51,12 +52,12 @@ SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 @router.websocket("/ws", dependencies=[Depends(known_query(TICKET))])
 @operation(Role.VIEWER, Scope.LISTED)
-async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
+async def socket(websocket: WebSocket, parts: AllParts) -> None:
     """Receive commands, send acks and events."""
     principal = principal_of(websocket)
-    session = Session(websocket, gateway, principal)
+    session = Session(websocket, parts, principal)
     # A socket counts as a subscriber even without a subscription, and is woken at shutdown.
-    with subscribed(gateway, principal, EventFilter(topics=frozenset())) as place:
+    with subscribed(parts, principal, EventFilter(topics=frozenset())) as place:
         try:
             await websocket.accept()
             await session.run(place)
@@ -77,7 +78,7 @@ class Session:
 
     Args:
         websocket: The connection.
-        gateway: Carries out the commands.
+        parts: Carry out the commands.
         principal: Who sends them.
         max_commands: Maximum number of commands in progress; more are refused.
         max_stops: Stops in addition to them. They are never refused: beyond this, the socket is not read until one is
@@ -87,7 +88,7 @@ class Session:
     def __init__(
         self,
         websocket: WebSocket,
-        gateway: Gateway,
+        parts: Parts,
         principal: Principal,
         *,
         max_commands: int = 64,
@@ -96,7 +97,7 @@ class Session:
         self._max_commands = max_commands
         self._max_stops = max_stops
         self._websocket = websocket
-        self._gateway = gateway
+        self._parts = parts
         self._principal = principal
         self._sending = asyncio.Lock()
         self._subscriptions: dict[str, Subscription] = {}
@@ -113,7 +114,7 @@ class Session:
         await cancel(*self._tasks())
 
     async def _farewell(self, place: Subscriber) -> None:
-        while not (self._gateway.hub.closing or place.expelled):
+        while not (self._parts[Hub].closing or place.expelled):
             await place.take(60.0)
         if tasks := self._tasks():  # each of them sends `closing` first
             await asyncio.wait(tasks)
@@ -159,7 +160,7 @@ class Session:
 
     async def _authorize(self, op: str, fields: Fields) -> None:
         if (needed := OPERATIONS.get(op)) is not None:
-            await authorize_command(self._gateway, self._principal, op, needed, fields)
+            await authorize_command(self._parts, self._principal, op, needed, fields)
 
     async def _do(self, op: str, fields: Fields) -> Fields:
         await self._authorize(op, fields)
@@ -169,7 +170,7 @@ class Session:
         if command is None:
             expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
             raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
-        return await command(self._gateway, self._principal, fields)
+        return await command(self._parts, self._principal, fields)
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     def subscribe(self, identity: str | None, fields: Fields) -> None:
@@ -193,11 +194,11 @@ class Session:
         self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
     ) -> None:
         try:
-            event_filter = await read_event_filter(self._gateway, query, self._principal.grant)
-            with subscribed(self._gateway, self._principal, event_filter) as subscriber:
+            event_filter = await read_event_filter(self._parts, query, self._principal.grant)
+            with subscribed(self._parts, self._principal, event_filter) as subscriber:
                 await self._answer("ack", identity, {"subscription": identity})
                 self._subscriptions[identity].acknowledged = True
-                async for event in feed(self._gateway, subscriber, after=after, max_rate=max_rate):
+                async for event in feed(self._parts, subscriber, after=after, max_rate=max_rate):
                     await self._send(event.text)
                 if subscriber.overrun:
                     await self._close("too_slow")
@@ -235,7 +236,7 @@ class Session:
 
     async def _send(self, text: str) -> None:
         async with self._sending:
-            await send_text(self._websocket, self._gateway, text)
+            await send_text(self._websocket, self._parts, text)
 
 
 # What each command needs, by its name.

@@ -2,15 +2,19 @@
 
 from fastapi import APIRouter, Depends, WebSocket
 
+from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
+from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.principal import TICKET, principal_of, subscribed
-from dock_gateway.http.queries import read_max_rate
-from dock_gateway.http.requests import TheGateway, known_query
+from dock_gateway.http.parts import AllParts
+from dock_gateway.http.principal import TICKET, principal_of
+from dock_gateway.http.requests import known_query
+from dock_gateway.settings import Settings
 from dock_gateway.streams.events import ignore_input, until_one_ends, write_events
 from dock_gateway.streams.feed import follow
+from dock_gateway.streams.queries import read_max_rate
 
 router = APIRouter()
 
@@ -19,7 +23,7 @@ MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 20.0, 5.0
 
 @router.websocket("/ws/topics", dependencies=[Depends(known_query("topic", "max_rate", TICKET))])
 @operation(Role.VIEWER, Scope.TOPIC)
-async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
+async def echo_topic(websocket: WebSocket, parts: AllParts) -> None:
     """Send a topic's endpoints, its newest messages, and once a second the rate of all its messages.
 
     `?topic=` names the topic; `?max_rate=` limits how many messages per second are shown.
@@ -28,8 +32,8 @@ async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
     if not (name := query.get("topic", "")):
         raise InvalidField([FieldError("query.topic", "the name of a topic", "got none")])
     max_rate = read_max_rate(query, MIN_RATE, MAX_RATE) or USUAL_RATE
-    with subscribed(gateway, principal_of(websocket), EventFilter(topics=frozenset())) as subscriber:
-        async with gateway.echoes.watch(gateway.settings.resolve(name, ""), subscriber, max_rate):
+    with subscribed(parts, principal_of(websocket), EventFilter(topics=frozenset())) as subscriber:
+        async with parts[EchoRegistry].watch(parts[Settings].resolve(name, ""), subscriber, max_rate):
             await websocket.accept()
-            events = write_events(websocket, gateway, subscriber, follow(gateway, subscriber))
+            events = write_events(websocket, parts, subscriber, follow(parts, subscriber))
             await until_one_ends(events, ignore_input(websocket))

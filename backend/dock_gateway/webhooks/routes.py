@@ -9,15 +9,16 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     SLUG_IN_PATH,
     LimitQuery,
-    TheGateway,
     json_response,
     known_query,
     read_slug,
 )
+from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookBody, WebhookList
 
 router = APIRouter(tags=["Webhooks"], prefix="/webhooks")
@@ -34,9 +35,9 @@ WebhookId = Annotated[str, Depends(_webhook_id_in_path)]
 
 @router.get("", response_model=WebhookList, responses=problems(422, 503), dependencies=[NO_QUERY])
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def list_webhooks(gateway: TheGateway) -> Response:
+async def list_webhooks(notifier: Part[Notifier]) -> Response:
     """List the webhooks by name, each with its last delivery. Secrets are not shown."""
-    return json_response({"webhooks": await gateway.notifier.documents()})
+    return json_response({"webhooks": await notifier.documents()})
 
 
 @router.put(
@@ -47,20 +48,20 @@ async def list_webhooks(gateway: TheGateway) -> Response:
     openapi_extra=body(body_schema(WebhookBody), required=True),
 )
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def replace_webhook(webhook_id: WebhookId, request: Request, gateway: TheGateway) -> Response:
+async def replace_webhook(webhook_id: WebhookId, request: Request, notifier: Part[Notifier]) -> Response:
     """Store a webhook, new or changed, at every gateway that shares the history.
 
     It receives the present alerts, and then each that begins or ends.
     """
     body = await read_signed(WebhookBody, request)
-    return json_response(await gateway.notifier.replace(webhook_id, body.webhook()))
+    return json_response(await notifier.replace(webhook_id, body.webhook()))
 
 
 @router.delete("/{webhook_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def remove_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response:
+async def remove_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Response:
     """Remove a webhook with its deliveries. What has not been sent yet is not sent."""
-    await gateway.notifier.remove(webhook_id)
+    await notifier.remove(webhook_id)
     return Response(status_code=204)
 
 
@@ -68,9 +69,9 @@ async def remove_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response
     "/{webhook_id}/test", response_model=Delivery, responses=problems(404, 409, 422, 503), dependencies=[NO_QUERY]
 )
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def test_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response:
+async def test_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Response:
     """Send a test now, once, also to a webhook that is off. The answer says what came of it, after 10 s at most."""
-    return json_response(await gateway.notifier.test(webhook_id))
+    return json_response(await notifier.test(webhook_id))
 
 
 @router.get(
@@ -80,6 +81,6 @@ async def test_webhook(webhook_id: WebhookId, gateway: TheGateway) -> Response:
     dependencies=[Depends(known_query("limit"))],
 )
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def list_deliveries(webhook_id: WebhookId, gateway: TheGateway, limit: LimitQuery = 50) -> Response:
+async def list_deliveries(webhook_id: WebhookId, notifier: Part[Notifier], limit: LimitQuery = 50) -> Response:
     """List what was and is to be sent to a webhook, newest first. The last 500 of all webhooks are kept."""
-    return json_response({"deliveries": await gateway.notifier.deliveries(webhook_id, limit)})
+    return json_response({"deliveries": await notifier.deliveries(webhook_id, limit)})

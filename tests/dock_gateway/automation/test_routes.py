@@ -14,7 +14,7 @@ from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.hub import Hub
-from dock_gateway.gateway import Gateway
+from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.shared_entries import SharedBook
@@ -43,8 +43,8 @@ class Client:
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)
         docking._waits = {}
-        gateway = SimpleNamespace(**audit_parts(), settings=settings, automation=docking)
-        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
+        parts = Parts({**audit_parts(), Settings: settings, AutomaticDocking: docking})
+        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:
         self._http.__enter__()

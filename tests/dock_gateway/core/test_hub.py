@@ -149,15 +149,16 @@ async def test_events_that_come_another_way_leave_the_queue() -> None:
 async def test_events_go_out_at_once_only_while_the_reader_waits_and_nothing_is_queued() -> None:
     hub = make(limit=10)
     reader = hub.subscribe(EventFilter())
-    sent: list[str] = []
+    sent: list[bytes] = []
     writable = True
 
-    def immediate(event: Event) -> bool:
-        if writable:
-            sent.append(event.text)
-        return writable
+    class Writer:
+        def write_frame(self, frame: bytes) -> bool:
+            if writable:
+                sent.append(frame)
+            return writable
 
-    reader.immediate = immediate
+    reader.writer = Writer()
     hub.publish(feedback(1))  # nobody waits yet: the snapshot comes first
     assert sent == []
     assert await texts(reader) == (["f1"], 0)
@@ -165,16 +166,16 @@ async def test_events_go_out_at_once_only_while_the_reader_waits_and_nothing_is_
     taking = asyncio.create_task(reader.take(5))
     await asyncio.sleep(0)
     hub.publish(feedback(2))
-    assert sent == ["f2"]
+    assert sent == [feedback(2).frame]
     writable = False  # the reader's buffer is full
     hub.publish(feedback(3))
     writable = True
     hub.publish(feedback(4))  # must not overtake
-    assert sent == ["f2"]
+    assert sent == [feedback(2).frame]
     events, _ = await taking
     assert [event.text for event in events] == ["f3", "f4"]
     hub.publish(feedback(5))  # the taken ones are being sent
-    assert sent == ["f2"]
+    assert sent == [feedback(2).frame]
 
 
 def stored(number: int) -> Event:

@@ -1,15 +1,14 @@
 """Labels over HTTP: what is stored, and what is refused with which field or code."""
 
 from collections.abc import Iterator
-from types import SimpleNamespace
-from typing import Any, Self, cast
+from typing import Any, Self
 
 import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.gateway import Gateway
+from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
@@ -26,8 +25,8 @@ class Client:
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
         self.labels = Labels(MemoryEntries[RobotLabel](), lambda: ["/", "/robot1"])
-        gateway = SimpleNamespace(**audit_parts(), settings=settings, labels=self.labels)
-        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
+        parts = Parts({**audit_parts(), Settings: settings, Labels: self.labels})
+        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:
         self._http.__enter__()

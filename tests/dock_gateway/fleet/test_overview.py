@@ -17,6 +17,7 @@ from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.battery import Battery
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.settings import Settings
@@ -69,7 +70,7 @@ class Parts:
         if name in self.robots:
             return self.robots[name]
         watch = SimpleNamespace(state=ServerState(str(name), "", available=True, answering=True))
-        return SimpleNamespace(watch=watch) if str(name).startswith("/robot1/connect") else None
+        return SimpleNamespace(name=name, watch=watch) if str(name).startswith("/robot1/connect") else None
 
     @property
     def docking(self) -> DockingActions:
@@ -104,6 +105,7 @@ class Parts:
             self.hub,
             robots=parts,
             actions=parts,
+            robot_actions=RobotActions(Settings(), parts, parts),
             interlock=parts,
             simulators=parts,
             last_goals=parts,

@@ -1,8 +1,6 @@
 """`/dock` and `/undock`: the action that is used, and the goals that are listed, lie within the user's limits."""
 
 import asyncio
-from collections.abc import Iterator
-from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,7 +8,6 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.app import create_app
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
@@ -18,6 +15,12 @@ from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.goal import Verb
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 from dock_gateway.storage.memory import MemoryHistory
@@ -29,39 +32,45 @@ SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 OURS = Grant(Role.OPERATOR, actions=("*/connect_to_charging_dock", "*/disconnect_from_charging_dock"))
 
 
-class LateServer:
+class LateServer(Parts):
     """A gateway that has seen no docking server of a robot when a request arrives, and nav2's right afterwards."""
 
     def __init__(self) -> None:
-        self.settings = SETTINGS
         self.logins = Logins(MemoryHistory(10))
-        self.quotas = Quotas(SETTINGS)
-        self.robots = SimpleNamespace(default_namespace="/", get=lambda name: SimpleNamespace(namespace=name))
         self.wanted: list[GoalFilter] = []
-        vars(self).update(audit_parts())
-        vars(self)["actions"].docking = DockingActions(DockingCatalog(SETTINGS), {})
+        docking = DockingActions(DockingCatalog(SETTINGS), {})
+        actions: Any = SimpleNamespace(docking=docking, find_docking=self._find_docking)
+        robots: Any = SimpleNamespace(default_namespace="/", get=lambda name: SimpleNamespace(namespace=name))
+        super().__init__(
+            {
+                **audit_parts(),
+                Settings: SETTINGS,
+                Logins: self.logins,
+                Quotas: Quotas(SETTINGS),
+                ActionRegistry: actions,
+                RobotRegistry: robots,
+                RobotActions: RobotActions(SETTINGS, actions, robots),
+                Goals: SimpleNamespace(page=self._page),
+            }
+        )
 
-    @contextmanager
-    def hinting(self, *_: object) -> Iterator[None]:
-        yield
-
-    async def docking_action(self, verb: Verb, robot: str | None = None) -> Any:
+    async def _find_docking(self, verb: Verb, robot: str) -> Any:
         return SimpleNamespace(name=f"{robot}/{verb}_robot")
 
-    async def page(self, wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
+    async def _page(self, wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
         self.wanted.append(wanted)
         return [], None
 
 
 @pytest.fixture
-def gateway() -> Any:
+def parts() -> LateServer:
     return LateServer()
 
 
 @pytest.fixture
-def client(gateway: Any) -> TestClient:
-    _, secret = asyncio.run(gateway.logins.create_token("limited", OURS))
-    app = create_app(SETTINGS, gateway)
+def client(parts: LateServer) -> TestClient:
+    _, secret = asyncio.run(parts.logins.create_token("limited", OURS))
+    app = create_app(SETTINGS, parts)
     headers = {"Authorization": f"Bearer {secret}"}
     return TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False, headers=headers)
 
@@ -74,10 +83,10 @@ def test_no_goal_is_sent_to_an_action_beyond_the_limits(client: TestClient, path
     assert f"/robot1{path}_robot" in answer.json()["detail"]
 
 
-async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(gateway: Any) -> None:
+async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(parts: LateServer) -> None:
     principal = Principal("limited", Kind.TOKEN, OURS, "id")
     with pytest.raises(NotAllowed) as refused:
-        await COMMANDS["send_goal"](gateway, principal, {"robot": "/robot1"})
+        await COMMANDS["send_goal"](parts, principal, {"robot": "/robot1"})
     assert refused.value.code == "not_covered"
 
 
@@ -89,10 +98,10 @@ async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(gateway: Any) ->
     ],
 )
 def test_goals_of_other_actions_are_not_listed(
-    client: TestClient, gateway: Any, path: str, own: str, other: str
+    client: TestClient, parts: LateServer, path: str, own: str, other: str
 ) -> None:
     with client:
         assert client.get(path, params={"robot": "/robot1"}).status_code == 200
-    (wanted,) = gateway.wanted
+    (wanted,) = parts.wanted
     assert wanted.matches(make_goal(1, action=own))
     assert not wanted.matches(make_goal(2, action=other))

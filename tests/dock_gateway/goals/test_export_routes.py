@@ -4,7 +4,7 @@ import csv
 import io
 from collections.abc import AsyncGenerator
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import orjson
 import pytest
@@ -13,21 +13,22 @@ from starlette.types import Message
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus, encode
-from dock_gateway.gateway import Gateway
 from dock_gateway.goals import export_routes as exports
+from dock_gateway.goals.goals import Goals
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.storage import GoalFilter, MemoryHistory
 from tests.support.history import START_NS, make_goal
 
 
 @pytest.fixture
-def gateway() -> Gateway:
-    """As much of a gateway as an export needs."""
-    history = MemoryHistory(5000)
-    actions = SimpleNamespace(goal=lambda _: None)
-    parts = SimpleNamespace(history=history, actions=actions)
-    parts.page = lambda *asked: Gateway.page(cast("Gateway", parts), *asked)
-    return cast("Gateway", parts)
+def history() -> MemoryHistory:
+    return MemoryHistory(5000)
+
+
+@pytest.fixture
+def all_goals(history: MemoryHistory) -> Goals:
+    actions: Any = SimpleNamespace(goal=lambda _: None)
+    return Goals(actions, history)
 
 
 async def whole(chunks: AsyncGenerator[bytes]) -> bytes:
@@ -39,55 +40,55 @@ def table(data: bytes) -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize("count", [0, 1, 200, 201, 1000])
-async def test_all_goals_that_match(gateway: Gateway, count: int) -> None:
+async def test_all_goals_that_match(all_goals: Goals, history: MemoryHistory, count: int) -> None:
     for number in range(count):
-        gateway.history.record(make_goal(number, action="/robot1/dock"))
-        gateway.history.record(make_goal(10_000 + number))
+        history.record(make_goal(number, action="/robot1/dock"))
+        history.record(make_goal(10_000 + number))
     expected = [f"goal-{number:04d}" for number in reversed(range(count))]
     wanted = GoalFilter(namespace="/robot1")
-    data = await whole(exports.goals_as_csv(gateway, wanted))
+    data = await whole(exports.goals_as_csv(all_goals, history, wanted))
     assert data.startswith(b"goal_id,action_name,")
     assert [row["goal_id"] for row in table(data)] == expected
-    goals = orjson.loads(await whole(exports.goals_as_json(gateway, wanted)))
+    goals = orjson.loads(await whole(exports.goals_as_json(all_goals, wanted)))
     assert [goal["goal_id"] for goal in goals] == expected
     assert all(goal["goal"] == {"order": 5} for goal in goals)
 
 
-async def a_goal(gateway: Gateway, feedback: int) -> Goal:
+async def a_goal(history: MemoryHistory, feedback: int) -> Goal:
     goal = make_goal(1, GoalStatus.EXECUTING)
-    gateway.history.record_event(status_event(goal, START_NS))
+    history.record_event(status_event(goal, START_NS))
     for number in range(feedback):
         goal.hear(b'{"sequence":%s}' % orjson.dumps(list(range(number % 7))), goal.created_at)
-        gateway.history.record_event(feedback_event(goal, START_NS + 1 + number))
+        history.record_event(feedback_event(goal, START_NS + 1 + number))
     goal.status = GoalStatus.SUCCEEDED
-    gateway.history.record_event(result_event(goal, START_NS + 10_000))
-    gateway.history.record(goal)
+    history.record_event(result_event(goal, START_NS + 10_000))
+    history.record(goal)
     return goal
 
 
 @pytest.mark.parametrize("feedback", [0, 1, 499, 500, 1203])
-async def test_all_events_of_a_goal(gateway: Gateway, feedback: int) -> None:
-    goal = await a_goal(gateway, feedback)
-    await gateway.history.notes.replace_tags(goal.goal_id, ["blocked"])
-    exported = orjson.loads(await whole(exports.goal_as_json(gateway, goal)))
+async def test_all_events_of_a_goal(history: MemoryHistory, feedback: int) -> None:
+    goal = await a_goal(history, feedback)
+    await history.notes.replace_tags(goal.goal_id, ["blocked"])
+    exported = orjson.loads(await whole(exports.goal_as_json(history, goal)))
     events = exported.pop("events")
     assert exported == orjson.loads(encode(goal.document())) | {"complete": True, "tags": ["blocked"], "notes": []}
     assert [event["type"] for event in events] == ["status", *["feedback"] * feedback, "result"]
 
-    rows = table(await whole(exports.goal_as_csv(gateway, goal)))
+    rows = table(await whole(exports.goal_as_csv(history, goal)))
     assert [row["id"] for row in rows] == [event["id"] for event in events if event["type"] == "feedback"]
     for row, event in zip(rows, events[1:-1], strict=True):
         sequence = [row[name] for name in row if name.startswith("sequence.")]
         assert [int(text) for text in sequence if text] == event["feedback"]["sequence"]
 
 
-async def test_feedback_that_comes_during_an_export_is_left_out(gateway: Gateway) -> None:
+async def test_feedback_that_comes_during_an_export_is_left_out(history: MemoryHistory) -> None:
     """Its columns are not known any more."""
-    goal = await a_goal(gateway, 3)
-    chunks = exports.goal_as_csv(gateway, goal)
+    goal = await a_goal(history, 3)
+    chunks = exports.goal_as_csv(history, goal)
     head = await anext(chunks)
     goal.hear(b'{"sequence":[1,2,3,4,5,6,7,8]}', goal.created_at)
-    gateway.history.record_event(feedback_event(goal, START_NS + 20_000))
+    history.record_event(feedback_event(goal, START_NS + 20_000))
     assert len(table(head + await whole(chunks))) == 3
 
 

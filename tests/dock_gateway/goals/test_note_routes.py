@@ -2,17 +2,16 @@
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Any, Self, cast
+from typing import Any, Self
 
 import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.core.errors import NotFound
-from dock_gateway.core.goal import Goal
-from dock_gateway.gateway import Gateway
+from dock_gateway.goals.goals import Goals
+from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
-from dock_gateway.storage import MemoryHistory
+from dock_gateway.storage import History, MemoryHistory
 from tests.support.audit import audit_parts
 from tests.support.history import make_goal
 from tests.support.shapes import check_answer
@@ -29,13 +28,10 @@ class Client:
         self.history = MemoryHistory(10)
         self.history.record(make_goal(1, goal_id=GOAL))
         settings = Settings(database_url="memory:")
-        gateway = SimpleNamespace(**audit_parts(), settings=settings, history=self.history, goal=self._goal)
-        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
-
-    async def _goal(self, goal_id: str) -> Goal:
-        if (goal := await self.history.get(goal_id)) is None:
-            raise NotFound("there is no such goal", code="goal_not_found")
-        return goal
+        actions: Any = SimpleNamespace(goal=lambda _: None)
+        goals = Goals(actions, self.history)
+        parts = Parts({**audit_parts(), Settings: settings, History: self.history, Goals: goals})
+        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:
         self._http.__enter__()

@@ -1,27 +1,11 @@
 """Bodies: one that is not there means something only where that is documented."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import pytest
 from starlette.requests import Request
 
 from dock_gateway.core.errors import InvalidField
-from dock_gateway.core.goal import GoalStatus
-from dock_gateway.goals.routes import send_goal
-from dock_gateway.http.audit_trail import Trail
 from dock_gateway.http.requests import check_key, known_query, read_goal_id, read_json, read_name
-from dock_gateway.settings import Settings
-from tests.support.history import make_goal
-
-
-def request(body: bytes, headers: list[tuple[bytes, bytes]] | None = None) -> Request:
-    async def receive() -> dict[str, Any]:
-        return {"type": "http.request", "body": body, "more_body": False}
-
-    state = {"gateway": SimpleNamespace(settings=Settings())}
-    scope = {"type": "http", "headers": headers or [], "state": state}
-    return Request(scope | {"audit": Trail(scope)}, receive)
+from tests.support.requests import request
 
 
 async def test_an_empty_body_is_refused() -> None:
@@ -61,45 +45,6 @@ def test_what_is_no_idempotency_key(key: str) -> None:
         check_key(key, "idempotency_key")
     (error,) = refused.value.extra["errors"]
     assert (error["path"], error["expected"]) == ("idempotency_key", "1 to 200 characters, without NUL")
-
-
-async def test_no_goal_is_sent_for_an_empty_body() -> None:
-    action: Any = SimpleNamespace(
-        name="/fibonacci", port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value))
-    )
-    with pytest.raises(InvalidField):
-        await send_goal(request(b""), action, "/actions/fibonacci/goals")
-
-
-async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted() -> None:
-    """The gateway may be killed before the goal ends."""
-    recorded: list[int] = []
-
-    async def submit(*_: object) -> Any:
-        return make_goal(1, GoalStatus.EXECUTING)
-
-    async def record(status: int) -> None:
-        recorded.append(status)
-
-    async def wait_terminal(*_: object) -> None:
-        assert recorded == [202]
-        recorded.append(0)
-
-    action: Any = SimpleNamespace(
-        name="/robot1/spin",
-        port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)),
-        submitter=SimpleNamespace(submit=submit),
-        tracker=SimpleNamespace(wait_terminal=wait_terminal),
-    )
-    asked = request(b"{}", [(b"prefer", b"wait=30")])
-    asked.scope["audit"].record = record
-    await send_goal(asked, action, "/actions/spin/goals")
-    assert recorded == [202, 0]
-    assert asked.scope["audit"].fields == {
-        "robot": "/robot1",
-        "action_name": "/robot1/spin",
-        "goal_id": "goal-0001",
-    }
 
 
 @pytest.mark.parametrize("query", [b"robot=/robot1&robot=/robot2", b"robot=/robot1&robot=/robot1", b"robto=/robot1"])

@@ -2,14 +2,15 @@
 
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from prometheus_client import CollectorRegistry
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Verb
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
 from dock_gateway.observability.goal_metrics import GoalMetrics
-from dock_gateway.observability.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
@@ -26,8 +27,7 @@ class Scene:
         self.actions = SimpleNamespace(on_end=[], on_lost=[], get=lambda name: name if name in self.on_graph else None)
         robot = SimpleNamespace(namespace="/robot1")
         robots = SimpleNamespace(owner=lambda name: robot if name.startswith("/robot1/") else None)
-        others: dict[str, Any] = dict.fromkeys(("bridge", "hub", "history", "stopper", "alerts", "notifier"))
-        parts: Any = Parts(Settings(max_actions=2), actions=self.actions, robots=robots, **others)  # type: ignore[arg-type]
+        parts = Parts({Settings: Settings(max_actions=2), ActionRegistry: self.actions, RobotRegistry: robots})
         GoalMetrics(self.registry, parts)
 
     def end(self, action: str, status: GoalStatus, seconds: float = 30.0, retries: int | None = None) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from opentelemetry.sdk.trace import ReadableSpan, TracerProvider
@@ -16,7 +15,10 @@ from opentelemetry.trace import StatusCode
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.request import CURRENT, RequestContext
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
 from dock_gateway.observability.goal_traces import FLUSH_WITHIN, GoalTraces
+from dock_gateway.robots.registry import RobotRegistry
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 DOCK = "/robot1/connect_to_charging_dock"
@@ -36,7 +38,7 @@ class Scene:
         robot = SimpleNamespace(namespace="/robot1")
         self.actions = SimpleNamespace(on_sent=[], on_change=[], on_end=[])
         robots = SimpleNamespace(owner=lambda name: robot if name.startswith("/robot1/") else None)
-        parts: Any = SimpleNamespace(actions=self.actions, robots=robots)
+        parts = Parts({ActionRegistry: self.actions, RobotRegistry: robots})
         self.traces = GoalTraces(provider, parts)
 
     def send(self, action: str = DOCK, origin: Origin = "gateway") -> Goal:

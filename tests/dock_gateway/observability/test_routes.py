@@ -1,9 +1,7 @@
 """What supervisors and load balancers read without a login names neither robots nor people."""
 
 import asyncio
-from functools import partial
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
@@ -11,12 +9,17 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.gateway import Gateway
-from dock_gateway.goals.hints import Sight
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.hints import Sight, docking_hint
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.registry import DockingServers
+from dock_gateway.goals.registry import ActionRegistry, DockingServers
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
-from dock_gateway.storage import HistoryStats
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History, HistoryStats
 from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
@@ -33,22 +36,24 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, .
     settings = Settings(authentication=authentication, database_url="sqlite:////nowhere")
     logins = Logins(MemoryHistory(10))
     _, secret = asyncio.run(logins.create_token("one", grant or Grant(Role.VIEWER)))
-    parts = audit_parts()
-    parts["actions"].servers_of = lambda _: DockingServers(SERVER, SERVER)
-    parts["actions"].get = lambda _: SimpleNamespace(watch=SimpleNamespace(ready=True))
-    gateway: Any = SimpleNamespace(
-        **parts,
-        settings=settings,
-        logins=logins,
-        bridge=SimpleNamespace(alive=True),
-        robots=SimpleNamespace(default_namespace="/", get=lambda _: SimpleNamespace(namespace="/")),
-        fleet=SimpleNamespace(sights=lambda *_: SIGHTS),
-        alerts=SimpleNamespace(of_graph=lambda _: [SimpleNamespace(detail="Two bases.")]),
-        history=SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),
-        stopper=SimpleNamespace(state=lambda _: STOP),
+    parts = Parts(
+        {
+            **audit_parts(),
+            Settings: settings,
+            Logins: logins,
+            ActionRegistry: SimpleNamespace(
+                servers_of=lambda _: DockingServers(SERVER, SERVER),
+                get=lambda _: SimpleNamespace(watch=SimpleNamespace(ready=True)),
+            ),
+            Bridge: SimpleNamespace(alive=True),
+            RobotRegistry: SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/")),
+            RobotActions: SimpleNamespace(sights=lambda: SIGHTS, hint=lambda name, _: docking_hint(name, SIGHTS)),
+            AlertBoard: SimpleNamespace(of_graph=lambda _: [SimpleNamespace(detail="Two bases.")]),
+            History: SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),
+            Stopper: SimpleNamespace(state=lambda _: STOP),
+        }
     )
-    gateway.hint = partial(Gateway.hint, gateway)
-    with TestClient(create_app(settings, gateway), "http://127.0.0.1:8000") as http:
+    with TestClient(create_app(settings, parts), "http://127.0.0.1:8000") as http:
         headers = {} if grant is None else {"Authorization": f"Bearer {secret}"}
         answer = http.get("/readyz", headers=headers)
         named = http.get("/readyz?robot=/robot1", headers=headers)

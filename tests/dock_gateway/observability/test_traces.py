@@ -8,14 +8,17 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
 from dock_gateway.observability.traces import open_traces
+from dock_gateway.robots.registry import RobotRegistry
 
 ENDPOINT = "OTEL_EXPORTER_OTLP_ENDPOINT"
 
 
 @pytest.fixture
-def parts() -> Any:
-    return SimpleNamespace(actions=SimpleNamespace(on_sent=[], on_change=[], on_end=[]), robots=None)
+def parts() -> Parts:
+    return Parts({ActionRegistry: SimpleNamespace(on_sent=[], on_change=[], on_end=[]), RobotRegistry: None})
 
 
 def test_without_an_endpoint_nothing_is_imported() -> None:
@@ -25,28 +28,28 @@ def test_without_an_endpoint_nothing_is_imported() -> None:
     assert done.stdout.strip() == "[]"
 
 
-def test_without_an_endpoint_there_are_none(parts: Any) -> None:
+def test_without_an_endpoint_there_are_none(parts: Parts) -> None:
     assert open_traces(parts) is None
-    assert not parts.actions.on_sent
+    assert not parts[ActionRegistry].on_sent
 
 
-def test_they_can_be_disabled(parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_they_can_be_disabled(parts: Parts, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setenv("OTEL_SDK_DISABLED", "true")
     assert open_traces(parts) is None
 
 
 @pytest.mark.parametrize("variable", [ENDPOINT, "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"])
-async def test_with_an_endpoint(parts: Any, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
+async def test_with_an_endpoint(parts: Parts, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
     monkeypatch.setenv(variable, "http://127.0.0.1:9")
     traces = open_traces(parts)
     assert traces is not None
-    assert parts.actions.on_sent
+    assert parts[ActionRegistry].on_sent
     await traces.close()
 
 
 def test_a_package_that_is_missing(
-    parts: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    parts: Parts, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     importing = builtins.__import__
 
@@ -61,7 +64,7 @@ def test_a_package_that_is_missing(
     assert "dock-gateway[traces] is not installed" in caplog.text
 
 
-def test_a_wrong_variable(parts: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_wrong_variable(parts: Parts, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setenv("OTEL_BSP_SCHEDULE_DELAY", "-1")
     assert open_traces(parts) is None

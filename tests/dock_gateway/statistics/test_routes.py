@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
-from typing import Any, Self, cast
+from typing import Any, Self
 from zoneinfo import ZoneInfo
 
 import pytest
@@ -15,12 +15,14 @@ from starlette.testclient import TestClient
 from dock_gateway.app import create_app
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.goal import GoalError, GoalStatus
-from dock_gateway.gateway import Gateway
 from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.owners import Owners
+from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
 from dock_gateway.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
-from dock_gateway.storage import GoalFilter, MemoryHistory, RobotLabel
+from dock_gateway.storage import GoalFilter, History, MemoryHistory, RobotLabel
 from dock_gateway.storage.statistics import Tally
 from tests.support.history import make_goal
 from tests.support.shapes import check_answer
@@ -37,14 +39,19 @@ class Client:
         settings = Settings(database_url="memory:")
         self.history = MemoryHistory(1000)
 
-        async def page(wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
-            return await self.history.page(wanted, limit=limit, before=before), None
-
-        robots = SimpleNamespace(all=lambda: [SimpleNamespace(namespace=name) for name in ("/", "/robot1")])
-        self.labels = Labels(self.history.labels, lambda: ["/", "/robot1"])
-        gateway = SimpleNamespace(settings=settings, history=self.history, robots=robots, labels=self.labels, page=page)
-        gateway.actions = SimpleNamespace(docking=DockingActions(DockingCatalog(settings), {}))
-        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
+        robots: Any = SimpleNamespace(namespaces=lambda: ["/", "/robot1"])
+        actions: Any = SimpleNamespace(goal=lambda _: None)
+        self.labels = Labels(self.history.labels, robots.namespaces)
+        docking = DockingActions(DockingCatalog(settings), {})
+        parts = Parts(
+            {
+                Settings: settings,
+                History: self.history,
+                Goals: Goals(actions, self.history),
+                Owners: Owners(docking, robots, self.labels, self.history),
+            }
+        )
+        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:
         self._http.__enter__()

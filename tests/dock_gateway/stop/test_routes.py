@@ -16,6 +16,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.access import ANYBODY, Kind, Principal
 from dock_gateway.core.errors import InvalidField
@@ -94,7 +95,7 @@ async def ask(fleet: FakeFleet, asked: Asked) -> tuple[int, Any]:
         "headers": [(b"host", b"127.0.0.1:8000"), *asked.headers],
         "client": ("127.0.0.1", 50000),
         "server": ("127.0.0.1", 8000),
-        "state": {"gateway": fleet.gateway},
+        "state": {"parts": fleet.parts},
     }
     await APP(scope, receive, send)
     body = b"".join(message.get("body", b"") for message in sent)
@@ -195,18 +196,19 @@ async def _nothing(_: str | None) -> None:
 async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: bytes) -> None:
     ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
     async with fleet_in(tmp_path) as fleet:
-        fleet.gateway.settings = Settings(authentication=True, database_url="sqlite:////nowhere")
-        fleet.gateway.logins = SimpleNamespace(prepare=_nothing, identify=lambda _: ada)
+        fleet.parts.add(Settings, Settings(authentication=True, database_url="sqlite:////nowhere"))
+        logins: Any = SimpleNamespace(prepare=_nothing, identify=lambda _: ada)
+        fleet.parts.add(Logins, logins)
         _, document = await ask(fleet, Asked(headers=(JSON,), body=(body,)))
         assert (document["stop"]["latched"], document["stop"]["by"]) == (True, "ada")
-        entry = fleet.gateway.audit.entries[-1]  # a busy machine reads the body late
+        entry = fleet.audit.entries[-1]  # a busy machine reads the body late
         assert (entry.what, entry.principal, entry.status) == ("stop", "ada", 200)
 
 
 async def test_who_is_known_is_named_on_a_websocket_too(tmp_path: Path) -> None:
     ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
     async with fleet_in(tmp_path) as fleet:
-        report = await COMMANDS["stop"](fleet.gateway, ada, {"latch": 1, "by": "mallory"})
+        report = await COMMANDS["stop"](fleet.parts, ada, {"latch": 1, "by": "mallory"})
         assert (report["stop"]["latched"], report["stop"]["by"]) == (True, "ada")
 
 
@@ -295,7 +297,7 @@ async def test_a_stop_whose_body_comes_late_is_recorded_as_it_begins_and_as_its_
 ) -> None:
     async with fleet_in(tmp_path, TIMING) as fleet:
         await ask(fleet, asked)
-        entries = fleet.gateway.audit.entries
+        entries = fleet.audit.entries
         assert [(entry.what, entry.robot, entry.status) for entry in entries] == [
             ("stop", began, 200),
             ("stop", *ended),
@@ -305,9 +307,9 @@ async def test_a_stop_whose_body_comes_late_is_recorded_as_it_begins_and_as_its_
 async def test_a_stop_whose_body_never_comes_is_recorded_before_it_is_waited_for(tmp_path: Path) -> None:
     async with fleet_in(tmp_path, TIMING) as fleet:
         asking = asyncio.create_task(ask(fleet, Asked(body=(b"{",), end="never")))
-        await until(lambda: fleet.gateway.audit.entries)
+        await until(lambda: fleet.audit.entries)
         assert not asking.done()
-        (entry,) = fleet.gateway.audit.entries
+        (entry,) = fleet.audit.entries
         assert (entry.what, entry.status, entry.outcome) == ("stop", 200, "done")
         asking.cancel()
 
@@ -346,7 +348,7 @@ def test_no_robot_is_stopped_where_it_is_not_clear_which(query: bytes, body: byt
 async def test_a_stop_on_a_websocket(tmp_path: Path, command: dict[str, Any], latched: bool, wrong: list[str]) -> None:
     async with fleet_in(tmp_path) as fleet:
         op, _, arguments = read_command({"op": "stop", **command})
-        report = await COMMANDS[op](fleet.gateway, ANYBODY, arguments)
+        report = await COMMANDS[op](fleet.parts, ANYBODY, arguments)
         assert fleet.zeros() == [0, 0, 1]
         assert fleet.interlock.holds("/robot2") is latched
         assert [error["path"] for error in (report["warning"] or {}).get("errors", [])] == wrong
@@ -359,5 +361,5 @@ async def test_no_robot_is_stopped_on_a_websocket_where_it_is_not_clear_which(
     async with fleet_in(tmp_path) as fleet:
         op, _, arguments = read_command({"op": "stop", **command})
         with pytest.raises(InvalidField):
-            await COMMANDS[op](fleet.gateway, ANYBODY, arguments)
+            await COMMANDS[op](fleet.parts, ANYBODY, arguments)
         assert fleet.zeros() == [0, 0, 0]

@@ -5,22 +5,29 @@ import logging
 from collections.abc import AsyncGenerator
 from copy import copy
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import orjson
 import pytest
 from starlette.types import Message
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
-from dock_gateway.gateway import Gateway
+from dock_gateway.core.hub import Hub
+from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.registry import DockingServers
+from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.registry import ActionRegistry, DockingServers
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.events import EventStream, _sse_chunks, until_one_ends
 from tests.support.tracking import A, S, Scene, scene
@@ -136,7 +143,7 @@ async def test_a_side_that_breaks_is_logged(caplog: pytest.LogCaptureFixture, er
     assert len(caplog.records) == logged
 
 
-class OneGoal:
+class OneGoal(Parts):
     """What a stream asks of the gateway; its goal ends while it is looked up for the `ends_at`th time."""
 
     def __init__(self, scene: Scene, ends_at: int) -> None:
@@ -145,16 +152,25 @@ class OneGoal:
         scene.tracker.move(self._goal, S.EXECUTING)
         part = SimpleNamespace(document=dict)
         robot = SimpleNamespace(namespace="/", battery=part, publisher=part)
-        self.hub, self.history = scene.hub, scene.history
-        self.settings = SimpleNamespace(heartbeat_interval=60.0)
-        self.robots = SimpleNamespace(get=lambda _: robot)
-        self.quotas, self.logins = Quotas(Settings()), Logins(MemoryHistory(1))
-        self.stopper = SimpleNamespace(state=lambda _: None)
-        self.simulators = SimpleNamespace(document=lambda _: None)
+        self.logins = Logins(MemoryHistory(1))
         server = ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
-        self.actions = SimpleNamespace(servers_of=lambda _: DockingServers(server, server))
+        super().__init__(
+            {
+                Settings: Settings(heartbeat_interval=60.0),
+                Hub: scene.hub,
+                History: scene.history,
+                Quotas: Quotas(Settings()),
+                Logins: self.logins,
+                Goals: SimpleNamespace(get=self._get, recent=self._recent),
+                ActionRegistry: SimpleNamespace(servers_of=lambda _: DockingServers(server, server)),
+                RobotRegistry: SimpleNamespace(get=lambda _: robot),
+                Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
+                Stopper: SimpleNamespace(state=lambda _: None),
+                Simulators: SimpleNamespace(document=lambda _: None),
+            }
+        )
 
-    async def goal(self, _: str, __: Grant = UNLIMITED) -> Goal:
+    async def _get(self, _: str, __: Grant = UNLIMITED) -> Goal:
         self._looks += 1
         found = copy(self._goal)
         if self._looks == self._ends_at:
@@ -162,8 +178,8 @@ class OneGoal:
             await asyncio.sleep(0.01)  # what was found in the history is old when it is there
         return found
 
-    async def recent_goals(self, event_filter: EventFilter) -> list[Goal]:
-        return [await self.goal(event_filter.goal_id or "")]
+    async def _recent(self, event_filter: EventFilter) -> list[Goal]:
+        return [await self._get(event_filter.goal_id or "")]
 
     def end(self) -> None:
         self._scene.tracker.end(self._goal, S.SUCCEEDED, result=b'{"n":1}')
@@ -175,50 +191,48 @@ BEFORE, LATER = 0, 99
 @pytest.mark.parametrize("resumes", [False, True])
 @pytest.mark.parametrize("ends_at", [BEFORE, 1, 2, 3, LATER])
 async def test_a_goals_stream_ends_with_the_goal_whenever_that_is(scene: Scene, ends_at: int, resumes: bool) -> None:
-    gateway = OneGoal(scene, ends_at)
+    parts = OneGoal(scene, ends_at)
     executing = (await scene.subscriber.take(1))[0][-1].id
     if ends_at == BEFORE:
-        gateway.end()
+        parts.end()
         await asyncio.sleep(0.01)
     told = []
     async with asyncio.timeout(5):
-        async for chunk in _sse_chunks(
-            cast("Gateway", gateway), ANYBODY, {"goal_id": A}, executing if resumes else None, None
-        ):
+        async for chunk in _sse_chunks(parts, ANYBODY, {"goal_id": A}, executing if resumes else None, None):
             told.append(orjson.loads(chunk.partition(b"data: ")[2]))
-            gateway.end()  # at the latest
+            parts.end()  # at the latest
     last = told[-1] if told[-1]["type"] == "result" else told[-1]["goals"][0]
     assert (last["status"], last["result"]) == ("succeeded", {"n": 1})
     assert len(scene.hub) == 1  # the scene's own
 
 
 async def test_who_has_had_the_end_of_a_goal_gets_nothing_more(scene: Scene) -> None:
-    gateway = OneGoal(scene, BEFORE)
-    gateway.end()
+    parts = OneGoal(scene, BEFORE)
+    parts.end()
     await asyncio.sleep(0.01)
     end = (await scene.subscriber.take(1))[0][-1].id
     async with asyncio.timeout(5):
-        told = [chunk async for chunk in _sse_chunks(cast("Gateway", gateway), ANYBODY, {"goal_id": A}, end, None)]
+        told = [chunk async for chunk in _sse_chunks(parts, ANYBODY, {"goal_id": A}, end, None)]
     assert [orjson.loads(chunk.partition(b"data: ")[2])["type"] for chunk in told] == ["resumed"]
 
 
 @pytest.mark.parametrize("resumes", [False, True])
 async def test_a_reader_whose_login_ends_gets_none_of_what_was_already_there(scene: Scene, resumes: bool) -> None:
     """However slowly it reads: missed events, and those that wait in its queue."""
-    gateway = OneGoal(scene, LATER)
+    parts = OneGoal(scene, LATER)
     executing = (await scene.subscriber.take(1))[0][-1].id
-    token, secret = await gateway.logins.create_token("cron", Grant(Role.VIEWER))
-    principal = gateway.logins.identify(secret)
+    token, secret = await parts.logins.create_token("cron", Grant(Role.VIEWER))
+    principal = parts.logins.identify(secret)
     if resumes:
         for number in range(50):
             scene.feedback(number)
-    chunks = _sse_chunks(cast("Gateway", gateway), principal, {"goal_id": A}, executing if resumes else None, None)
+    chunks = _sse_chunks(parts, principal, {"goal_id": A}, executing if resumes else None, None)
     told = [await anext(chunks)]
     if not resumes:
         for number in range(50):
             scene.feedback(number)
     told.append(await anext(chunks))
-    await gateway.logins.revoke_token(token["id"])
+    await parts.logins.revoke_token(token["id"])
     async with asyncio.timeout(5):
         told += [chunk async for chunk in chunks]
     types = [orjson.loads(chunk.partition(b"data: ")[2])["type"] for chunk in told]

@@ -11,13 +11,16 @@ import pytest
 from fastapi import WebSocket
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.hub import Hub, Subscriber
-from dock_gateway.gateway import Gateway
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.owners import Owners
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams import socket as socket_module
@@ -36,8 +39,7 @@ class FakeWebSocket:
         self._texts = list(texts)
         self._stays = stays
         self.told: list[dict[str, Any]] = []
-        gateway = SimpleNamespace(**audit_parts(), settings=SimpleNamespace(namespace=""))
-        self.scope = {"type": "websocket", "principal": ANYBODY, "state": {"gateway": gateway}}
+        self.scope = {"type": "websocket", "principal": ANYBODY, "state": {"parts": Parts(audit_parts())}}
 
     async def receive(self) -> dict[str, Any]:
         await asyncio.sleep(0.01)
@@ -69,8 +71,8 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
     settings = Settings(subscriber_timeout=1.0)
-    gateway = SimpleNamespace(settings=settings, quotas=Quotas(settings), logins=Logins(MemoryHistory(1)))
-    session = Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY, max_commands=2)
+    parts = Parts({Settings: settings, Quotas: Quotas(settings), Logins: Logins(MemoryHistory(1))})
+    session = Session(cast("WebSocket", websocket), parts, ANYBODY, max_commands=2)
     await session._read()
     await asyncio.sleep(0.01)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
@@ -82,24 +84,33 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     await asyncio.sleep(0.01)
 
 
-class Lookups:
+class Lookups(Parts):
     """A gateway that takes its time to look up a goal."""
 
     def __init__(self) -> None:
         self.hub = Hub(queue_limit=10, max_subscribers=10)
-        self.quotas, self.logins = Quotas(Settings()), Logins(MemoryHistory(1))
-        self.settings = SimpleNamespace(subscriber_timeout=1.0)
-        self.robots = SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/"))
+        settings = Settings(subscriber_timeout=1.0)
+        super().__init__(
+            {
+                Settings: settings,
+                Hub: self.hub,
+                Quotas: Quotas(settings),
+                Logins: Logins(MemoryHistory(1)),
+                Goals: SimpleNamespace(get=self._goal),
+                RobotRegistry: SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/")),
+                Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
+            }
+        )
 
-    async def goal(self, goal_id: str, _: Grant) -> Any:
+    async def _goal(self, goal_id: str, _: Grant) -> Any:
         await asyncio.sleep(0.05)
         return SimpleNamespace(goal_id=goal_id, action_name="/dock")
 
 
 @pytest.fixture
 def lookups(monkeypatch: pytest.MonkeyPatch) -> Lookups:
-    async def feed(gateway: Lookups, subscriber: Subscriber, **_: object) -> AsyncIterator[Event]:
-        while not gateway.hub.closing:
+    async def feed(parts: Parts, subscriber: Subscriber, **_: object) -> AsyncIterator[Event]:
+        while not parts[Hub].closing:
             await subscriber.take(60.0)
         await asyncio.sleep(0.05)  # such as for a snapshot
         yield notice("closing", utc_now())
@@ -112,8 +123,8 @@ def subscribe(identity: str) -> str:
     return f'{{"op": "subscribe", "id": "{identity}", "goal_id": "{A}"}}'
 
 
-def session_of(websocket: FakeWebSocket, gateway: Lookups) -> Session:
-    return Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
+def session_of(websocket: FakeWebSocket, parts: Lookups) -> Session:
+    return Session(cast("WebSocket", websocket), parts, ANYBODY)
 
 
 async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_refused(lookups: Lookups) -> None:
@@ -158,11 +169,11 @@ async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups:
 
 async def test_stops_are_never_refused(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
-        fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
-        fleet.gateway.logins = Logins(MemoryHistory(1))
+        fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
+        fleet.parts.add(Logins, Logins(MemoryHistory(1)))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
-        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY, max_commands=1, max_stops=1)
+        session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY, max_commands=1, max_stops=1)
         reading = asyncio.create_task(session._read())
         await until(lambda: len(websocket.told) == 20)
         reading.cancel()
@@ -172,10 +183,10 @@ async def test_stops_are_never_refused(tmp_path: Path) -> None:
 
 async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
-        fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
-        fleet.gateway.logins = Logins(MemoryHistory(1))
+        fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
+        fleet.parts.add(Logins, Logins(MemoryHistory(1)))
         websocket = FakeWebSocket()
-        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
+        session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY)
         await session._handle({"text": None, "bytes": b'{"op": "ping"}'})
         await session._handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
         assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [

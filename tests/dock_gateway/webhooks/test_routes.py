@@ -9,7 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.gateway import Gateway
+from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.memory import MemoryHistory
@@ -30,21 +30,22 @@ class Client:
         settings = Settings(database_url="memory:")
         history = MemoryHistory(10)
         self._notifier: Notifier | None = None
-        gateway = SimpleNamespace(**audit_parts(), settings=settings)
+        parts = Parts({**audit_parts(), Settings: settings})
 
         @asynccontextmanager
         async def opened(_: object) -> AsyncIterator[dict[str, Any]]:
             webhooks = SharedBook(history.webhooks, "webhook", 2)
-            gateway.notifier = Notifier(
+            notifier = Notifier(
                 cast("Any", SimpleNamespace(documents=list, on_change=[])),
                 cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
                 webhooks=webhooks,
                 outbox=Outbox(webhooks, SharedEntries(history.webhook_deliveries)),
             )
-            yield {"gateway": gateway}
-            await gateway.notifier.close()
+            parts.add(Notifier, notifier)
+            yield {"parts": parts}
+            await notifier.close()
 
-        app = create_app(settings, cast("Gateway", gateway))
+        app = create_app(settings, parts)
         app.router.lifespan_context = opened
         self._http = TestClient(app, base_url="http://127.0.0.1:8000")
 

@@ -2,15 +2,16 @@
 
 On the fast path, an event's frame is built once and written to each connection's transport. The standard path
 (`websocket.send`) wakes a task and frames the text again for each connection: 35 µs per message and reader, where the
-fast path takes a few. `streams/frames.py` uses it if a connection offers it.
+fast path takes a few. Streams use it if a connection offers it.
 """
 
 import asyncio
 import logging
 from http import HTTPStatus
 from time import monotonic
-from typing import Any, Protocol
+from typing import Any
 
+from starlette.websockets import WebSocket
 from uvicorn._types import ASGIReceiveEvent, ASGISendEvent
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
@@ -21,6 +22,7 @@ from websockets.server import ServerProtocol
 from websockets.typing import StatusLike
 
 from dock_gateway.core.goal import encode
+from dock_gateway.core.hub import FrameWriter
 from dock_gateway.http.edge.connection import ConnectionTransport, Edge
 from dock_gateway.http.edge.limits import Priority
 from dock_gateway.http.edge.refusal import refusal, refusal_headers
@@ -36,11 +38,10 @@ MAX_FRAGMENTS = 1_000
 FRAME_COST = 0.0001
 
 
-class FrameWriter(Protocol):
-    """The writer in the ASGI extension."""
-
-    def write_frame(self, frame: bytes) -> bool:
-        """Write a whole frame now. Return False, without writing, if it would have to wait."""
+def frame_writer(websocket: WebSocket) -> FrameWriter | None:
+    """Return the fast path to a WebSocket; None if the server offers none."""
+    extension = (websocket.scope.get("extensions") or {}).get(EXTENSION)
+    return None if extension is None else extension["writer"]
 
 
 class Handshake(ServerProtocol):

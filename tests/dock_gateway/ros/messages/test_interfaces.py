@@ -2,7 +2,6 @@
 
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from jsonschema import Draft202012Validator
@@ -12,6 +11,7 @@ from test_msgs.action import NestedMessage
 
 from action_tutorials_interfaces.action import Fibonacci
 from dock_gateway.app import create_app
+from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.interfaces import (
     definition_text,
     install_hint,
@@ -29,7 +29,7 @@ DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
 @pytest.fixture(scope="module")
 def client() -> TestClient:
     client = TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")  # no lifespan: no ROS
-    client.app_state["gateway"] = SimpleNamespace(settings=Settings())
+    client.app_state["parts"] = Parts({Settings: Settings()})
     return client
 
 

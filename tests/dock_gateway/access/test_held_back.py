@@ -5,7 +5,8 @@ import re
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import datetime, timedelta
-from typing import Any, cast
+from types import SimpleNamespace
+from typing import Any
 
 import orjson
 import pytest
@@ -16,18 +17,21 @@ from starlette.types import Message, Scope
 from dock_gateway.access import provider as provider_module
 from dock_gateway.access.jwt import BEHIND
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.app import api_routers, create_app
-from dock_gateway.core.errors import NotFound
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.gateway import Gateway
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.owners import Owners
 from dock_gateway.http.operation import operation_of
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
+from dock_gateway.storage import History
 from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import AuditList, audit_parts, make_entry
 from tests.support.history import make_goal
+from tests.support.parts import Refusing
 from tests.support.provider import FakeProvider, oidc_settings
 from tests.support.waiting import until
 
@@ -46,38 +50,32 @@ Change = Callable[["Site"], Awaitable[Any]]
 pytestmark = pytest.mark.usefixtures("quick_hashes")
 
 
-class Refusing:
-    """A part of the gateway that knows nothing: whoever comes this far was let through."""
-
-    def __getattr__(self, name: str) -> Any:
-        raise NotFound(f"there is no {name}")
-
-
 class Site:
     """A gateway with an admin, and nothing else; requests that are sent piece by piece."""
 
     def __init__(self, sso: SingleSignOn | None = None) -> None:
         self.settings = Settings(authentication=True, database_url="sqlite:////nowhere", body_timeout=1.0)
-        history = MemoryHistory(2000)
+        self.history = history = MemoryHistory(2000)
         self.logins = Logins(history, sso)
         self.audit = AuditList()
         self.secret = ""
-        gateway: Any = Refusing()
-        parts = {**audit_parts(), "audit": self.audit}
-        gateway.__dict__.update(
-            parts,
-            settings=self.settings,
-            history=history,
-            logins=self.logins,
-            quotas=Quotas(self.settings),
-            goal=self._no_goal,
-            page=lambda *asked: Gateway.page(gateway, *asked),
+        actions: Any = SimpleNamespace(goal=lambda _: None)
+        self.parts = Refusing(
+            {
+                **audit_parts(),
+                AuditLog: self.audit,
+                Settings: self.settings,
+                History: history,
+                Logins: self.logins,
+                Quotas: Quotas(self.settings),
+                Goals: Goals(actions, history),
+                Owners: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
+            }
         )
-        self.gateway = cast("Gateway", gateway)
-        self.app: FastAPI = create_app(self.settings, self.gateway)
+        self.app: FastAPI = create_app(self.settings, self.parts)
 
-    async def _no_goal(self, goal_id: str) -> Any:
-        raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
+    async def _all_actions(self, grant: Grant, group: str | None) -> None:
+        return None
 
     async def open(self) -> "Site":
         await self.logins.add_user("root", Grant(Role.ADMIN), PASSWORD)
@@ -140,7 +138,7 @@ class Site:
             "headers": [(name.encode(), value.encode()) for name, value in given.items()],
             "client": ("192.0.2.1", 50000),
             "server": ("127.0.0.1", 8000),
-            "state": {"gateway": self.gateway},
+            "state": {"parts": self.parts},
         }
 
 
@@ -271,8 +269,8 @@ async def test_an_export_ends_with_the_login(path: str) -> None:
     """Its client cannot take the part for the whole."""
     site = await Site().open()
     for number in range(1200):
-        site.gateway.history.record(make_goal(number))
-    await site.gateway.history.audit.append([make_entry(number) for number in range(1200)])
+        site.history.record(make_goal(number))
+    await site.history.audit.append([make_entry(number) for number in range(1200)])
     whole = await site.read(path)
     assert len(orjson.loads(whole)) == 1200
     part = await site.read(path, after_a_piece=log_out)

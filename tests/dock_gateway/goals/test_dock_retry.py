@@ -6,10 +6,13 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.goals import routes as goals
+from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.goals.dock_routes import send_docking_goal
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.submission import Delivery
 from dock_gateway.settings import Settings
+from tests.support.history import make_goal
+from tests.support.requests import request
 
 
 class FakeAction:
@@ -17,7 +20,9 @@ class FakeAction:
 
     on_graph = False
 
-    def __init__(self, *, server: bool, stopped: bool = False) -> None:
+    def __init__(self, name: str, *, server: bool, stopped: bool = False) -> None:
+        self.name = name
+        self.default_request: Any = {}
         nothing: Any = None
         tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
         interlock: Any = SimpleNamespace(holds=lambda _: False)
@@ -36,24 +41,30 @@ class FakeAction:
         if not self.server:
             raise Unavailable("there is no server")
         self.sent.append((message, key))
-        return message
+        return make_goal(1)
 
 
-async def send(first: Any, other: Any) -> Any:
-    async def pick() -> Any:
-        return other
+async def send(*found: Any) -> Any:
+    """Send a goal to the first action, while the second one is picked. Return what the audit log would have."""
+    picked = iter(found)
 
-    return await goals._send_docking_goal(first, pick, {}, "key")
+    async def find(*_: object) -> Any:
+        return next(picked)
+
+    asked = request(b"", [(b"idempotency-key", b"key")])
+    robot_actions: Any = SimpleNamespace(find=find)
+    await send_docking_goal(asked, robot_actions, "dock", None, UNLIMITED)
+    return asked.scope["audit"].fields
 
 
 async def test_another_action_gets_the_goal_of_one_without_a_server() -> None:
-    first, other = FakeAction(server=False), FakeAction(server=True)
-    assert await send(first, other) == (other, {})
+    first, other = FakeAction("/dock", server=False), FakeAction("/dock_robot", server=True)
+    assert await send(first, other) == {"robot": "/", "action_name": "/dock_robot", "goal_id": "goal-0001"}
     assert other.sent == [({}, "key")]
 
 
 async def test_a_stop_that_comes_meanwhile_keeps_it_from_being_sent() -> None:
-    first, other = FakeAction(server=False, stopped=True), FakeAction(server=True)
+    first, other = FakeAction("/dock", server=False, stopped=True), FakeAction("/dock_robot", server=True)
     with pytest.raises(Conflict) as refused:
         await send(first, other)
     assert refused.value.code == "stopped"

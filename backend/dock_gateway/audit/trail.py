@@ -3,31 +3,25 @@
 import asyncio
 import logging
 import uuid
-from collections.abc import Awaitable, Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
 from typing import Any, Final
 
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.access import Principal
-from dock_gateway.core.audit import MAX_ROBOTS, AuditEntry
+from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.filters import parent_of
-from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.request import PERMIT
-from dock_gateway.gateway import Gateway
 from dock_gateway.http.operation import READS, Audit, Operation, find_operation
+from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import address_of
-from dock_gateway.http.requests import GOAL_ID, get_gateway, read_goal_id
 
 log = logging.getLogger(__name__)
-
-# Parameters of paths that have a column of their own: `name` is that of an action.
-COLUMNS = frozenset({"goal_id", "name"})
-# What only the request says.
-FIELDS = ("robot", "action_name", "goal_id", "subject")
 
 
 class Trail:
@@ -71,14 +65,15 @@ class Trail:
             log.exception("%s could not be recorded", what)
 
     async def _record(self, what: str, status: int, code: str | None) -> None:
-        gateway = get_gateway(HTTPConnection(self._scope))
-        said = _parameters(self._scope, gateway) if self._command is None else _fields_of(self._command, gateway)
-        entry = self._entry(what, status, code, _completed({**said, **self.fields}, gateway))
+        parts = parts_of(HTTPConnection(self._scope))
+        subjects, log = parts[Subjects], parts[AuditLog]
+        said = subjects.of_request(self._scope) if self._command is None else subjects.of_command(self._command)
+        entry = self._entry(what, status, code, subjects.completed({**said, **self.fields}))
         operation = self._operation or find_operation(self._scope["route"])
         if status < 400 and operation is not None and operation.audit is Audit.STORED_FIRST:
-            await gateway.audit.store(entry)
+            await log.store(entry)
         else:
-            gateway.audit.record(entry)
+            log.record(entry)
 
     def _entry(self, what: str, status: int, code: str | None, fields: dict[str, Any]) -> AuditEntry:
         principal: Principal | None = self._scope.get("principal")
@@ -161,12 +156,6 @@ async def audited_command(
     return answer
 
 
-def robots_text(robots: Iterable[str]) -> str | None:
-    """Return robots as an entry names them, each once. A name that is not valid must not look like several."""
-    names = (normalize_namespace(robot).replace(",", "?") for robot in robots)
-    return ",".join(dict.fromkeys(names)) or None
-
-
 def _failure(error: BaseException) -> tuple[HTTPStatus, str]:
     """Return the status and the code of what was not answered: the gateway has ended meanwhile, or has a bug."""
     if isinstance(error, asyncio.CancelledError):
@@ -183,48 +172,3 @@ def _name(scope: Scope, status: int) -> str | None:
         return None
     name: str | None = getattr(route, "name", None)
     return name
-
-
-def _parameters(scope: Scope, gateway: Gateway) -> dict[str, str | None]:
-    """Return what the path and the query say."""
-    connection = HTTPConnection(scope)
-    path, query = connection.path_params, connection.query_params
-    if scope["method"] in READS:
-        return {"goal_id": path.get("goal_id"), "subject": str(query) or None}
-    others = [str(value) for name, value in path.items() if name not in COLUMNS]
-    robots: list[str] = []
-    if any(field.name == "robot" for field in scope["route"].dependant.query_params):
-        robots = query.getlist("robot") or [gateway.settings.namespace]
-    return {
-        "robot": robots_text(robots),
-        "action_name": f"/{path['name']}" if "name" in path else None,
-        "goal_id": path.get("goal_id"),
-        "subject": ", ".join(others) or None,
-    }
-
-
-def _fields_of(command: Mapping[str, Any], gateway: Gateway) -> dict[str, str | None]:
-    """Return what the fields of a command say."""
-    names = ("robot", "action", "goal_id")
-    robot, action, goal_id = (each if isinstance(each := command.get(name), str) else None for name in names)
-    if action is not None:
-        action = gateway.settings.resolve(action, robot)
-    elif goal_id is None:
-        robot = gateway.settings.namespace if robot is None else robot
-    return {"robot": robots_text([] if robot is None else [robot]), "action_name": action, "goal_id": goal_id}
-
-
-def _completed(known: Mapping[str, str | None], gateway: Gateway) -> dict[str, str | None]:
-    """Return all fields, with what follows from them: the action of a running goal, the robot of an action."""
-    robot, action_name, goal_id, subject = (known.get(name) for name in FIELDS)
-    if goal_id is not None and GOAL_ID.fullmatch(goal_id):
-        goal_id = read_goal_id(goal_id)
-        if action_name is None and (goal := gateway.actions.goal(goal_id)) is not None:
-            action_name = goal.action_name
-    if action_name is not None:  # a command may name another robot beside an absolute name
-        robot = parent_of(gateway.actions.docking.catalog.place_of(action_name))
-    if robot is not None and len(robot) > MAX_ROBOTS:
-        # There is room for every robot, but not for any number of names that are none.
-        present = {each.namespace for each in gateway.robots.all()}
-        robot = ",".join(sorted(robot.split(","), key=lambda name: name not in present))
-    return dict(zip(FIELDS, (robot, action_name, goal_id, subject), strict=True))

@@ -11,12 +11,12 @@ from starlette.websockets import WebSocket
 from websockets.asyncio.client import connect
 
 from dock_gateway.core.event import Event
-from dock_gateway.streams.frames import fast_path
+from dock_gateway.http.edge.websocket import frame_writer
 from tests.support.edge import serving
 
 
-def event(size: int) -> Event:
-    return Event(b"x" * size, "goals")
+def frame(size: int) -> bytes:
+    return Event(b"x" * size, "goals").frame
 
 
 def routes(endpoint: Any) -> Starlette:
@@ -27,9 +27,9 @@ def routes(endpoint: Any) -> Starlette:
 async def test_a_frame_reads_as_the_text(size: int) -> None:
     async def endpoint(websocket: WebSocket) -> None:
         await websocket.accept()
-        way = fast_path(websocket)
+        way = frame_writer(websocket)
         assert way is not None
-        assert way(event(size))
+        assert way.write_frame(frame(size))
         await websocket.close()
 
     async with serving(routes(endpoint)) as edge, connect(edge.websocket) as client:
@@ -39,7 +39,7 @@ async def test_a_frame_reads_as_the_text(size: int) -> None:
 async def test_on_another_server_there_is_the_standard_way_alone() -> None:
     async def endpoint(websocket: WebSocket) -> None:
         await websocket.accept()
-        await websocket.send_text(str(fast_path(websocket)))
+        await websocket.send_text(str(frame_writer(websocket)))
 
     with TestClient(routes(endpoint)) as client, client.websocket_connect("/") as connection:
         assert connection.receive_text() == "None"
@@ -49,14 +49,14 @@ async def test_nothing_is_written_to_a_reader_that_does_not_read_or_has_gone() -
     outcome: asyncio.Future[list[bool]] = asyncio.get_running_loop().create_future()
 
     async def endpoint(websocket: WebSocket) -> None:
-        way = fast_path(websocket)
+        way = frame_writer(websocket)
         assert way is not None
-        answers = [way(event(1))]  # not accepted yet
+        answers = [way.write_frame(frame(1))]  # not accepted yet
         await websocket.accept()
-        while way(event(1_000_000)):  # until its buffer is full
+        while way.write_frame(frame(1_000_000)):  # until its buffer is full
             answers.append(True)
         await websocket.receive()  # it left
-        outcome.set_result([*answers, way(event(1))])
+        outcome.set_result([*answers, way.write_frame(frame(1))])
 
     async with serving(routes(endpoint)) as edge:
         async with connect(edge.websocket, max_queue=1, close_timeout=0.1) as client:

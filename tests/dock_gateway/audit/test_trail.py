@@ -6,23 +6,29 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.app import create_app
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.routes import ROWS
+from dock_gateway.audit.subjects import Subjects
+from dock_gateway.audit.trail import AuditTrail, audited_command
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.gateway import Gateway
-from dock_gateway.http.audit_trail import AuditTrail, audited_command
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
-from dock_gateway.stop.stopper import StopTiming
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.socket import OPERATIONS
 from tests.support.audit import AuditList, make_entry
@@ -43,25 +49,27 @@ class Site:
         self.running: dict[str, str] = {GOAL: "/robot7/dock"}
         logins = Logins(self.history)
         self.secrets = asyncio.run(self._fill(logins))
-        gateway = SimpleNamespace(
-            settings=self.settings,
-            history=self.history,
-            audit=self.audit,
-            logins=logins,
-            actions=SimpleNamespace(goal=self._goal, docking=DOCKING),
-            # A busy machine reads the body of a stop late, and records that, too.
-            stopper=SimpleNamespace(release=self._release, timing=StopTiming(begin_within=60.0)),
-            quotas=Quotas(self.settings),
-            robots=SimpleNamespace(get=self._no_robot, all=lambda: [SimpleNamespace(namespace="/robot7")]),
+        self.parts = Parts(
+            {
+                Settings: self.settings,
+                History: self.history,
+                AuditLog: self.audit,
+                Subjects: Subjects(self.settings, self.running.get, lambda: ["/robot7"]),
+                Logins: logins,
+                ActionRegistry: SimpleNamespace(docking=DOCKING),
+                Goals: SimpleNamespace(get=self._goal),
+                Stopper: SimpleNamespace(release=self._release),
+                Quotas: Quotas(self.settings),
+                RobotRegistry: SimpleNamespace(get=self._no_robot),
+            }
         )
-        self._app = create_app(self.settings, cast("Gateway", gateway))
+        self._app = create_app(self.settings, self.parts)
 
     async def _fill(self, logins: Logins) -> dict[Role, str]:
         return {role: (await logins.create_token(role.value, Grant(role)))[1] for role in Role}
 
-    def _goal(self, goal_id: str) -> Any:
-        name = self.running.get(goal_id)
-        return name and SimpleNamespace(goal_id=goal_id, action_name=name)
+    async def _goal(self, goal_id: str, grant: Grant) -> Any:
+        raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
 
     async def _release(self, robot: str | None) -> dict[str, Any]:
         if robot == "/broken":
@@ -290,10 +298,7 @@ COMMAND = [
 @pytest.mark.parametrize(("op", "fields", "result", "found"), COMMAND)
 async def test_commands(op: str, fields: dict[str, Any], result: Any, found: tuple[Any, ...]) -> None:
     site = await asyncio.to_thread(Site)
-    actions = SimpleNamespace(goal=site._goal, docking=DOCKING)
-    quotas = Quotas(site.settings)
-    gateway = SimpleNamespace(settings=site.settings, audit=site.audit, actions=actions, quotas=quotas)
-    scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"gateway": gateway}, "request_id": "r1"}
+    scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"parts": site.parts}, "request_id": "r1"}
 
     async def carry_out() -> Any:
         if isinstance(result, Exception):
@@ -335,7 +340,7 @@ async def test_what_the_end_of_the_gateway_cuts_off_is_recorded(command: bool) -
         "headers": [],
         "route": route,
         "client": ("192.0.2.7", 1),
-        "state": {"gateway": SimpleNamespace(settings=site.settings, audit=site.audit)},
+        "state": {"parts": site.parts},
     }
     async with asyncio.TaskGroup() as tasks:
         cut_off = tasks.create_task(

@@ -2,26 +2,31 @@
 
 import asyncio
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
+from dock_gateway.access.scopes import require_covered
 from dock_gateway.app import create_app
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.gateway import Gateway
+from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Scope, operation_of
-from dock_gateway.http.scopes import require_covered
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.stop import routes as stop_routes
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.socket import OPERATIONS
-from tests.dock_gateway.http.test_principal import REQUESTS, path_of
+from tests.dock_gateway.access.test_authorization import REQUESTS, path_of
 from tests.support.audit import audit_parts
+from tests.support.parts import Refusing
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 GOAL, UNKNOWN = "00000000-0000-4000-8000-000000000000", "00000000-0000-4000-8000-000000000001"
@@ -40,31 +45,33 @@ def _alert(alert_id: str, grant: Grant) -> Any:
     return SimpleNamespace(robot="/robot2")
 
 
-class Other:
+class Other(Refusing):
     """A gateway with a robot `/robot2`, a goal and an alert of it. What else it is asked for shows a gap."""
 
-    def __init__(self) -> None:
-        self.settings = SETTINGS
+    def __init__(self, default_namespace: str = "/robot2") -> None:
         self.logins = Logins(MemoryHistory(10))
-        self.robots = SimpleNamespace(default_namespace="/robot2")
-        self.alerts = SimpleNamespace(get=_alert)
-        self.goal = _goal
-        parts = audit_parts()
-        parts["actions"].docking = DockingActions(DockingCatalog(Settings()), {})
-        vars(self).update(parts)
-
-    def __getattr__(self, name: str) -> Any:
-        raise NotFound(f"there is no {name}")
+        docking = DockingActions(DockingCatalog(Settings()), {})
+        super().__init__(
+            {
+                **audit_parts(),
+                Settings: SETTINGS,
+                Logins: self.logins,
+                ActionRegistry: SimpleNamespace(docking=docking),
+                RobotRegistry: SimpleNamespace(default_namespace=default_namespace),
+                AlertBoard: SimpleNamespace(get=_alert),
+                Goals: SimpleNamespace(get=_goal),
+            }
+        )
 
 
 @pytest.fixture
-def gateway() -> Gateway:
-    return cast("Gateway", Other())
+def parts() -> Other:
+    return Other()
 
 
-def refused(gateway: Gateway, grant: Grant, scope: Scope, names: dict[str, Any]) -> bool:
+def refused(parts: Parts, grant: Grant, scope: Scope, names: dict[str, Any]) -> bool:
     try:
-        asyncio.run(require_covered(gateway, grant, scope, names, "it"))
+        asyncio.run(require_covered(parts, grant, scope, names, "it"))
     except NotAllowed as error:
         return error.code == "not_covered"
     return False
@@ -72,10 +79,10 @@ def refused(gateway: Gateway, grant: Grant, scope: Scope, names: dict[str, Any])
 
 @pytest.mark.parametrize("limits", [{"robots": ("/robot1",)}, {"actions": ("/robot1/*",)}])
 def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str, ...]]) -> None:
-    gateway: Any = Other()
+    parts = Other()
     grant = Grant(Role.SUPERVISOR, **limits)
-    _, secret = asyncio.run(gateway.logins.create_token("limited", grant))
-    app = create_app(SETTINGS, gateway)
+    _, secret = asyncio.run(parts.logins.create_token("limited", grant))
+    app = create_app(SETTINGS, parts)
     with TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False) as client:
         client.headers["Authorization"] = f"Bearer {secret}"
         for method, template, operation in REQUESTS:
@@ -126,13 +133,13 @@ OTHERS: dict[Scope, list[dict[str, Any]]] = {
 
 
 @pytest.mark.parametrize("scope", list(NAMES))
-def test_what_is_about_the_own_robot_is_allowed(gateway: Gateway, scope: Scope) -> None:
-    assert not refused(gateway, ROBOT1, scope, NAMES[scope])
+def test_what_is_about_the_own_robot_is_allowed(parts: Parts, scope: Scope) -> None:
+    assert not refused(parts, ROBOT1, scope, NAMES[scope])
 
 
 @pytest.mark.parametrize(("scope", "names"), [(scope, names) for scope, many in OTHERS.items() for names in many])
-def test_what_is_about_another_one_is_not(gateway: Gateway, scope: Scope, names: dict[str, Any]) -> None:
-    assert refused(gateway, ROBOT1, scope, names)
+def test_what_is_about_another_one_is_not(parts: Parts, scope: Scope, names: dict[str, Any]) -> None:
+    assert refused(parts, ROBOT1, scope, names)
 
 
 @pytest.mark.parametrize(
@@ -140,38 +147,37 @@ def test_what_is_about_another_one_is_not(gateway: Gateway, scope: Scope, names:
     [(Scope.GOAL, "goal_id", (GOAL, UNKNOWN)), (Scope.ALERT, "alert_id", (ALERT, "low_battery:/x"))],
 )
 def test_what_is_another_s_is_as_unknown_as_what_there_is_not(
-    gateway: Gateway, scope: Scope, name: str, ids: tuple[str, str]
+    parts: Parts, scope: Scope, name: str, ids: tuple[str, str]
 ) -> None:
     problems = []
     for each in ids:
         with pytest.raises(NotFound) as error:
-            asyncio.run(require_covered(gateway, ROBOT1, scope, {name: each}, "it"))
+            asyncio.run(require_covered(parts, ROBOT1, scope, {name: each}, "it"))
         problems.append(str(error.value.problem()).replace(each, "ID"))
     assert problems[0] == problems[1]
 
 
 @pytest.mark.parametrize("scope", list(Scope))
-def test_without_limits_everything_is_allowed(gateway: Gateway, scope: Scope) -> None:
-    assert not refused(gateway, Grant(Role.VIEWER), scope, {"topic": "/x"})
+def test_without_limits_everything_is_allowed(parts: Parts, scope: Scope) -> None:
+    assert not refused(parts, Grant(Role.VIEWER), scope, {"topic": "/x"})
 
 
 @pytest.mark.parametrize("robots", [("/",), ("/", "/*"), ("**",)])
 async def test_who_is_limited_to_some_robots_cannot_release_the_stop_of_all(robots: tuple[str, ...]) -> None:
-    gateway: Any = Other()
-    gateway.robots.default_namespace = "/"
+    parts = Other(default_namespace="/")
     for scope in (operation_of(stop_routes.release_stop).scope, OPERATIONS["release_stop"].scope):
         for names in ({}, {"robot": "/"}):
             with pytest.raises(NotAllowed, match="every robot"):
-                await require_covered(gateway, Grant(Role.SUPERVISOR, robots), scope, names, "release_stop")
+                await require_covered(parts, Grant(Role.SUPERVISOR, robots), scope, names, "release_stop")
             for grant in (Grant(Role.SUPERVISOR), Grant(Role.SUPERVISOR, actions=("*/undock",))):
-                await require_covered(gateway, grant, scope, names, "release_stop")
+                await require_covered(parts, grant, scope, names, "release_stop")
 
 
-def test_a_list_of_topics_alone_limits_nothing_else(gateway: Gateway) -> None:
+def test_a_list_of_topics_alone_limits_nothing_else(parts: Parts) -> None:
     grant = Grant(Role.OPERATOR, topics=("*/battery_status",))
-    assert not refused(gateway, grant, Scope.ROBOT, {"robot": "/robot2"})
-    assert not refused(gateway, grant, Scope.TOPIC, {"topic": "/robot2/battery_status"})
-    assert refused(gateway, grant, Scope.TOPIC, {"topic": "/robot2/odom"})
+    assert not refused(parts, grant, Scope.ROBOT, {"robot": "/robot2"})
+    assert not refused(parts, grant, Scope.TOPIC, {"topic": "/robot2/battery_status"})
+    assert refused(parts, grant, Scope.TOPIC, {"topic": "/robot2/odom"})
 
 
 def test_every_scope_is_used_and_known() -> None:

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.access.quotas import MINUTE, Quotas
 from dock_gateway.core.access import ANYBODY, Kind, Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.http.quotas import MINUTE, Quotas
 from dock_gateway.settings import Settings
 
 MOST = 3

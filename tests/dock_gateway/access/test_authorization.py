@@ -6,23 +6,23 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.app import api_routers, create_app
-from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.gateway import Gateway
 from dock_gateway.http.operation import operation_of
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import audit_parts
+from tests.support.parts import Refusing
 from tests.support.shapes import check_answer
 
 ROUTES_OF_API = [route for router in api_routers() for route in router.routes]
@@ -42,29 +42,23 @@ OUT = {"required": True, "open_to": None, "principal": None, "provider": None}
 pytestmark = pytest.mark.usefixtures("quick_hashes", "stopped_clock")
 
 
-class Refusing:
-    """A part of the gateway that knows nothing: whoever comes this far was let through."""
-
-    def __getattr__(self, name: str) -> Any:
-        raise NotFound(f"there is no {name}")
-
-
 class Site:
     """A gateway with a token for each role, and nothing else."""
 
     def __init__(self, settings: Settings) -> None:
         self.logins = Logins(MemoryHistory(10))
         self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
-        gateway: Any = Refusing()
-        gateway.__dict__.update(
-            audit_parts(),
-            settings=settings,
-            logins=self.logins,
-            tickets=Tickets(),
-            quotas=Quotas(settings),
-            bridge=SimpleNamespace(alive=False),
+        parts = Refusing(
+            {
+                **audit_parts(),
+                Settings: settings,
+                Logins: self.logins,
+                Tickets: Tickets(),
+                Quotas: Quotas(settings),
+                Bridge: SimpleNamespace(alive=False),
+            }
         )
-        self._app = create_app(settings, cast("Gateway", gateway))
+        self._app = create_app(settings, parts)
 
     def add_user(self, name: str, role: Role) -> None:
         asyncio.run(self.logins.add_user(name, Grant(role), PASSWORD))

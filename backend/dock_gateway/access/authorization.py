@@ -1,0 +1,144 @@
+"""Whether a request or a command of `/ws` is allowed: checked before each, and while a stream lasts."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+from starlette.requests import HTTPConnection, Request
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.access.scopes import require_covered
+from dock_gateway.access.tickets import Tickets
+from dock_gateway.core.access import ANYBODY, Principal
+from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Role
+from dock_gateway.core.hub import Hub, Subscriber
+from dock_gateway.core.request import PERMIT, Permit
+from dock_gateway.http.operation import Operation, operation_of
+from dock_gateway.http.parts import Parts, parts_of
+from dock_gateway.http.principal import TICKET, secret_of
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.http.requests import read_body
+from dock_gateway.settings import Settings
+
+
+async def authorize(connection: HTTPConnection) -> None:
+    """Identify the user of a request, and refuse what the user's grant does not allow. A dependency of every route.
+
+    A body is read here, so that no route can act on one that was held back until the login had ended: a request is
+    authorized before it, as nobody reads the bodies of strangers, and again once it is there. A stop does not wait for
+    its body: it is authorized by its head alone.
+
+    Raises:
+        NotAuthenticated: The request needs a login, and has none that is valid.
+        NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
+            (`not_covered`).
+        TooManyRequests: They have sent too many goals in the last minute (`too_many_goals`).
+        MalformedRequest: The body is too large, too slow or cut off.
+    """
+    PERMIT.set(None)  # the connection's earlier request may have left its own
+    operation = operation_of(connection.scope["route"].endpoint)
+    if operation.role is None:
+        return
+    parts = parts_of(connection)
+    principal = await _admit(connection, operation)
+    if operation.reads_body or not isinstance(connection, Request):
+        return
+    await read_body(connection)
+    if principal.credential is not None:
+        if not parts[Logins].is_valid(principal):  # it has ended, or there is another role or limit
+            principal = await _admit(connection, operation)
+        _permit(parts[Logins], principal)
+    if operation.sends_goal:
+        parts[Quotas].spend_goal(principal)
+
+
+async def _admit(connection: HTTPConnection, operation: Operation) -> Principal:
+    """Return who makes a request, if they may make it now."""
+    connection.scope["principal"] = principal = await identify(connection)
+    name = connection.scope["route"].name
+    require(principal, operation.role, name)
+    names = {**connection.query_params, **connection.path_params}
+    await require_covered(parts_of(connection), principal.grant, operation.scope, names, name)
+    return principal
+
+
+async def identify(connection: HTTPConnection) -> Principal:
+    """Return who makes a request.
+
+    Raises:
+        NotAuthenticated: The request needs a login, and has none that is valid.
+        NotAllowed: It has an access token of the identity provider that gives no role (`no_role`).
+        Unavailable: It has one, and the provider has not answered yet (`provider_unavailable`).
+    """
+    parts = parts_of(connection)
+    ticket = connection.query_params.get(TICKET) if connection.scope["type"] == "websocket" else None
+    if ticket is None and not parts[Settings].authentication:
+        return ANYBODY
+    logins = parts[Logins]
+    if ticket is None:
+        secret = secret_of(connection)
+        await logins.prepare(secret)
+        return logins.identify(secret)
+    principal = parts[Tickets].redeem(ticket)
+    logins.require_valid(principal)
+    return principal
+
+
+async def authorize_command(
+    parts: Parts, principal: Principal, op: str, operation: Operation, fields: Mapping[str, Any]
+) -> None:
+    """Refuse a command that is not allowed. The user was identified when the connection was opened.
+
+    Raises:
+        NotAuthenticated: Their login has ended, or what they may do has changed (`invalid_token`).
+        NotAllowed, TooManyRequests: As for `authorize`.
+    """
+    parts[Logins].require_valid(principal)
+    require(principal, operation.role, op)
+    await require_covered(parts, principal.grant, operation.scope, fields, op)
+    _permit(parts[Logins], principal)
+    if operation.sends_goal:
+        parts[Quotas].spend_goal(principal)
+
+
+def _permit(logins: Logins, principal: Principal) -> None:
+    """Let a request or a command act for as long as its login lasts.
+
+    Raises:
+        NotAuthenticated: It has ended already: the history may have been asked what the request is about.
+    """
+    logins.require_valid(principal)
+    PERMIT.set(Permit(partial(logins.require_valid, principal), partial(logins.watch, principal)))
+
+
+def require(principal: Principal, role: Role | None, what: str) -> None:
+    """Refuse a request or a command that the user's role does not allow.
+
+    Raises:
+        NotAllowed: The role does not suffice (`role_required`).
+    """
+    own = principal.grant.role
+    if role is not None and not own.includes(role):
+        raise NotAllowed(f"{what} needs the role {role}; {principal.name} is {own}", code="role_required")
+
+
+@contextmanager
+def subscribed(parts: Parts, principal: Principal, event_filter: EventFilter) -> Iterator[Subscriber]:
+    """Subscribe a reader while the block runs. Its stream ends when the reader's login ends or is changed.
+
+    Raises:
+        NotAuthenticated: That has happened already, since it was authorized (`invalid_token`).
+        TooManyRequests: There are too many already, or too many of this user (`too_many_streams`).
+        Unavailable: The gateway is shutting down.
+    """
+    logins, hub = parts[Logins], parts[Hub]
+    logins.require_valid(principal)
+    subscriber = hub.subscribe(event_filter)
+    try:
+        with parts[Quotas].hold(principal, "streams"), logins.watch(principal, subscriber.expel):
+            yield subscriber
+    finally:
+        hub.unsubscribe(subscriber)

@@ -1,0 +1,114 @@
+"""Whether what a request or a command is about lies within its user's grant."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+from dock_gateway.core.errors import NotAllowed, not_covered
+from dock_gateway.core.grant import Grant
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.operation import Scope
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.requests import read_goal_id
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+
+# The query and path parameters of a request, or the fields of a command.
+Names = Mapping[str, Any]
+
+
+async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names, what: str) -> None:
+    """Refuse a request or a command that is about robots, actions or topics beyond a grant.
+
+    Raises:
+        NotAllowed: It is (`not_covered`).
+        InvalidField: A name is not valid.
+        NotFound: There is no such goal or alert, or it is beyond the grant, which is the same to who asks.
+    """
+    if scope is Scope.TOPIC:
+        covered = grant.covers_topic(topic := _topic(parts, names))
+        about = f"the topic {topic[:100]}"
+    elif not grant.limited or scope in (Scope.ANY, Scope.LISTED):
+        return
+    elif scope is Scope.EVERY:
+        raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_covered")
+    else:
+        covered, about = await _CHECKS[scope](parts, grant, names)
+    if not covered:
+        raise not_covered(about)
+
+
+async def _robot(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    robot = _namespace(parts, names)
+    return grant.covers_robot(robot), _describe_robot(robot, names)
+
+
+async def _robots(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    if _namespace(parts, names) == "/":  # a limit to `/` is only the robot without a namespace
+        return not grant.robots, "every robot; name one of yours with `robot`"
+    return await _robot(parts, grant, names)
+
+
+async def _dock(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    robot = _namespace(parts, names)
+    return grant.covers_action(parts[ActionRegistry].docking.of(robot).dock), _describe_robot(robot, names)
+
+
+async def _undock(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    robot = _namespace(parts, names)
+    return grant.covers_action(parts[ActionRegistry].docking.of(robot).undock), _describe_robot(robot, names)
+
+
+async def _action(_: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    name = f"/{names['name']}"
+    return grant.covers_action(name), f"the action {name[:100]}"
+
+
+async def _goal(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    if "name" in names and not grant.covers_action(name := f"/{names['name']}"):
+        return False, f"the action {name[:100]}"
+    # An unknown goal and another's: the same answer.
+    await parts[Goals].get(read_goal_id(str(names.get("goal_id"))), grant)
+    return True, ""
+
+
+async def _command_goal(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    if names.get("action") is None:
+        return await _dock(parts, grant, names)
+    namespace = None if names.get("robot") is None else _namespace(parts, names)
+    if namespace is not None and not grant.covers_robot(namespace):
+        return False, _describe_robot(namespace, names)
+    name = parts[Settings].resolve(str(names["action"]), namespace)
+    return grant.covers_action(name), f"the action {name[:100]}"
+
+
+async def _alert(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    parts[AlertBoard].get(names["alert_id"], grant)
+    return True, ""
+
+
+_CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]]] = {
+    Scope.ROBOT: _robot,
+    Scope.ROBOTS: _robots,
+    Scope.DOCK: _dock,
+    Scope.UNDOCK: _undock,
+    Scope.ACTION: _action,
+    Scope.GOAL: _goal,
+    Scope.NEW_GOAL: _command_goal,
+    Scope.ALERT: _alert,
+}
+
+
+def _namespace(parts: Parts, names: Names) -> str:
+    robot = names.get("robot")
+    return parts[RobotRegistry].default_namespace if robot is None else read_namespace(str(robot))
+
+
+def _describe_robot(robot: str, names: Names) -> str:
+    return f"the robot {robot}" + ("; name one of yours with `robot`" if names.get("robot") is None else "")
+
+
+def _topic(parts: Parts, names: Names) -> str:
+    return f"/{names['name']}" if "name" in names else parts[Settings].resolve(str(names.get("topic", "")), "")

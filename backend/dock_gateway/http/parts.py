@@ -1,0 +1,61 @@
+"""The parts of the gateway, each found by its type: `Part[Labels]` as a parameter of a route, else `parts[Labels]`."""
+
+from collections.abc import Callable, Coroutine, Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+from fastapi import Depends
+from starlette.requests import HTTPConnection
+
+T = TypeVar("T")
+
+
+class Parts:
+    """The parts of one gateway.
+
+    Args:
+        parts: Each part by its type.
+    """
+
+    def __init__(self, parts: Mapping[type, Any]) -> None:
+        self._parts = dict(parts)
+
+    def add(self, kind: type[T], part: T) -> None:
+        """Add a part."""
+        self._parts[kind] = part
+
+    def __getitem__(self, kind: type[T]) -> T:
+        part: T = self._parts[kind]
+        return part
+
+
+def parts_of(connection: HTTPConnection) -> Parts:
+    """Return the parts of the gateway that a request was sent to."""
+    parts: Parts = connection.state.parts
+    return parts
+
+
+async def depend_on_parts(connection: HTTPConnection) -> Parts:
+    """Return all parts, for `Depends`. A coroutine: FastAPI runs each plain function in a thread, on every request."""
+    return parts_of(connection)
+
+
+AllParts = Annotated[Parts, Depends(depend_on_parts)]
+
+if TYPE_CHECKING:
+    Part = Annotated[T, "found by its type"]
+else:
+
+    class Part:
+        """`Part[Labels]` is `Labels` to whoever reads it, and tells FastAPI to look that part up."""
+
+        def __class_getitem__(cls, kind: type) -> Any:
+            return Annotated[kind, Depends(_finder(kind))]
+
+
+@cache  # the same dependency for the same type: FastAPI looks each up once in a request
+def _finder(kind: type[T]) -> Callable[[HTTPConnection], Coroutine[Any, Any, T]]:
+    async def find(connection: HTTPConnection) -> T:
+        return parts_of(connection)[kind]
+
+    return find

@@ -1,0 +1,106 @@
+"""Query parameters of streams, which are the fields of `subscribe`, too: `?include= ?after= …`."""
+
+from collections.abc import Mapping
+
+from dock_gateway.core.errors import FieldError, InvalidField, got, not_covered
+from dock_gateway.core.filters import EventFilter, WithoutFeedback
+from dock_gateway.core.grant import Grant
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.owners import Owners
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.queries import EVENT_ID
+from dock_gateway.http.requests import read_goal_id
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import LONGEST_NAME, TOPIC, Settings
+
+STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
+INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")
+MIN_RATE, MAX_RATE = 0.01, 1000.0
+
+
+def read_after(query: Mapping[str, str]) -> str | None:
+    """Return the id of the event to resume after.
+
+    Raises:
+        InvalidField: It is not the id of an event.
+    """
+    after = query.get("after")
+    if after is not None and not EVENT_ID.fullmatch(after):
+        raise InvalidField([FieldError("query.after", "the id of an event", f"got {after[:60]!r}")])
+    return after
+
+
+def read_max_rate(query: Mapping[str, str], lowest: float = MIN_RATE, highest: float = MAX_RATE) -> float | None:
+    """Return the reader's maximum rate, in messages per second.
+
+    Raises:
+        InvalidField: The value is not a number in range.
+    """
+    text = query.get("max_rate")
+    if text is None:
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not lowest <= rate <= highest:
+        expected = f"a number from {lowest:g} to {highest:g}"
+        raise InvalidField([FieldError("query.max_rate", expected, f"got {text[:60]!r}")])
+    return rate
+
+
+def read_feedback(query: Mapping[str, str]) -> bool:
+    """Whether feedback is wanted.
+
+    Raises:
+        InvalidField: It is neither true nor false.
+    """
+    text = query.get("feedback", "true").lower()
+    if text not in ("true", "false"):
+        raise InvalidField([FieldError("query.feedback", "true or false", f"got {text[:60]!r}")])
+    return text == "true"
+
+
+async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant) -> EventFilter:
+    """Return the event filter of a query, for a reader with this grant.
+
+    Without `robot`, goals are those of all robots that the grant covers; battery, velocity and scene are those of the
+    configured robot, or of the first one that the grant covers.
+
+    Raises:
+        InvalidField: A value is invalid.
+        NotFound: There is no such goal or robot, or the grant does not cover the goal.
+        NotAllowed: The grant does not cover the robot (`not_covered`).
+    """
+    robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
+    namespace = "/" if robot is None else read_namespace(robot)
+    if action is not None and (len(action) > LONGEST_NAME or not TOPIC.fullmatch(action)):
+        raise InvalidField([FieldError("query.action", "the name of an action", got(action))])
+    names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
+    if unknown := [name for name in names if name not in INCLUDES]:
+        raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
+    kind = EventFilter if read_feedback(query) else WithoutFeedback
+    goal = None if goal_id is None else await parts[Goals].get(read_goal_id(goal_id), grant)
+    return kind(
+        topics=frozenset({"goals", *names}),
+        goal_id=None if goal is None else goal.goal_id,
+        action_name=None if action is None else parts[Settings].resolve(action, None if robot is None else namespace),
+        namespace=namespace,
+        robot=_read_robot(parts[RobotRegistry], robot, grant),
+        grant=grant if grant.limited else None,
+        homed=parts[Owners].homed_in(robot),
+    )
+
+
+def _read_robot(robots: RobotRegistry, robot: str | None, grant: Grant) -> str:
+    # Whether there is such a robot or not.
+    if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
+        raise not_covered(f"the robot {name}")
+    found = robots.get(robot).namespace
+    if grant.covers_robot(found):
+        return found
+    covered = [each.namespace for each in robots.all() if grant.covers_robot(each.namespace)]
+    if not covered:
+        raise not_covered(f"the robot {found}")
+    return min(covered)
