@@ -77,7 +77,7 @@ class AuditLog:
         self._unreported = 0  # lost entries that no entry says yet
         self._requests: Counter[str | None] = Counter()  # in this period, by user
         self._period: asyncio.TimerHandle | None = None
-        self._answering = True
+        self.answering = True  # whether the history took the last batch
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
         self._tasks = Tasks("writing the audit log")
@@ -114,7 +114,7 @@ class AuditLog:
             self.record(entry)
         else:
             self._put(entry)
-        if not self._answering or entry.entry_id not in self._waiting:
+        if not self.answering or entry.entry_id not in self._waiting:
             return
         ticket = self._tickets[entry.entry_id] = asyncio.get_running_loop().create_future()
         self._urgent.set()
@@ -181,10 +181,10 @@ class AuditLog:
             except Exception as error:
                 if not isinstance(error, Unavailable):
                     log.exception("while writing the audit log")
-                self._answering = False
+                self.answering = False
                 self._log(batch, {})
                 return False
-            self._answering = True
+            self.answering = True
             self._done(batch, rows)
         self._wake.clear()
         return True

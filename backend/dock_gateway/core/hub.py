@@ -243,6 +243,11 @@ class Hub:
         else:
             self._deliver(event)
 
+    @property
+    def waiting(self) -> int:
+        """Number of events that wait in line, with the places of those that are being stored."""
+        return len(self._line)
+
     def hold(self, source_ns: int) -> Hold:
         """Reserve a place for events that must be stored before they are published. Release it soon."""
         place = Hold(self, self.clock.stamp(source_ns))

@@ -41,6 +41,10 @@ class Canceler:
         tracker: The goals.
         interlock: The latched stops.
         limits: How often to repeat a request, and how many goals to remember.
+
+    Attributes:
+        unwanted: Why goals must not run, by their ids.
+        insisting: Ids of the goals that are being canceled until they have ended.
     """
 
     def __init__(
@@ -50,8 +54,8 @@ class Canceler:
         self._limits = limits
         self._tracker = tracker
         self._interlock = interlock
-        self._unwanted: dict[str, GoalError] = {}
-        self._insisting: set[str] = set()
+        self.unwanted: dict[str, GoalError] = {}
+        self.insisting: set[str] = set()
         for news in (News.SEEN, News.RETURNED):
             tracker.on[news].append(self.seen_again)
         tracker.on[News.RETIRED].append(self._forget)
@@ -106,7 +110,7 @@ class Canceler:
 
     def _refused(self, goal: Goal) -> None:
         """Accept a refusal: the goal is no longer unwanted, unless a stop is latched for it."""
-        self._unwanted.pop(goal.goal_id, None)
+        self.unwanted.pop(goal.goal_id, None)
         self._tracker.explain(goal, self._why_unwanted(goal))
 
     async def cancel_all(self) -> list[str]:
@@ -165,18 +169,18 @@ class Canceler:
         """Mark a goal that must not run, whenever it is seen."""
         if goal.status.final:
             return
-        self._unwanted.setdefault(goal.goal_id, why)
-        if len(self._unwanted) > len(self._tracker.live) + self._limits.unwanted:
-            del self._unwanted[next(goal_id for goal_id in self._unwanted if goal_id not in self._tracker.live)]
+        self.unwanted.setdefault(goal.goal_id, why)
+        if len(self.unwanted) > len(self._tracker.live) + self._limits.unwanted:
+            del self.unwanted[next(goal_id for goal_id in self.unwanted if goal_id not in self._tracker.live)]
 
     def seen_again(self, goal: Goal) -> None:
         """Cancel a goal that appears to run, if it is unwanted."""
         why = self._why_unwanted(goal)
-        if why is None or goal.goal_id in self._insisting:
+        if why is None or goal.goal_id in self.insisting:
             return
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail, extra={"goal_id": goal.goal_id})
         self._tracker.explain(goal, why)
-        self._insisting.add(goal.goal_id)
+        self.insisting.add(goal.goal_id)
         self._tracker.tasks.spawn(self._insist(goal))
 
     def cancel_unwanted(self) -> None:
@@ -186,7 +190,7 @@ class Canceler:
     def _why_unwanted(self, goal: Goal) -> GoalError | None:
         """Return why a goal must not run, or None if it may."""
         held = self._stopped(goal) if self._interlock.holds(goal.action_name) else None
-        return self._unwanted.get(goal.goal_id, held)
+        return self.unwanted.get(goal.goal_id, held)
 
     def _stopped(self, goal: Goal) -> GoalError:
         by = self._interlock.requested_by(goal.action_name)
@@ -224,11 +228,11 @@ class Canceler:
                 await asyncio.sleep(self._limits.cancel_retry)
             self._tracker.explain(goal, None)  # the stop was released, so the goal may run
         finally:
-            self._insisting.discard(goal.goal_id)
+            self.insisting.discard(goal.goal_id)
 
     def _forget(self, goal: Goal) -> None:
         if goal.status.final:
-            self._unwanted.pop(goal.goal_id, None)
+            self.unwanted.pop(goal.goal_id, None)
 
 
 def require_unfinished(goal: Goal) -> None:

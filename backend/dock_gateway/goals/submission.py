@@ -38,6 +38,7 @@ class Delivery:
 
     Attributes:
         stops: Number of stops requested.
+        unanswered: The requests of goals that were given up, by the goals' ids.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class Delivery:
         self._interlock = interlock
         self._canceler = canceler
         self.stops = 0
-        self._unanswered: dict[str, PendingCall] = {}  # of goals that were given up, by their ids
+        self.unanswered: dict[str, PendingCall] = {}
         tracker.on[News.RETIRED].append(self._forget)
         self._tasks: set[asyncio.Task[Goal]] = set()
 
@@ -190,12 +191,12 @@ class Delivery:
             call.forget()
             return
         self._canceler.mark_unwanted(goal, TOO_LATE)
-        self._unanswered[goal.goal_id] = call
+        self.unanswered[goal.goal_id] = call
         detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
         self._tracker.lose(goal, GoalError("action_server_timeout", detail))
 
         def answered(response: "asyncio.Future[Any]") -> None:
-            self._unanswered.pop(goal.goal_id, None)
+            self.unanswered.pop(goal.goal_id, None)
             if response.cancelled() or response.exception():
                 return
             self._tracker.heard()
@@ -208,7 +209,7 @@ class Delivery:
 
     def _forget(self, goal: Goal) -> None:
         """Stop waiting for the answer to a goal that was given up."""
-        if (call := self._unanswered.pop(goal.goal_id, None)) is not None:
+        if (call := self.unanswered.pop(goal.goal_id, None)) is not None:
             call.forget()
 
 

@@ -106,7 +106,7 @@ class Session:
 
     async def run(self, place: Subscriber) -> None:
         """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
-        await until_one_ends(self._read(), self._farewell(place))
+        await until_one_ends(self.read(), self._farewell(place))
 
     async def close(self) -> None:
         """End the subscriptions. Other commands in progress continue."""
@@ -123,7 +123,8 @@ class Session:
     def _tasks(self) -> list[asyncio.Task[None]]:
         return [subscription.task for subscription in self._subscriptions.values()]
 
-    async def _read(self) -> None:
+    async def read(self) -> None:
+        """Carry out what the client sends, each command in a task of its own, until it disconnects."""
         while True:
             received = await self._websocket.receive()
             if received["type"] == "websocket.disconnect":
@@ -135,11 +136,12 @@ class Session:
                 continue
             while len(self._commands) >= self._max_commands + self._max_stops:
                 await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
-            task = asyncio.create_task(self._handle(received))
+            task = asyncio.create_task(self.handle(received))
             self._commands.add(task)
             task.add_done_callback(self._commands.discard)
 
-    async def _handle(self, received: Message) -> None:
+    async def handle(self, received: Message) -> None:
+        """Carry out one command, and answer it."""
         identity: str | None = None
         try:
             op, identity, fields = read_command(_decode(received))

@@ -96,7 +96,7 @@ async def test_while_the_history_is_away_an_answer_waits_once_and_entries_are_ke
         assert 0.4 < await timed(audit.store(make_entry(1))) < PATIENCE
         store.away = True
         store.answering.set()
-        await until(lambda: not audit._answering)
+        await until(lambda: not audit.answering)
         async with asyncio.timeout(0.3):  # it is known to be away
             await audit.store(make_entry(2))
         audit.record(make_entry(3))

@@ -9,7 +9,6 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.automation import docking as docking_module
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
@@ -263,13 +262,12 @@ async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> No
     assert [decision.outcome for decision in await site.decided(2)] == [Outcome.GAVE_UP, Outcome.SENT]
 
 
-async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_the_old_rule(
-    site: Site, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    first, second = site.gateway(), site.gateway()
+async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_the_old_rule(site: Site) -> None:
+    first = site.gateway()
     await first.replace("low", replace(AT_ONCE, mode=Mode.DRY_RUN))
+    await site.decided()
+    second = site.gateway(sync_every=1_000_000)  # it reads once, at its start
     await until(lambda: [each.outcome for each in second.decisions.all().values()] == [Outcome.DRY_RUN])
-    monkeypatch.setattr(docking_module, "SYNC_EVERY", 1_000_000)
     await first.replace("low", AT_ONCE)
     assert [decision.outcome for decision in await site.decided(2)] == [Outcome.DRY_RUN, Outcome.SENT]
     second.decisions.close_rule("low")  # as if it had read the decisions, but not the rule

@@ -132,7 +132,7 @@ async def test_a_refusal_ends_all_wishes_to_cancel(scene: Scene) -> None:
     scene.port.script = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(Conflict):
         await scene.canceler.cancel(goal)
-    assert (scene.canceler._unwanted, goal.error) == ({}, None)
+    assert (scene.canceler.unwanted, goal.error) == ({}, None)
 
 
 async def test_an_ended_goal(scene: Scene) -> None:
@@ -237,7 +237,7 @@ async def test_a_server_that_cannot_cancel_a_goal_is_asked_until_its_status_says
     scene.canceler.seen_again(goal)
     await until(lambda: len(scene.port.asked) > 6)
     scene.tracker.on_status([StatusReport(A, S.CANCELING, 1)], 1)
-    await until(lambda: not scene.canceler._insisting)
+    await until(lambda: not scene.canceler.insisting)
 
 
 async def test_a_goal_that_a_server_forgot_to_name_is_being_canceled(scene: Scene) -> None:
@@ -295,10 +295,10 @@ async def test_only_so_many_unwanted_goals_are_remembered(scene: Scene) -> None:
     others = [Goal(f"{n}", "/dock", "pkg/action/Dock", datetime.now(UTC)) for n in range(4)]
     for goal in others[:2]:
         scene.canceler.mark_unwanted(goal, STOPPED)
-    assert list(scene.canceler._unwanted) == [A, "0", "1"]
+    assert list(scene.canceler.unwanted) == [A, "0", "1"]
     for goal in others[2:]:
         scene.canceler.mark_unwanted(goal, STOPPED)
-    assert scene.canceler._unwanted == {A: TOO_LATE, "2": STOPPED, "3": STOPPED}
+    assert scene.canceler.unwanted == {A: TOO_LATE, "2": STOPPED, "3": STOPPED}
 
 
 async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
@@ -310,7 +310,7 @@ async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog:
     await until(lambda: len(scene.port.asked) >= 4)
     refusals = [record for record in caplog.records if "could not be canceled: " in record.getMessage()]
     assert len(refusals) == 1
-    assert len(scene.canceler._insisting) == 1
+    assert len(scene.canceler.insisting) == 1
 
 
 async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
@@ -322,7 +322,7 @@ async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
     scene.canceler.mark_unwanted(goal, TOO_LATE)
     scene.tracker.end(goal, S.REJECTED, error=LOST)
-    assert scene.canceler._unwanted == {}
+    assert scene.canceler.unwanted == {}
 
 
 async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
@@ -387,7 +387,7 @@ async def test_a_refusal_is_taken_once_the_stop_is_released(scene: Scene) -> Non
     scene.canceler.seen_again(goal)
     await until(lambda: len(scene.port.asked) >= 2)
     scene.held = False
-    await until(lambda: not scene.canceler._insisting)
+    await until(lambda: not scene.canceler.insisting)
     asked = len(scene.port.asked)
     await asyncio.sleep(0.05)
     assert len(scene.port.asked) == asked

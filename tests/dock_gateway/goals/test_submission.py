@@ -351,7 +351,7 @@ async def test_a_goal_that_is_accepted_too_late_is_canceled(hasty: Scene) -> Non
     assert goal.error == TOO_LATE
     assert hasty.tracker.last_heard > 0.0, "the server lives"
     assert hasty.port.requested == [goal.goal_id]
-    assert hasty.delivery._unanswered == {}
+    assert hasty.delivery.unanswered == {}
 
 
 async def test_a_goal_that_is_rejected_too_late_says_what_its_sender_was_told(hasty: Scene) -> None:
@@ -360,7 +360,7 @@ async def test_a_goal_that_is_rejected_too_late_says_what_its_sender_was_told(ha
     hasty.answer(REJECTED)
     await until(lambda: goal.status is S.REJECTED)
     assert goal.error == told
-    assert hasty.delivery._unanswered == {}
+    assert hasty.delivery.unanswered == {}
 
 
 @pytest.mark.parametrize("failure", [asyncio.CancelledError(), Unavailable("gone")])
@@ -373,7 +373,7 @@ async def test_an_answer_that_never_comes_leaves_the_goal_lost(hasty: Scene, fai
         call.response.set_exception(failure)
     else:
         call.forget()
-    await until(lambda: hasty.delivery._unanswered == {})
+    await until(lambda: hasty.delivery.unanswered == {})
     assert (goal.status, problems) == (S.LOST, [])
 
 
@@ -381,9 +381,9 @@ async def test_nothing_is_awaited_of_a_goal_that_was_given_up_and_has_ended(hast
     goal = await hasty.given_up()
     problems: list[Any] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, problem: problems.append(problem))
-    assert hasty.delivery._unanswered.keys() == {goal.goal_id}
+    assert hasty.delivery.unanswered.keys() == {goal.goal_id}
     hasty.tracker.end(goal, S.SUCCEEDED, result=b"{}")
-    assert hasty.delivery._unanswered == {}
+    assert hasty.delivery.unanswered == {}
     assert hasty.port.sent[goal.goal_id][1].response.cancelled()
     await asyncio.sleep(0)
     assert problems == []
@@ -397,7 +397,7 @@ async def test_a_goal_that_ended_before_it_was_answered(scene: Scene) -> None:
     scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
     assert (await task).status is S.SUCCEEDED
     assert scene.port.sent[goal.goal_id][1].response.cancelled()
-    assert scene.delivery._unanswered == {}
+    assert scene.delivery.unanswered == {}
 
 
 # ------------------------------------------------------------------ what the sender is told

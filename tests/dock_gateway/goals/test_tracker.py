@@ -127,7 +127,7 @@ async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_
     assert (await scene.events())[-3:] == ["status:succeeded", "result:succeeded", "feedback:1"]
     scene.status((B, S.SUCCEEDED))
     scene.hub.publish(message_event("battery", b"{}", scene.hub.clock.stamp(0)))
-    await until(lambda: not scene.hub._line)  # a result that does not come holds nothing up for long
+    await until(lambda: not scene.hub.waiting)  # a result that does not come holds nothing up for long
 
 
 async def test_each_message_is_a_sign_of_life(scene: Scene) -> None:
@@ -218,10 +218,10 @@ async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
     scene.history.record(ended)
     for _ in range(2):
         scene.status((B, S.SUCCEEDED))
-    assert len(scene.hub._line) == 1, "one place is enough"
-    await until(lambda: not scene.hub._line)
+    assert scene.hub.waiting == 1, "one place is enough"
+    await until(lambda: not scene.hub.waiting)
     scene.status((B, S.SUCCEEDED))
-    assert not scene.hub._line, "its end is known"
+    assert not scene.hub.waiting, "its end is known"
 
 
 @limits(reserve_for=0.01)
@@ -231,7 +231,7 @@ async def test_a_place_that_nobody_takes_says_so(
     monkeypatch.setattr(scene.history, "shared", True)
     goal = scene.send()
     scene.status((A, S.SUCCEEDED))
-    await until(lambda: not scene.hub._line)
+    await until(lambda: not scene.hub.waiting)
     assert A in caplog.text
     scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
     assert (await scene.events())[-1] == "result:succeeded"

@@ -5,16 +5,9 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.app import create_app
-from dock_gateway.settings import Settings
 from tests.support.contract import contract
 
 STORED = Path(__file__).with_name("contract.txt")
-
-
-@pytest.fixture
-def document() -> dict[str, Any]:
-    return create_app(Settings()).openapi()
 
 
 def test_the_contract_is_as_it_was(document: dict[str, Any]) -> None:

@@ -197,15 +197,13 @@ async def test_the_oldest_rows_are_deleted_and_the_rest_is_still_a_chain(databas
     assert (await check(database_url)).fault == "row 5 was removed"
 
 
-async def test_more_than_the_limit_are_deleted_also_in_several_transactions(
-    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(audit, "CHUNK", 3)
+async def test_more_than_the_limit_are_deleted_also_in_several_transactions(database_url: str, tmp_path: Path) -> None:
+    count = 2 * audit.CHUNK + 5
     async with opened(database_url, tmp_path, audit_entries=2) as history:
         assert isinstance(history, SqlHistory)
-        await history.audit.append([make_entry(number, at=utc_now()) for number in range(10)])
+        await history.audit.append([make_entry(number, at=utc_now()) for number in range(count)])
         await history.retention.enforce()
-        assert await sequences(history) == [10, 9]
+        assert await sequences(history) == [count, count - 1]
         verdict = await check(database_url)
         assert (verdict.intact, verdict.fault) == (2, None)
 

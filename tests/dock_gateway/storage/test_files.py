@@ -246,18 +246,15 @@ async def test_of_two_gateways_one_sets_it_aside(when: str, path: Path, tmp_path
         assert goals_in(path) == [f"goal-{number:04d}" for number in (1, 2, 3, 4)]
 
 
-async def test_a_disk_that_damages_everything_is_not_filled(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(damage, "MAX_ASIDE", 3)
-    for _ in range(3):
+async def test_a_disk_that_damages_everything_is_not_filled(path: Path, tmp_path: Path) -> None:
+    for _ in range(damage.MAX_ASIDE):
         garbage(path)
         damage.set_aside(path)
     garbage(path)
     async with open_at(f"sqlite:///{path}", tmp_path) as history:
         await history.add(make_goal(1))
         await until(lambda: "check the disk" in (history.stats().last_error or ""))
-        assert len(beside(path)) == 3
+        assert len(beside(path)) == damage.MAX_ASIDE
         assert history.stats().spooled > 0
         for name in beside(path):
             (tmp_path / name).unlink()

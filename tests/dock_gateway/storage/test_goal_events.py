@@ -1,4 +1,4 @@
-"""The events of one goal, and whether they are all there."""
+"""Events after another one, the events of one goal, and whether they are all there."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from dock_gateway.core.event import KINDS, Event, event_id, moment
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.storage import History, MemoryHistory
 from dock_gateway.storage.event_reader import is_complete
-from tests.support.history import START_NS, make_event, make_goal, open_at, open_place, settled, written
+from tests.support.history import EVERYTHING, START_NS, make_event, make_goal, open_at, open_place, settled, written
 
 FEEDBACK = "f"
 
@@ -53,6 +53,33 @@ async def test_events_of_a_goal(place: str, tmp_path: Path) -> None:
         assert await numbers(history, after=after, until=make_event(6, droppable=True).id) == [3, 6]
         assert await numbers(history, "g2") == [4]
         assert await numbers(history, "g3") == []
+
+
+async def test_events_after_an_event(place: str, tmp_path: Path) -> None:
+    """Some of them are stored, some wait."""
+    goals = frozenset({"goals"})
+    async with open_place(place, tmp_path) as history:
+
+        async def after(number: int, **query: object) -> list[bytes] | None:
+            asked = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 100} | query
+            found = await history.events_after(make_event(number).id or "", **asked)  # type: ignore[arg-type]
+            return [event.data for event in found.events] if found.complete else None
+
+        for number in (3, 1, 2, 3):
+            history.record_event(make_event(number))
+        await settled(history)
+        history.record_event(make_event(4, goal_id="g2"))
+        history.record_event(make_event(5, "battery"))
+        history.record_event(Event(b"{}", "goals"))  # without an id
+        assert await after(1) == [make_event(number).data for number in (2, 3, 4, 5)]
+        assert await after(1, topics=frozenset({"battery"})) == [make_event(5).data]
+        assert await after(1, goal_id="g2", topics=goals) == [make_event(4).data]
+        assert await after(1, goal_id="g2", action_name="/other", topics=goals) == []
+        assert await after(1, limit=1) == [make_event(2).data]
+        assert await after(4) == [make_event(5).data]
+        assert await after(5) == []
+        assert await after(9) == [], "the event before was told, and is not stored yet"
+        assert await after(0) is None, "the past does not reach back so far"
 
 
 async def test_nothing_is_missing_of_a_goal_whose_events_are_there(place: str, tmp_path: Path) -> None:

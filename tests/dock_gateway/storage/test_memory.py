@@ -1,4 +1,7 @@
-"""Goals in memory: newest first, in pages, bounded, and running ones are never forgotten."""
+"""Goals in memory: bounded, and running ones are never forgotten.
+
+What a history in memory has in common with databases is in test_goal_filter.py and test_goal_events.py.
+"""
 
 from datetime import UTC, datetime, timedelta
 
@@ -21,21 +24,6 @@ async def fill(history: MemoryHistory, *goals: Goal) -> None:
 
 async def ids(history: MemoryHistory, **query: object) -> list[str]:
     return [goal.goal_id for goal in await page_of(history, action_names={"/dock"}, **query)]
-
-
-async def test_pages_are_newest_first() -> None:
-    history = MemoryHistory(100)
-    await fill(history, *(make(number) for number in range(5)), make(9, action="/fibonacci"))
-    assert await ids(history, limit=2) == ["goal-4", "goal-3"]
-    assert await ids(history, limit=2, before="goal-3") == ["goal-2", "goal-1"]
-    assert await ids(history, before="goal-0") == []
-    assert await ids(history, before="unknown") == []
-
-
-async def test_states_are_filtered() -> None:
-    history = MemoryHistory(100)
-    await fill(history, make(1), make(2, GoalStatus.EXECUTING), make(3))
-    assert await ids(history, statuses={GoalStatus.EXECUTING}) == ["goal-2"]
 
 
 async def test_the_oldest_ended_goal_is_forgotten_first() -> None:
@@ -96,19 +84,6 @@ async def after(history: MemoryHistory, number: int, **query: object) -> list[in
     asked = {"goal_id": None, "action_name": None, "topics": frozenset({"goals"}), "limit": 100} | query
     events = await history.events_after(f"{number:020d}-e", **asked)  # type: ignore[arg-type]
     return [int((each.id or "")[:20]) for each in events.events] if events.complete else None
-
-
-async def test_events_after_an_event() -> None:
-    history = MemoryHistory(10)
-    for each in (event(1), event(3), event(2), event(3), event(4, "battery"), event(5, goal_id="goal-2")):
-        history.record_event(each)
-    assert await after(history, 1) == [2, 3, 5]
-    assert await after(history, 1, goal_id="goal-1") == [2, 3]
-    assert await after(history, 1, topics=frozenset({"battery"})) == [4]
-    assert await after(history, 1, limit=1) == [2]
-    assert await after(history, 5) == []
-    assert await after(history, 9) == [], "the event before was told, and is not stored yet"
-    assert await after(history, 0) is None, "the past does not reach back so far"
 
 
 async def test_feedback_is_forgotten_before_status_and_the_gap_is_told() -> None:

@@ -8,8 +8,9 @@ import pytest
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
-from dock_gateway.storage import GoalNotes, History, Note, immediate, notes, sqlite
+from dock_gateway.storage import GoalNotes, History, Note, immediate, sqlite
 from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.storage.notes import MAX_NOTES
 from dock_gateway.storage.tables import goal_notes, goal_tags
 from tests.support.history import NOW, locked, make_goal, open_at, open_place, page_of, settled, written
 from tests.support.waiting import PATIENCE, until
@@ -53,30 +54,30 @@ async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path)
         assert await store.of("goal-0001") == GoalNotes(("blocked", "maintenance"), (note(3),))
 
 
-async def test_a_goal_has_room_for_a_hundred_notes(place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(notes, "MAX_NOTES", 3)
+async def test_a_goal_has_room_for_a_hundred_notes(place: str, tmp_path: Path) -> None:
     async with open_place(place, tmp_path) as history:
         await ready(history)
-        for number in range(3):
+        for number in range(MAX_NOTES):
             await history.notes.add("goal-0001", note(number))
         with pytest.raises(Conflict) as refused:
-            await history.notes.add("goal-0001", note(9))
+            await history.notes.add("goal-0001", note(MAX_NOTES))
         assert refused.value.code == "too_many_notes"
-        await history.notes.add("goal-0002", note(4))
-        assert len((await history.notes.of("goal-0001")).notes) == 3
+        await history.notes.add("goal-0002", note(MAX_NOTES))
+        assert len((await history.notes.of("goal-0001")).notes) == MAX_NOTES
 
 
-async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(notes, "MAX_NOTES", 5)
+async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path) -> None:
     async with open_at(database_url, tmp_path / "a") as one, open_at(database_url, tmp_path / "b") as other:
         await ready(one)
         await ready(other)
         one.record(make_goal(1))
         await written(one)
+        for number in range(MAX_NOTES - 5):
+            await one.notes.add("goal-0001", note(1000 + number))
         adds = (each.notes.add("goal-0001", note(number)) for number, each in enumerate((one, other) * 4))
         ends = await asyncio.gather(*adds, return_exceptions=True)
         assert sum(isinstance(end, Conflict) for end in ends) == 3
-        assert len((await one.notes.of("goal-0001")).notes) == 5
+        assert len((await one.notes.of("goal-0001")).notes) == MAX_NOTES
         await other.notes.replace_tags("goal-0001", ["blocked"])
         assert await one.notes.of("goal-0001") == await other.notes.of("goal-0001")
 

@@ -209,24 +209,6 @@ async def test_replicas_agree_on_a_goal_that_both_write(database_url: str, tmp_p
             )
 
 
-async def test_events_after_an_event(database_url: str, tmp_path: Path) -> None:
-    async with open_at(database_url, tmp_path) as history:
-        for number in (3, 1, 2, 3):
-            history.record_event(make_event(number))
-        await written(history)
-        history.record_event(make_event(4, goal_id="g2"))
-        history.record_event(make_event(5, "battery"))
-        history.record_event(Event(b"{}", "goals"))  # without an id
-        assert await after(history, 1) == [make_event(number).data for number in (2, 3, 4, 5)]
-        assert await after(history, 1, goal_id="g2", topics=frozenset({"goals"})) == [make_event(4).data]
-        assert await after(history, 1, goal_id="g2", action_name="/other", topics=frozenset({"goals"})) == []
-        assert await after(history, 1, limit=1) == [make_event(2).data]
-        assert await after(history, 4) == [make_event(5).data]
-        assert await after(history, 5) == []
-        assert await after(history, 9) == [], "the event before was told, and is not stored yet"
-        assert await after(history, 0) is None, "the past does not reach back so far"
-
-
 async def test_what_a_database_cannot_take_harms_nothing_else(database_url: str, tmp_path: Path) -> None:
     async with open_at(database_url, tmp_path) as history:
         history.record(make_goal(1))

@@ -73,7 +73,7 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     settings = Settings(subscriber_timeout=1.0)
     parts = Parts({Settings: settings, Quotas: Quotas(settings), Logins: Logins(MemoryHistory(1))})
     session = Session(cast("WebSocket", websocket), parts, ANYBODY, max_commands=2)
-    await session._read()
+    await session.read()
     await asyncio.sleep(0.01)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
         ("error", "too_many_requests", None),
@@ -130,7 +130,7 @@ def session_of(websocket: FakeWebSocket, parts: Lookups) -> Session:
 async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_refused(lookups: Lookups) -> None:
     websocket = FakeWebSocket(subscribe("a"), subscribe("a"), subscribe("b"))
     session = session_of(websocket, lookups)
-    await session._read()
+    await session.read()
     await asyncio.sleep(0.1)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
         ("error", "subscription_exists", "a"),
@@ -148,7 +148,7 @@ async def test_a_subscription_that_is_under_way_when_the_socket_closes_leaves_no
 ) -> None:
     websocket = FakeWebSocket()
     session = session_of(websocket, lookups)
-    command = asyncio.create_task(session._handle(subscribe("a")))
+    command = asyncio.create_task(session.handle(subscribe("a")))
     await asyncio.sleep(later)
     await session.close()
     await command
@@ -174,7 +174,7 @@ async def test_stops_are_never_refused(tmp_path: Path) -> None:
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
         session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY, max_commands=1, max_stops=1)
-        reading = asyncio.create_task(session._read())
+        reading = asyncio.create_task(session.read())
         await until(lambda: len(websocket.told) == 20)
         reading.cancel()
         assert {answer["op"] for answer in websocket.told} == {"ack"}
@@ -187,8 +187,8 @@ async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
         fleet.parts.add(Logins, Logins(MemoryHistory(1)))
         websocket = FakeWebSocket()
         session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY)
-        await session._handle({"text": None, "bytes": b'{"op": "ping"}'})
-        await session._handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
+        await session.handle({"text": None, "bytes": b'{"op": "ping"}'})
+        await session.handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
         assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [
             ("error", "malformed_json"),
             ("ack", None),

@@ -173,8 +173,6 @@ def test_every_field_of_our_actions_is_explained(client: TestClient, name: str) 
             "interface_not_found",
             "ROS interfaces slam_msgs (such as ros-",
         ),
-        ("action_tutorials_interfaces/action/Nope", 404, "interface_not_found", "have no action Nope"),
-        ("os/action/Path", 404, "interface_not_found", "is not installed"),
         ("a.b/action/C", 422, "invalid_field", "path.package"),
         ("os/action/path", 422, "invalid_field", "path.name"),
         ("test_msgs/action/Fibonacci%0A", 422, "invalid_field", "path.name"),
