@@ -61,8 +61,12 @@ def test_turning_to_and_fro_shows_that_odometry_measures_turns_too_large() -> No
         seen = reading(pose, stamp=now)
         beacon_filter.update(observed(Pose(0.0, 0.0, 1.1 * pose.theta), now, seen))
         now += PERIOD
-    assert beacon_filter._state is not None
-    assert beacon_filter._state.turn_scale == pytest.approx(1.0 / 1.1, abs=0.03)
+    turned = pose.theta - 0.5  # without a reading
+    robot = Pose(0.0, 0.0, 1.1 * turned)
+    beacon_filter.update(Observation(now, odometry=Odometry(robot, STANDSTILL, now)))
+    receivers = RECEIVERS.position(Pose(0.0, 0.0, turned))
+    bearing = math.atan2(BEACON.y - receivers.y, BEACON.x - receivers.x) - turned
+    assert beacon_filter.bearing(robot) == pytest.approx(bearing, abs=0.01)
 
 
 def test_late_odometry_is_waited_for() -> None:

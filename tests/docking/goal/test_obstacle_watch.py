@@ -373,19 +373,20 @@ def test_the_dock_is_beyond_the_front_of_a_robot_that_is_longer_in_front() -> No
         assert watch.stops(Velocity(0.5)) is not is_dock
 
 
-def test_the_way_is_looked_at_from_where_a_command_takes_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_way_is_looked_at_from_where_a_command_takes_effect() -> None:
     drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), command_delay=0.3))
     ahead: list[float] = []
-    look = ObstacleWatch.look
 
-    def spy(watch: ObstacleWatch, observation: Observation, docked: Pose | None, dt: float) -> bool:
-        known = drive.simulation.observe().odometry
-        assert known is not None
-        assert observation.odometry is not None
-        ahead.append(observation.odometry.pose.distance_to(known.pose))
-        return look(watch, observation, docked, dt)
+    class Spy(ObstacleWatch):
+        def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
+            known = drive.simulation.observe().odometry
+            assert known is not None
+            assert observation.odometry is not None
+            ahead.append(observation.odometry.pose.distance_to(known.pose))
+            return super().look(observation, docked, dt)
 
-    monkeypatch.setattr(ObstacleWatch, "look", spy)
+    dock = DockSettings(controller=ControllerName.DOCK_POSE)
+    drive.goal = Goal(make_plan(dock), Docking(dock.timeouts), 0.0, Spy(COLLISION, dock.outline.points))
     assert drive.run() == Outcome(End.SUCCEEDED)
     assert max(ahead) > 0.03
 
