@@ -16,19 +16,11 @@ class Level(enum.IntEnum):
     ERROR = 2
 
 
-LEVELS = {
-    Stage.IDLE: Level.OK,
-    Stage.INITIAL_PERCEPTION: Level.OK,
-    Stage.NAV_TO_STAGING_POSE: Level.OK,
-    Stage.CONTROLLING: Level.OK,
-    Stage.WAIT_FOR_CHARGE: Level.OK,
+LEVELS = dict.fromkeys(Stage, Level.OK) | {
     Stage.RETRY: Level.WARN,
-    Stage.UNDOCKING: Level.OK,
     Stage.WAIT_FOR_CLEARANCE: Level.WARN,
     Stage.WAIT_FOR_BATTERY: Level.WARN,
     Stage.WAIT_FOR_ODOMETRY: Level.WARN,
-    Stage.SUCCEEDED: Level.OK,
-    Stage.CANCELED: Level.OK,
     Stage.ABORTED: Level.ERROR,
     Stage.REJECTED: Level.WARN,
 }

@@ -6,17 +6,14 @@ from dataclasses import replace
 
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.core.errors import Stage
-from docking.core.footprint import Footprint
-from docking.core.transform import Transform
 from docking.goal.admission import DOCKING
 from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
-from docking.parameters import ControllerName, DockPlace, DockSettings, StagingGoal
+from docking.parameters import DockSettings
 from docking.plans.registry import make_plan, sensors_of
-from docking.ros.node import FEEDBACK_PERIOD, ActionNode
-from docking.ros.process import run_process
+from docking.ros.node import ActionNode
 from docking.ros.robot_action import RobotAction
 from docking.ros.sensors import Sensor
 from docking.ros.server_process import serve
@@ -47,6 +44,7 @@ class DockAction(RobotAction[DockSettings]):
     progress = (Stage.CONTROLLING, "NOT CHARGING...")
     success = ("CHARGING...", "Successfully connected to the charging dock!")
     ends_with_charge = True
+    shows_footprint = True
 
     def needs(self, settings: DockSettings) -> frozenset[Sensor]:
         """Those of the controller, and the laser scan where obstacles are watched."""
@@ -62,55 +60,15 @@ class DockAction(RobotAction[DockSettings]):
         settings = replace(settings, last_docked=last_docked, last_turn=turn)
         return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
 
-    def control_period(self, settings: DockSettings) -> float:
-        """As the parameter says; `rotate` gives ten velocities a second, as the tutorial does."""
-        return FEEDBACK_PERIOD if settings.controller == ControllerName.ROTATE else settings.control_period
-
-    def at_dock(self, settings: DockSettings, dock_name: str) -> DockSettings:
-        """The parameters with those of the dock."""
-        return settings.at_dock(dock_name)
-
     def uses_frames(self, settings: DockSettings) -> bool:
         """Also to navigate, and to look for a dock where the database has it."""
         has_places = settings.database.has_poses and Sensor.ODOMETRY in self.needs(settings)
-        return super().uses_frames(settings) or self.navigates(settings) or has_places
-
-    def marker_tilt(self, settings: DockSettings) -> Transform:
-        """As the parameters of the dock say."""
-        return settings.dock.tilt
-
-    def dock_types(self, settings: DockSettings) -> Sequence[str]:
-        """Those of the database."""
-        return settings.database.dock_plugins
-
-    def place(self, settings: DockSettings) -> DockPlace | None:
-        """The place of the dock, for a controller that knows by odometry where the robot is."""
-        return settings.place if Sensor.ODOMETRY in self.needs(settings) else None
-
-    def navigates(self, settings: DockSettings) -> bool:
-        """Where the parameters want it."""
-        return settings.navigates
-
-    def staging(self, settings: DockSettings) -> StagingGoal | None:
-        """The staging pose in front of the dock."""
-        return settings.staging_goal
-
-    def outline(self, settings: DockSettings) -> Footprint | None:
-        """The footprint of the parameters."""
-        return settings.outline.points
-
-
-def _run(args: Sequence[str] | None) -> int:
-    return serve(lambda battery, context: [ActionNode(DockAction(), battery, context=context)], args)
+        return super().uses_frames(settings) or settings.navigates or has_places
 
 
 def main(args: Sequence[str] | None = None) -> int:
-    """Run the action server and the battery subscriber until SIGINT or SIGTERM.
-
-    Returns:
-        The exit code: 0 after a signal, 1 after a failure, 2 where a parameter is wrong.
-    """
-    return run_process(_run, args)
+    """Run the action server and the battery subscriber until SIGINT or SIGTERM; see `serve`."""
+    return serve(lambda battery, context: [ActionNode(DockAction(), battery, context=context)], args)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ from docking.nodes.undock_server import UndockAction
 from docking.parameters import ControllerName, DockSettings, UndockSettings
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.node import ActionNode
-from docking.ros.process import run_process
 from docking.ros.server_process import serve
 
 
@@ -49,17 +48,9 @@ def compare_directions(docking: DockSettings, undocking: UndockSettings) -> str 
     )
 
 
-def _run(args: Sequence[str] | None) -> int:
-    return serve(make_servers, args)
-
-
 def main(args: Sequence[str] | None = None) -> int:
-    """Run both action servers and the battery subscriber until SIGINT or SIGTERM.
-
-    Returns:
-        The exit code: 0 after a signal, 1 after a failure, 2 where a parameter is wrong.
-    """
-    return run_process(_run, args)
+    """Run both action servers and the battery subscriber until SIGINT or SIGTERM; see `serve`."""
+    return serve(make_servers, args)
 
 
 if __name__ == "__main__":

@@ -208,10 +208,10 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._marker_told = detections[0][0]
             for _, marker in detections:
                 self._marker.publish(self._frames.detection(marker, self._stamp(self._marker_told)))
-        if ranges is not None and ranges.stamp > self._ranges_told:
-            self._ranges_told = ranges.stamp
-            distances = (ranges.left, ranges.center, ranges.right)
-            measured = self._stamp(ranges.stamp)
+        if ranges is not None and ranges[0] > self._ranges_told:
+            self._ranges_told, seen = ranges
+            distances = (seen.left, seen.center, seen.right)
+            measured = self._stamp(self._ranges_told)
             for publisher, message, distance in zip(self._ranges, self._range_messages, distances, strict=True):
                 publisher.publish(message.fill(distance, measured))
 

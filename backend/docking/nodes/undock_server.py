@@ -36,7 +36,3 @@ class UndockAction(RobotAction[UndockSettings]):
         staging = memory.staging or settings.staging
         plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
         return Goal(plan, objective, started_at, watch_obstacles(settings))
-
-    def control_period(self, settings: UndockSettings) -> float:
-        """As the parameter says."""
-        return settings.control_period

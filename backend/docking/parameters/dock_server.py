@@ -1,9 +1,11 @@
 """The parameters of the docking action server."""
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
+from docking.core.transform import Transform
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
@@ -15,6 +17,8 @@ from docking.parameters.receivers import Receivers
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
+
+TUTORIAL_PERIOD = 0.1
 
 
 @dataclass(frozen=True)
@@ -48,11 +52,9 @@ class DockSettings(ServerSettings):
     approach: ApproachSettings = group(ApproachSettings)
     receivers: Receivers = group(Receivers)
 
-    # No parameters, but those of the dock that a goal names, see at_dock.
+    # No parameters, but what `at_dock` finds out of the dock that a goal names.
     dock_type: str = ""
-    staging_goal: StagingGoal | None = None
     dock_name: str = ""
-    place: DockPlace | None = None
     last_docked: Pose | None = None  # where the robot was docked the last time, looking into the dock, in odom
     last_turn: float = 0.0  # how far the dock's marker was taken to be turned then, in rad
 
@@ -63,15 +65,23 @@ class DockSettings(ServerSettings):
             return replace(self.timeouts, charge_stable_for=0.0)
         return self.timeouts
 
-    def at_dock(self, name: str) -> "DockSettings":
-        """The settings for a goal.
+    @property
+    def control_period(self) -> float:
+        """Seconds between two velocities; `rotate` gives ten a second, as the tutorial does."""
+        return TUTORIAL_PERIOD if self.controller == ControllerName.ROTATE else super().control_period
 
-        Args:
-            name: The dock that the goal names; may be empty.
+    @property
+    def dock_types(self) -> tuple[str, ...]:
+        """Those of the database."""
+        return self.database.dock_plugins
 
-        Raises:
-            DockNotInDb: There is no such dock.
-        """
+    @property
+    def marker_tilt(self) -> Transform:
+        """As the parameters of the dock say."""
+        return self.dock.tilt
+
+    def at_dock(self, name: str) -> Self:
+        """The settings for a goal; see `ServerSettings`."""
         kind = self.database.type_of(name)
         dock = self.database.types.get(kind)
         staging = self._find_staging(dock or self.dock, name)
@@ -81,7 +91,7 @@ class DockSettings(ServerSettings):
         known = found[0] if found else ""
         return replace(settings, dock_type=kind, dock_name=known, staging_goal=staging, place=place)
 
-    def _of_type(self, dock: DockType) -> "DockSettings":
+    def _of_type(self, dock: DockType) -> Self:
         """With what depends on the type of a dock."""
         return replace(
             self,

@@ -4,12 +4,16 @@ import enum
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Self
 
 from docking.core.parameter import Meanings, NodeSettings, Value, choice, group, number, string, switch
+from docking.core.transform import Transform
 from docking.parameters.charging import ChargingSettings
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.nav2 import read_nav2
+from docking.parameters.navigation import StagingGoal
+from docking.parameters.search import DockPlace
 from docking.parameters.timeouts import Timeouts
 
 TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
@@ -83,6 +87,36 @@ class ServerSettings(NodeSettings):
     )
     outline: Outline = group(Outline)
     collision: CollisionSettings = group(CollisionSettings)
+
+    # No parameters, but what `at_dock` finds out of the dock that a goal names.
+    staging_goal: StagingGoal | None = None
+    place: DockPlace | None = None
+
+    def at_dock(self, name: str) -> Self:
+        """The settings for a goal; only docking knows docks.
+
+        Args:
+            name: The dock that the goal names; may be empty.
+
+        Raises:
+            DockNotInDb: There is no such dock.
+        """
+        return self
+
+    @property
+    def navigates(self) -> bool:
+        """Whether goals may begin with a navigation to a staging pose."""
+        return False
+
+    @property
+    def dock_types(self) -> tuple[str, ...]:
+        """The types of docks that have parameters of their own."""
+        return ()
+
+    @property
+    def marker_tilt(self) -> Transform:
+        """How the axes of the dock's marker are turned; see `Sensors`."""
+        return Transform()
 
     @classmethod
     def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:

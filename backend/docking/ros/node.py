@@ -30,7 +30,7 @@ from docking.ros.navigation import NavigationClient
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
 from docking.ros.robot_action import RobotAction, S
-from docking.ros.sensors import Sensors
+from docking.ros.sensors import Sensor, Sensors
 from docking.ros.stop_listener import StopListener
 from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
@@ -86,7 +86,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
         self._calibrator = DockCalibrator(
-            self, battery, self._transforms, self._active_goal, lambda: action.dock_types(self._settings)
+            self, battery, self._transforms, self._active_goal, lambda: self._settings.dock_types
         )
         declare_parameters(self, action.settings_type, self._take_over, alias=NAV2_NODE)
         self._drive = Drive(self)
@@ -157,11 +157,11 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._stops.listen_to(read_topics(self._settings.stop_topics))
         self._drive.publisher.mode = self._settings.enable_stamped_cmd_vel
         self._drive.publisher.frame = base = self._settings.frame_prefix + BASE
-        if (outline := self._action.outline(self._settings)) is not None:
-            self._footprint.publish(outline, base)
+        if self._action.shows_footprint:
+            self._footprint.publish(self._settings.outline.points, base)
         if self._running is None:
             by_marker = self._action.detects_marker(self._settings)
-            self._navigation.switch(on=self._action.navigates(self._settings))
+            self._navigation.switch(on=self._settings.navigates)
             self._transforms.switch(on=self._action.uses_frames(self._settings), prefix=self._settings.frame_prefix)
             self._poses.switch(on=by_marker)
             self._calibrator.switch(on=by_marker)
@@ -181,7 +181,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         )
         if rejection is None:
             try:
-                self._action.at_dock(self._settings, request.desired_battery_state.location)
+                self._settings.at_dock(request.desired_battery_state.location)
             except DockNotInDb as error:
                 rejection = Rejection(error.error_code, str(error))
             else:
@@ -194,7 +194,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running = self._active_goal.running
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
-        settings = self._action.at_dock(self._settings, handle.request.desired_battery_state.location)
+        settings = self._settings.at_dock(handle.request.desired_battery_state.location)
         goal = self._action.make_goal(settings, self._active_goal.memory, control_time(self))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
@@ -208,14 +208,15 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._fail(error)
 
     def _prepare(self, goal: Goal, settings: S) -> None:
+        needs = self._action.needs(settings)
         self._sensors.scanner = self._settings.collision.mount
-        self._sensors.marker_tilt = self._action.marker_tilt(settings)
-        self._sensors.place = self._action.place(settings)
-        self._sensors.listen_to(self._action.needs(settings))
-        self._control_timer.timer_period_ns = round(self._action.control_period(self._settings) * 1e9)
-        if (staging := self._action.staging(settings)) is not None:
+        self._sensors.marker_tilt = settings.marker_tilt
+        self._sensors.place = settings.place if Sensor.ODOMETRY in needs else None
+        self._sensors.listen_to(needs)
+        self._control_timer.timer_period_ns = round(self._settings.control_period * 1e9)
+        if settings.staging_goal is not None:
             self._transforms.use(self._navigation, on=True)
-            goal.navigate_first(self._navigation.navigation(staging, self._sensors))
+            goal.navigate_first(self._navigation.navigation(settings.staging_goal, self._sensors))
 
     async def _execute(self, execution: Execution, handle: ServerGoalHandle) -> Any:
         if execution is self._running:

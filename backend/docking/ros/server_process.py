@@ -4,6 +4,7 @@ import faulthandler
 import time
 from collections.abc import Callable, Sequence
 from concurrent import futures
+from functools import partial
 from typing import Any
 
 from rclpy.context import Context
@@ -11,7 +12,7 @@ from rclpy.context import Context
 from docking.core.battery import Battery
 from docking.ros.battery_subscriber import BatteryStateSubscriber
 from docking.ros.node import ActionNode
-from docking.ros.process import Spinner, StopSignals, ros_context
+from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 
 CLOSE_TIMEOUT = 0.8
 """Seconds in which goals must be ended; a callback that hangs gets no more."""
@@ -30,11 +31,12 @@ def serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]],
         args: The command line with its `--ros-args`; None is that of the process.
 
     Returns:
-        The exit code: 0 after a signal, 1 after a failure.
-
-    Raises:
-        ValueError: Two nodes have one name.
+        The exit code: 0 after a signal, 1 after a failure, 2 where the command line or a parameter is wrong.
     """
+    return run_process(partial(_serve, make_servers), args)
+
+
+def _serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]], args: Sequence[str] | None) -> int:
     signals = StopSignals()
     with ros_context(args) as context:
         battery = Battery()

@@ -23,25 +23,6 @@ class Sighting:
     at: float
 
 
-@dataclass(frozen=True, slots=True)
-class Ranges:
-    """What the infrared receivers measured, in m; infinite where the beacon is not seen.
-
-    Attributes:
-        left: In m.
-        center: In m.
-        right: In m.
-        stamp: Simulated seconds.
-        at: When the odometry of that moment arrives.
-    """
-
-    left: float
-    center: float
-    right: float
-    stamp: float
-    at: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class LaserScan:
     """What the laser scanner measured.

@@ -34,7 +34,7 @@ from docking.simulation.laser import ANGLE_MIN, LaserScanner
 from docking.simulation.marker import MarkerCamera
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, Repeater
-from docking.simulation.readings import LaserScan, Ranges, Sighting
+from docking.simulation.readings import LaserScan, Sighting
 from docking.simulation.robot import Robot
 from docking.simulation.settings import Settings
 
@@ -61,7 +61,7 @@ class Simulation:
         reading: The last odometry that arrived, after its stamp in simulated seconds.
         detections: The last of a marker that arrived: stamp, and marker in base_link; two if there is a second marker.
         sightings: The last ones that odometry has a pose for.
-        ranges: The last infrared measurement.
+        ranges: The last infrared measurement, after its moment in simulated seconds.
         scanning: Whether the laser scanner runs; it costs time.
         scan: The last one.
         measurement: The last of the battery, with the moment.
@@ -105,7 +105,7 @@ class Simulation:
         self._repeater = Repeater()
         self.detections: tuple[tuple[float, Pose], ...] = ()
         self.sightings: tuple[Sighting, ...] = ()
-        self.ranges: Ranges | None = None
+        self.ranges: tuple[float, InfraredReading] | None = None
         self.scan: LaserScan | None = None
         self.measurement: tuple[BatteryMeasurement, float] | None = None
         self._collide(driven=False)
@@ -233,9 +233,7 @@ class Simulation:
             marker=markers[-1] if markers else None,
             other_markers=tuple(markers[:-1]),
             scan=self._observe_scan(offset),
-            infrared=None
-            if ranges is None
-            else InfraredReading(ranges.left, ranges.center, ranges.right, ranges.at + offset),
+            infrared=None if ranges is None else replace(ranges[1], stamp=ranges[1].stamp + offset),
         )
 
     def _observe_scan(self, offset: float) -> Scan | None:
@@ -334,7 +332,7 @@ class Simulation:
             hidden=Fault.HIDDEN_BEACON in self.faults,
             ghosts=GHOSTS if Fault.INFRARED_GHOSTS in self.faults else 0.0,
         )
-        self.ranges = Ranges(*ranges, self.time, self.track.arrival(self.time, self.time))
+        self.ranges = self.time, InfraredReading(*ranges, self.track.arrival(self.time, self.time))
 
     def _measure_battery(self) -> None:
         if Fault.SILENT_BATTERY in self.faults:
