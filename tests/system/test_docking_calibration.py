@@ -13,8 +13,8 @@ from docking.simulation.dock import DOCKED
 from tests.support.docking import ABORTED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
+from tests.support.site import NEAR, Site, assert_docked, look_at
 from tests.support.waiting import wait_until
-from tests.system.test_docking_with_simulator import NEAR, Site, assert_docked, look_at
 
 pytestmark = pytest.mark.ros
 

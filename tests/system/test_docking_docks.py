@@ -23,7 +23,7 @@ from tests.support.docking import (
 )
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
-from tests.system.test_docking_with_simulator import look_at
+from tests.support.site import look_at
 
 pytestmark = pytest.mark.ros
 

@@ -2,11 +2,13 @@
 
 import pytest
 from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
 from std_msgs.msg import Bool
 
 from tests.support.docking import (
     ABORTED,
     CANCELED,
+    SERVER,
     SUCCEEDED,
     Reports,
     docking_servers,
@@ -15,13 +17,14 @@ from tests.support.docking import (
 )
 from tests.support.gateway import running_gateway
 from tests.support.observer import Observer, ros_observer
-from tests.support.simulator import SimulatorControls, dock_simulator
+from tests.support.simulator import SimulatorControls, dock_simulator, moving
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
 NEAR = "start_x:=-1.2", "start_y:=0.0", "start_theta:=0.0"
 DRIVE = "controller:=dock_pose"
+STAMPED = "geometry_msgs/msg/TwistStamped"
 STOP, GO = Bool(data=True), Bool(data=False)
 
 
@@ -33,18 +36,17 @@ def published_by(observer: Observer, node: str) -> set[str]:
 
 def test_a_base_that_takes_stamped_velocities_docks_and_is_stopped(domain: int, observer: Observer) -> None:
     stamped = observer.record(TwistStamped, "cmd_vel")
-    base = dock_simulator(domain, *NEAR, "enable_stamped_cmd_vel:=true")
-    with base as simulator, docking_servers(domain, DRIVE) as (dock, _):
-        wait_until(lambda: "TwistStamped" in str(dock._drive.publisher._publishers), "stamped velocities")
+    truth = observer.record(Odometry, "ground_truth")
+    with dock_simulator(domain, *NEAR, "enable_stamped_cmd_vel:=true"), docking_servers(domain, DRIVE):
+        wait_until(lambda: published_by(observer, SERVER[1:]) == {STAMPED}, "stamped velocities")
         assert send_dock_goal(observer).result().status == SUCCEEDED
         stamped.wait_for(lambda message: message.twist.linear.x > 0 and message.header.frame_id == "base_link")
-        wait_until(lambda: simulator._simulation.robot.velocity.linear_x == 0.0, "a standstill")
+        wait_until(lambda: not moving(truth.messages[-1]), "a standstill")
 
         with running_gateway(domain) as gateway:
             gateway.wait_until_ready()
             # Its zero velocity reaches only whom DDS has connected by then.
-            stamped_type = {"geometry_msgs/msg/TwistStamped"}
-            wait_until(lambda: published_by(observer, "dock_gateway") == stamped_type, "the gateway's publisher")
+            wait_until(lambda: published_by(observer, "dock_gateway") == {STAMPED}, "the gateway's publisher")
             undocking = send_undock_goal(observer)
             stamped.wait_for(lambda message: message.twist.linear.x < 0)
             with gateway.stream("?include=cmd_vel") as stream:
@@ -68,44 +70,44 @@ def test_a_base_that_hears_nothing_is_a_warning(domain: int, observer: Observer)
 
 
 def test_emergency_stops_of_others_hold_the_robot(domain: int, observer: Observer) -> None:
-    parameters = (DRIVE, "stop_topics:=e_stop")
+    base = SimulatorControls(observer)
     with (
-        dock_simulator(domain, *NEAR, "stop_topics:=e_stop") as simulator,
-        docking_servers(domain, *parameters),
+        dock_simulator(domain, *NEAR, "stop_topics:=e_stop"),
+        docking_servers(domain, DRIVE, "stop_topics:=e_stop"),
         running_gateway(domain, stop_topics="e_stop") as gateway,
         ros_observer(domain, "scanner") as scanner,
         scanner.publishing(GO, "stop_latched"),
     ):
         gateway.wait_until_ready()
         with observer.publishing(STOP, "e_stop"):
-            wait_until(lambda: simulator._simulation.halted, "the base to obey")
+            base.wait_for_status(halted="true")
             wait_until(lambda: gateway.http.get("/stop").json()["by"] == "/observer", "the gateway to obey")
             assert not send_dock_goal(observer).accepted
             refused = gateway.http.delete("/stop")
             assert (refused.status_code, refused.json()["code"]) == (409, "stop_latched")
             assert "/observer" in refused.json()["detail"]
         with observer.publishing(GO, "e_stop"):
-            wait_until(lambda: not simulator._simulation.halted, "the base to go on")
+            base.wait_for_status(halted="false")
             wait_until(lambda: not gateway.http.get("/stop").json()["latched"], "the gateway to go on")
             goal = send_dock_goal(observer)
             assert goal.accepted
             observer.publish(STOP, "stop_latched")  # volatile, and only once
             # By its server, or by the gateway if that is quicker.
             assert goal.result().status in {ABORTED, CANCELED}
-            wait_until(lambda: simulator._simulation.halted, "the base to obey")
+            base.wait_for_status(halted="true")
             wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the gateway to obey")
 
 
 def test_a_battery_that_tells_only_its_current_docks_and_undocks(domain: int, observer: Observer) -> None:
     battery = "battery_reports_status:=false", "battery_charges_negative:=true"
     source = "charging_source:=current", "charging_current_negative:=true"
-    with dock_simulator(domain, *NEAR, *battery) as simulator, docking_servers(domain, DRIVE, *source):
+    with dock_simulator(domain, *NEAR, *battery), docking_servers(domain, DRIVE, *source):
         result = send_dock_goal(observer).result()
         assert result.status == SUCCEEDED
         assert result.result.final_battery_state.power_supply_status == 0
         assert result.result.final_battery_state.current < -1.0
         assert send_undock_goal(observer).result().status == SUCCEEDED
-        assert not simulator._simulation.contact
+        SimulatorControls(observer).wait_for_status(contact="false")
 
 
 def test_the_status_is_told_before_and_after(domain: int, observer: Observer) -> None:

@@ -13,8 +13,8 @@ from tests.support.docking import SERVER, SUCCEEDED, docking_servers, send_dock_
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.simulator import dock_simulator
+from tests.support.site import look_at
 from tests.support.waiting import wait_until
-from tests.system.test_docking_with_simulator import look_at
 
 pytestmark = pytest.mark.ros
 

@@ -14,8 +14,8 @@ from robot_io.qos import LATCHED
 from tests.support.docking import ABORTED, CANCELED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
+from tests.support.site import Site, assert_docked, look_at
 from tests.support.waiting import wait_until
-from tests.system.test_docking_with_simulator import Site, assert_docked, look_at
 
 pytest.importorskip("nav2_msgs.action", reason="`make test` installs the interface packages of tests/interfaces")
 
@@ -46,7 +46,7 @@ def driven_by_us(site: Site) -> int:
 @contextmanager
 def robot(domain: int) -> Iterator[Nav2]:
     """A simulated robot far from its dock, and nav2."""
-    place = f"start_x:={FAR.x}", f"start_y:={FAR.y}", f"start_theta:={FAR.theta}"
+    place = f"start_x:={FAR.x}", f"start_y:={FAR.y}", f"start_theta:={FAR.theta}", "linear_max:=1.0"
     with dock_simulator(domain, *place), nav2(domain, FAR) as server:
         yield server
 

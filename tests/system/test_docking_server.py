@@ -31,7 +31,6 @@ from tests.support.docking import (
     SERVER,
     SUCCEEDED,
     Reports,
-    battery_state,
     dock_goal,
     dock_server,
     send_dock_goal,
@@ -45,8 +44,7 @@ pytestmark = pytest.mark.ros
 BATTERY = "battery_status"
 
 
-@pytest.mark.parametrize("status", [1, 4])
-def test_it_drives_until_the_battery_is_charging_or_full(domain: int, observer: Observer, status: int) -> None:
+def test_it_drives_until_the_battery_is_charging(domain: int, observer: Observer) -> None:
     with dock_server(domain):
         wheels = watch_wheels(observer)
         with observer.publishing(LOW, BATTERY):
@@ -54,12 +52,12 @@ def test_it_drives_until_the_battery_is_charging_or_full(domain: int, observer: 
             assert goal.accepted
             wait_until(lambda: len(wheels.messages) > 5 and len(goal.feedback) > 5, "ten messages a second")
         assert {(message.linear.x, message.angular.z) for message in wheels.messages[1:]} == {(0.0, 0.15)}
-        observer.publish(battery_state(status), BATTERY)
+        observer.publish(CHARGING, BATTERY)
         answer = goal.result()
         assert answer.status == SUCCEEDED
         final = answer.result.final_battery_state
         assert (final.power_supply_status, final.voltage, final.percentage) == (
-            status,
+            1,
             pytest.approx(2.16),
             pytest.approx(0.24),
         )
@@ -74,17 +72,6 @@ def test_a_battery_that_is_charging_already_ends_the_goal_without_a_move(domain:
         with observer.publishing(CHARGING, BATTERY):
             assert send_dock_goal(observer, status=0).result().status == SUCCEEDED
         assert all(message == Twist() for message in wheels.messages)
-
-
-def test_a_stale_charging_does_not_end_the_goal(domain: int, observer: Observer) -> None:
-    with dock_server(domain, "battery_stale_after:=0.2"):
-        reports = Reports(observer)
-        observer.publish(CHARGING, BATTERY)
-        goal = send_dock_goal(observer)  # takes longer than 0.2 s, as it looks for the server first
-        reports.wait_for(stage="WAIT_FOR_BATTERY", goal_id=goal.goal_id)
-        assert not goal.ended
-        observer.publish(CHARGING, BATTERY)
-        assert goal.result().status == SUCCEEDED
 
 
 def test_cancel_stops_the_robot(domain: int, observer: Observer) -> None:
@@ -120,13 +107,12 @@ def test_a_second_goal_is_rejected_with_a_reason(domain: int, observer: Observer
         assert first.result().status == SUCCEEDED
 
 
-@pytest.mark.parametrize("status", [2, 3, 200])
-def test_a_goal_that_docking_cannot_bring_about_is_rejected(domain: int, observer: Observer, status: int) -> None:
+def test_a_goal_that_docking_cannot_bring_about_is_rejected(domain: int, observer: Observer) -> None:
     with dock_server(domain):
         reports = Reports(observer)
-        goal = send_dock_goal(observer, status=status)
+        goal = send_dock_goal(observer, status=200)
         assert not goal.accepted
-        assert str(status) in reports.wait_for(goal_id=goal.goal_id, error_code="INVALID_GOAL")["error_msg"]
+        assert "200" in reports.wait_for(goal_id=goal.goal_id, error_code="INVALID_GOAL")["error_msg"]
 
 
 def test_a_second_goal_preempts_where_the_policy_says_so(domain: int, observer: Observer) -> None:
@@ -197,17 +183,6 @@ def test_a_lost_battery_aborts_the_goal(domain: int, observer: Observer) -> None
         wait_until(lambda: wheels.standing, "zero velocity")
 
 
-def test_a_goal_that_takes_too_long_is_aborted(domain: int, observer: Observer) -> None:
-    with dock_server(domain, "goal_timeout:=0.5"):
-        wheels = watch_wheels(observer)
-        reports = Reports(observer)
-        with observer.publishing(LOW, BATTERY):
-            goal = send_dock_goal(observer)
-            assert goal.result().status == ABORTED
-        reports.wait_for(goal_id=goal.goal_id, error_code="TIMEOUT")
-        wait_until(lambda: wheels.standing, "zero velocity")
-
-
 class RaisesAtFirst:
     """A controller that drives twice and then breaks; the one of the next goal does not."""
 
@@ -241,13 +216,6 @@ def test_an_exception_stops_the_robot_and_the_server_goes_on(domain: int, observ
         assert second.result().status == SUCCEEDED
 
 
-class NotANumber:
-    """A controller that lost its mind."""
-
-    def step(self, _observation: Observation, _dt: float) -> Velocity:
-        return Velocity(math.nan, 0.0)
-
-
 def test_a_sensor_that_cannot_be_subscribed_to_aborts_the_goal(domain: int, observer: Observer) -> None:
     wrong = "qos_overrides./odom.subscription.reliability:=none"
     with dock_server(domain, "controller:=dock_pose", wrong):
@@ -257,15 +225,6 @@ def test_a_sensor_that_cannot_be_subscribed_to_aborts_the_goal(domain: int, obse
             assert goal.result().status == ABORTED
             report = reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="UNKNOWN")
             assert "reliability" in report["error_msg"]
-
-
-def test_a_velocity_that_is_no_number_is_never_published(domain: int, observer: Observer) -> None:
-    with dock_server(domain, make_plan=lambda _settings: SingleStage(NotANumber())):
-        wheels = watch_wheels(observer)
-        with observer.publishing(LOW, BATTERY):
-            assert send_dock_goal(observer).result().status == ABORTED
-        wait_until(lambda: wheels.standing, "zero velocity")
-        assert all(message == Twist() for message in wheels.messages)
 
 
 def test_a_garbage_battery_is_shown_and_does_no_harm(domain: int, observer: Observer) -> None:

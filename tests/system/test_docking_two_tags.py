@@ -7,7 +7,7 @@ from docking.simulation.dock import DOCKED
 from tests.support.docking import SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
-from tests.system.test_docking_with_simulator import assert_docked, look_at
+from tests.support.site import assert_docked, look_at
 
 pytestmark = pytest.mark.ros
 
