@@ -4,7 +4,6 @@ import math
 from dataclasses import replace
 
 import pytest
-from benchmarks.docking.trial import settings_of, simulation_of
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,10 +12,9 @@ from docking.core.errors import ErrorCode
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.goal.charging import ChargeRecord, stands_docked, tells_charging
-from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
-from docking.goal.outcome import Command, End, Outcome
+from docking.goal.outcome import End, Outcome
 from docking.goal.undock import Undocking
 from docking.nodes.dock_server import docking_objective
 from docking.parameters import (
@@ -258,15 +256,12 @@ def test_a_current_that_is_not_measured_is_not_told() -> None:
 
 @pytest.mark.parametrize("controller", [ControllerName.DOCK_POSE, ControllerName.INFRARED])
 def test_a_goal_that_fails_for_it_says_so_in_time(controller: ControllerName) -> None:
-    simulation, docking = simulation_of(controller, 3), settings_of(controller)
+    start = NEAR if controller is ControllerName.DOCK_POSE else Pose(-0.8, -0.2, 0.2)
+    simulation = Simulation(Settings(start=start), seed=5)
     simulation.set_fault(Fault.FLICKERING_CHARGE, True)
-    goal = Goal(make_plan(docking), Docking(DockTimeouts(max_retries=0)), 0.0)
-    step = goal.step(simulation.observe())
-    while isinstance(step, Command):
-        simulation.run(docking.control_period, step.velocity)
-        step = goal.step(simulation.observe())
-    assert step.error_code is ErrorCode.FAILED_TO_CHARGE
-    assert step.error_msg.startswith(
+    outcome = dock(simulation, STATUS, controller=controller)
+    assert outcome.error_code is ErrorCode.FAILED_TO_CHARGE
+    assert outcome.error_msg.startswith(
         "the charge did not become stable within 5 s (wait_charge_timeout): the charge flick"
     )
     assert simulation.time - simulation.touches[0].time < 10.0
