@@ -26,9 +26,16 @@ class Base:
     """A base on the dock's axis, in front of the dock, and the pace of its goal."""
 
     def __init__(
-        self, distance: float, *, dead_zone: float = 0.0, wall: float = math.inf, lag: float = 0.0, scale: float = 1.0
+        self,
+        distance: float,
+        *,
+        dead_zone: float = 0.0,
+        wall: float = math.inf,
+        lag: float = 0.0,
+        scale: float = 1.0,
+        docked: Pose = DOCKED,
     ) -> None:
-        self.x, self.now = -distance, 0.0
+        self.x, self.now, self.docked = -distance, 0.0, docked
         self.model, self.pace = MotionModel(), Pace(LIMITS, RADIUS)
         self.velocities: list[tuple[float, float]] = []
         self._dead_zone, self._wall, self._scale = dead_zone, wall, scale
@@ -37,7 +44,7 @@ class Base:
 
     @property
     def pose(self) -> Pose:
-        return DOCKED.compose(Pose(self.x))
+        return self.docked.compose(Pose(self.x))
 
     def drive(self, wish: Velocity, seconds: float, poses: KnownPoses = POSES) -> None:
         for _ in range(round(seconds / PERIOD)):
@@ -188,6 +195,31 @@ def test_nothing_raises_the_speed_near_the_dock(
         if velocity != STANDSTILL:
             assert abs(velocity.linear_x - last.linear_x) <= LIMITS.a_linear_max * dt + 1e-9
         last = model.commanded = velocity
+
+
+@pytest.mark.parametrize("heading", [2.5, -2.5])
+def test_it_is_slow_in_front_of_the_dock_whichever_way_that_looks(heading: float) -> None:
+    base = Base(1.0, docked=Pose(1.0, 0.5, heading))
+    base.drive(FAST, 8.0, KnownPoses(base.docked, base.docked, base.docked.compose(Pose(-0.7))))
+    assert base.fastest(nearer_than=1.0) > 0.15
+    assert base.fastest(nearer_than=RADIUS) <= LIMITS.v_linear_min + 1e-9
+
+
+def test_it_slows_down_on_the_same_arc() -> None:
+    base = Base(0.05)
+    base.drive(Velocity(0.26, 0.52), 0.3)
+    assert base.model.commanded.linear_x == pytest.approx(0.04)
+    assert base.model.commanded.angular_z == pytest.approx(0.08)
+
+
+def test_a_robot_that_passes_beside_the_dock_may_be_fast() -> None:
+    base = Base(1.5)
+    base.drive(FAST, 2.0)
+    fast = base.model.commanded
+    assert fast.linear_x == pytest.approx(0.26)
+    base.frozen = DOCKED.compose(Pose(-0.05, 2.0))
+    base.drive(FAST, PERIOD)
+    assert base.model.commanded == fast
 
 
 WISHES = st.builds(Velocity, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
