@@ -222,6 +222,18 @@ def test_a_robot_that_passes_beside_the_dock_may_be_fast() -> None:
     assert base.model.commanded == fast
 
 
+@pytest.mark.parametrize("stopped", [True, False], ids=["stopped", "slowed down to a standstill"])
+def test_a_base_that_needs_more_than_the_slowest_speed_is_tested_again_at_each_start(stopped: bool) -> None:
+    base = Base(4.0, dead_zone=0.06)
+    base.drive(FAST, 3.0)
+    assert base.model.moves_at > LIMITS.v_linear_min
+    if stopped:
+        base.model.commanded = base.pace.stop()
+    base.drive(STANDSTILL, 1.5)
+    base.drive(FAST, 3 * PERIOD)
+    assert base.model.commanded.linear_x == pytest.approx(LIMITS.v_linear_min)
+
+
 WISHES = st.builds(Velocity, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
 
 
