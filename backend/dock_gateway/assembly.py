@@ -16,6 +16,7 @@ from dock_gateway.audit.subjects import Subjects
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
+from dock_gateway.automation.rule import RuleEntry
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
@@ -62,6 +63,7 @@ from dock_gateway.storage.database import display
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
 from dock_gateway.webhooks.outbox import Outbox
+from dock_gateway.webhooks.webhook import WebhookEntry
 
 log = logging.getLogger(__name__)
 
@@ -171,7 +173,7 @@ async def _open(
             history,
             activity=activity,
             shared=lambda: graph_watch.shared,
-            rules=SharedBook(history.automation_rules, "rule", MAX_RULES),
+            rules=SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES),
             decisions=decisions,
         ),
     )
@@ -230,7 +232,7 @@ def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry,
 
 
 def _make_notifier(history: History, alerts: AlertBoard, labels: Labels) -> Notifier:
-    webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
+    webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
     return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox)
 

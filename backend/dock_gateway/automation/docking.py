@@ -13,7 +13,8 @@ from typing import Any
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.policy import DockingPolicy, RobotFacts
-from dock_gateway.core.automation import Decision, Mode, Outcome, Rule, Wait
+from dock_gateway.automation.rule import RuleEntry
+from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
@@ -57,7 +58,7 @@ class AutomaticDocking:
         history: History,
         *,
         activity: Activity,
-        rules: SharedBook[Rule],
+        rules: SharedBook[RuleEntry],
         decisions: DecisionLog,
         shared: Callable[[], Collection[str]] = frozenset,
         interval: float = INTERVAL,
@@ -96,13 +97,13 @@ class AutomaticDocking:
             states = [state for state in states if grant.covers_robot(state.name)]
             groups = {group for state in states for group in state.label.groups}
             rules = {key: _narrow(rule, grant, groups) for key, rule in rules.items()}
-            rules = {key: rule for key, rule in rules.items() if rule.robots or _applies(rule, states)}
+            rules = {key: rule for key, rule in rules.items() if rule.robots.names or _applies(rule, states)}
         return [
             self._document(rule_id, rule, states)
             for rule_id, rule in sorted(rules.items(), key=lambda item: (item[1].name.casefold(), item[0]))
         ]
 
-    async def replace(self, rule_id: str, rule: Rule) -> dict[str, Any]:
+    async def replace(self, rule_id: str, rule: RuleEntry) -> dict[str, Any]:
         """Store a rule, new or changed, and return it. It starts from the beginning with each robot.
 
         Raises:
@@ -131,18 +132,11 @@ class AutomaticDocking:
         self.decisions.close_rule(rule_id)
         await self.decisions.save()
 
-    def _document(self, rule_id: str, rule: Rule, states: list[RobotState]) -> dict[str, Any]:
-        schedule = {"times": rule.times, "weekdays": rule.weekdays, "time_zone": rule.time_zone}
+    def _document(self, rule_id: str, rule: RuleEntry, states: list[RobotState]) -> dict[str, Any]:
         default = Wait.OFF if rule.mode is Mode.OFF else Wait.DECIDING
         return {
             "id": rule_id,
-            "name": rule.name,
-            "mode": rule.mode.value,
-            "robots": rule.robots_document(),
-            "battery": None if rule.below is None else {"below": rule.below, "idle_s": rule.idle_s},
-            "schedule": None if rule.below is not None else schedule,
-            "changed_by": rule.changed_by,
-            "changed_at": rule.changed_at,
+            **rule.model_dump(),
             "applies_to": [
                 {"robot": state.name, "waits_for": self._waits.get((rule_id, state.name), default).value}
                 for state in states
@@ -232,7 +226,7 @@ class AutomaticDocking:
 
     # ------------------------------------------------------------------ carrying out
 
-    async def _carry_out(self, decision: Decision, rule: Rule | None) -> None:
+    async def _carry_out(self, decision: Decision, rule: RuleEntry | None) -> None:
         identity = uuid.uuid4().hex
         try:
             await self._rules.sync()
@@ -320,15 +314,15 @@ def _stopped(stop: Mapping[str, Any]) -> str | None:
     return f"stopped{by} at {stop['since']:%H:%M:%S} UTC"
 
 
-def _narrow(rule: Rule, grant: Grant, groups: Collection[str]) -> Rule:
+def _narrow(rule: RuleEntry, grant: Grant, groups: Collection[str]) -> RuleEntry:
     """Return a rule without the robots beyond a grant, and without groups that have none of its robots."""
-    return replace(
-        rule,
-        robots=tuple(filter(grant.covers_robot, rule.robots)),
-        groups=tuple(group for group in rule.groups if group in groups),
-    )
+    chosen = {
+        "names": tuple(filter(grant.covers_robot, rule.robots.names)),
+        "groups": tuple(group for group in rule.robots.groups if group in groups),
+    }
+    return rule.model_copy(update={"robots": rule.robots.model_copy(update=chosen)})
 
 
-def _applies(rule: Rule, states: Iterable[RobotState]) -> bool:
+def _applies(rule: RuleEntry, states: Iterable[RobotState]) -> bool:
     """Return whether a rule applies to any of these robots."""
-    return any(rule.covers(state.name, tuple(state.label.groups)) for state in states)
+    return any(rule.robots.covers(state.name, tuple(state.label.groups)) for state in states)

@@ -9,8 +9,9 @@ from datetime import datetime, timedelta
 from typing import Any
 
 from dock_gateway.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL, Key, Past
+from dock_gateway.automation.rule import RuleEntry
 from dock_gateway.automation.schedule import last_due, next_due
-from dock_gateway.core.automation import Decision, Mode, Outcome, Rule, Wait
+from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
 
 # Seconds without automatic docking after a person canceled a goal of the robot, stopped it or released its stop.
 QUIET_PERIOD = 60.0
@@ -90,7 +91,7 @@ class Case:
     """
 
     key: Key
-    rule: Rule
+    rule: RuleEntry
     robot: RobotFacts
     now: datetime
     seconds: float
@@ -108,7 +109,7 @@ class DockingPolicy:
 
     def look(
         self,
-        rules: Mapping[str, Rule],
+        rules: Mapping[str, RuleEntry],
         robots: Iterable[RobotFacts],
         decisions: Mapping[str, Decision],
         now: datetime,
@@ -134,10 +135,10 @@ class DockingPolicy:
         ]
         looked_at: set[Key] = set()
         for rule_id, rule in sorted(rules.items()):
-            timed = rule.mode is not Mode.OFF and rule.below is None
-            last, coming = (last_due(rule, now), next_due(rule, now)) if timed else (None, None)
+            schedule = None if rule.mode is Mode.OFF else rule.schedule
+            last, coming = (None, None) if schedule is None else (last_due(schedule, now), next_due(schedule, now))
             for robot in known.values():
-                if rule.mode is not Mode.OFF and rule.covers(robot.name, robot.groups):
+                if rule.mode is not Mode.OFF and rule.robots.covers(robot.name, robot.groups):
                     looked_at.add((rule_id, robot.name))
                     self._decide(verdict, past, Case((rule_id, robot.name), rule, robot, now, seconds, last, coming))
         memories: tuple[dict[Key, Any], ...] = (self._low_since, self._late, self._at_dock)
@@ -146,13 +147,13 @@ class DockingPolicy:
                 del memory[key]
         return verdict
 
-    def obstacle(self, rule_id: str, rule: Rule | None, robot: RobotFacts, seconds: float) -> Wait | None:
+    def obstacle(self, rule_id: str, rule: RuleEntry | None, robot: RobotFacts, seconds: float) -> Wait | None:
         """Return what speaks against docking a robot right now, after it was decided; None if nothing does."""
-        if rule is None or rule.mode is not Mode.ON or not rule.covers(robot.name, robot.groups):
+        if rule is None or rule.mode is not Mode.ON or not rule.robots.covers(robot.name, robot.groups):
             return Wait.OFF
         if not robot.fresh:
             return Wait.BATTERY_UNKNOWN
-        if rule.below is not None and (robot.battery is None or robot.battery >= rule.below):
+        if rule.battery is not None and (robot.battery is None or robot.battery >= rule.battery.below):
             return Wait.BATTERY_OK
         if wait := _obstacle(rule, robot, self._low_since.get((rule_id, robot.name)), seconds):
             return wait
@@ -160,7 +161,7 @@ class DockingPolicy:
 
     def _decide(self, verdict: Verdict, past: Past, case: Case) -> None:
         rule, robot, key = case.rule, case.robot, case.key
-        due = None if rule.below is not None else self._due(verdict, past, case)
+        due = None if rule.schedule is None else self._due(verdict, past, case)
         outcome = None
         wait = self._unmet(verdict, case, due)
         low_since = self._low_since.get(key)
@@ -198,12 +199,12 @@ class DockingPolicy:
 
     def _unmet(self, verdict: Verdict, case: Case, due: datetime | None) -> Wait | None:
         """Return why the condition of a rule is not met, or None."""
-        robot, below = case.robot, case.rule.below
-        if below is None:
+        robot, condition = case.robot, case.rule.battery
+        if condition is None:
             if due is None:
                 return Wait.NOT_DUE
             return None if robot.fresh else Wait.BATTERY_UNKNOWN
-        if not robot.fresh or robot.battery is None or robot.battery >= below:
+        if not robot.fresh or robot.battery is None or robot.battery >= condition.below:
             self._low_since.pop(case.key, None)
             return Wait.BATTERY_OK if robot.fresh and robot.battery is not None else Wait.BATTERY_UNKNOWN
         self._low_since.setdefault(case.key, case.seconds)
@@ -237,7 +238,7 @@ class DockingPolicy:
         return late[1], Outcome.SKIPPED if case.robot.stopped is None else Outcome.HELD
 
 
-def _obstacle(rule: Rule, robot: RobotFacts, low_since: float | None, seconds: float) -> Wait | None:
+def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, seconds: float) -> Wait | None:
     """Return why a robot whose condition is met cannot be docked, or None. A latched stop is another matter."""
     still_since = robot.still_since
     still_for = 0.0 if still_since is None else seconds - max(still_since, low_since or still_since)
@@ -250,7 +251,7 @@ def _obstacle(rule: Rule, robot: RobotFacts, low_since: float | None, seconds: f
         Wait.QUIET_PERIOD: robot.stopped is None
         and robot.person_at is not None
         and seconds - robot.person_at < QUIET_PERIOD,
-        Wait.NOT_IDLE: still_since is None or still_for < (STILL_FOR if rule.idle_s is None else rule.idle_s),
+        Wait.NOT_IDLE: still_since is None or still_for < (STILL_FOR if rule.battery is None else rule.battery.idle_s),
     }
     return next((wait for wait, applies in obstacles.items() if applies), None)
 
@@ -272,11 +273,11 @@ def _next_step(past: Past, case: Case) -> tuple[Wait | None, Outcome | None]:
     return None, Outcome.SENDING
 
 
-def _has_recovered(rule: Rule | None, robot: RobotFacts | None) -> bool:
+def _has_recovered(rule: RuleEntry | None, robot: RobotFacts | None) -> bool:
     """Return whether a rule starts from the beginning with a robot."""
-    if rule is None or rule.mode is Mode.OFF or rule.below is None:
+    if rule is None or rule.mode is Mode.OFF or rule.battery is None:
         return True
     if robot is None or not robot.fresh:
         return False
-    charged = robot.battery is not None and robot.battery >= min(1.0, rule.below + RECOVERY_MARGIN)
+    charged = robot.battery is not None and robot.battery >= min(1.0, rule.battery.below + RECOVERY_MARGIN)
     return robot.docked or charged

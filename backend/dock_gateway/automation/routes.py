@@ -6,7 +6,8 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.automation.docking import AutomaticDocking
-from dock_gateway.automation.schema import DecisionList, Rule, RuleBody, RuleList
+from dock_gateway.automation.rule import RuleBody
+from dock_gateway.automation.schema import DecisionList, Rule, RuleList
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.bodies import body_schema, read_signed
@@ -63,7 +64,7 @@ async def replace_rule(rule_id: RuleId, request: Request, automation: Part[Autom
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
     """
     body = await read_signed(RuleBody, request)
-    return json_response(await automation.replace(rule_id, body.rule()))
+    return json_response(await automation.replace(rule_id, body.entry()))
 
 
 @router.delete("/rules/{rule_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])

@@ -1,10 +1,8 @@
-"""Automatic docking: rules and decisions. Plain data."""
+"""Automatic docking: decisions. Plain data; `automation/rule.py` has the rules."""
 
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
-
-from dock_gateway.core.robot_choice import RobotChoice
 
 
 class Mode(StrEnum):
@@ -13,42 +11,6 @@ class Mode(StrEnum):
     OFF = "off"
     DRY_RUN = "dry_run"
     ON = "on"
-
-
-WEEKDAYS = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
-
-
-@dataclass(frozen=True)
-class Rule(RobotChoice):
-    """When which robots dock by themselves. It has one condition: `below` and `idle_s`, or `times`.
-
-    Attributes:
-        name: What people call it.
-        mode: What it does.
-        every_robot: Whether it applies to every robot; otherwise to those of `robots` and `groups`.
-        robots: Namespaces.
-        groups: Groups, as `PUT /robots/label` sets them.
-        below: Charge (0 to 1) below which a robot docks; None without this condition.
-        idle_s: Seconds for which the battery must have been low and the robot idle.
-        times: Times of day, HH:MM, in the time zone.
-        weekdays: The days on which they apply, of `WEEKDAYS`.
-        time_zone: IANA name.
-        changed_by: Who changed the rule last, if known.
-        changed_at: When that was.
-    """
-
-    name: str
-    mode: Mode
-    every_robot: bool
-    robots: tuple[str, ...]
-    groups: tuple[str, ...]
-    below: float | None
-    idle_s: float | None
-    times: tuple[str, ...]
-    weekdays: tuple[str, ...]
-    time_zone: str | None
-    changed_by: str | None
-    changed_at: datetime
 
 
 class Outcome(StrEnum):

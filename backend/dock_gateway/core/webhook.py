@@ -1,48 +1,10 @@
-"""Webhooks and what is sent to them. Plain data."""
+"""What is sent to webhooks. Plain data; `webhooks/webhook.py` has the webhooks."""
 
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
 from dock_gateway.core.goal import Json
-from dock_gateway.core.robot_choice import RobotChoice
-
-SEVERITIES = ("critical", "warning")
-
-
-@dataclass(frozen=True)
-class Webhook(RobotChoice):
-    """An address that receives alerts.
-
-    Attributes:
-        name: What people call it.
-        url: The address, `http` or `https`.
-        secret: Signs what is sent: `whsec_` and base64.
-        enabled: Whether alerts are sent.
-        severities: Those of the alerts that are sent, of `SEVERITIES`.
-        every_robot: Whether the alerts of every robot are sent; otherwise of those of `robots` and `groups`.
-        robots: Namespaces.
-        groups: Groups, as `PUT /robots/label` sets them.
-        changed_by: Who changed the webhook last, if known.
-        changed_at: When that was.
-    """
-
-    name: str
-    url: str
-    secret: str
-    enabled: bool
-    severities: tuple[str, ...]
-    every_robot: bool
-    robots: tuple[str, ...]
-    groups: tuple[str, ...]
-    changed_by: str | None
-    changed_at: datetime
-
-    def wants(self, severity: str, robot: str | None, groups: tuple[str, ...]) -> bool:
-        """Return whether an alert is sent. One without a robot concerns the gateway, and so everybody."""
-        if not self.enabled or severity not in self.severities:
-            return False
-        return robot is None or self.covers(robot, groups)
 
 
 class EventType(StrEnum):

@@ -60,3 +60,7 @@ class RobotSelection(Schema):
         if self.all is bool(self.names or self.groups):
             raise expected("either `all`, or robots or groups", "got both" if self.all else "got neither")
         return self
+
+    def covers(self, robot: str, groups: tuple[str, ...]) -> bool:
+        """Return whether a robot that is in these groups is one of them."""
+        return self.all or robot in self.names or any(group in self.groups for group in groups)

@@ -8,7 +8,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from dock_gateway.core.hub import Hub
-from dock_gateway.core.webhook import SEVERITIES, DeliveryState
+from dock_gateway.core.webhook import DeliveryState
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
@@ -20,6 +20,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
 from dock_gateway.webhooks.notifier import Notifier
+from dock_gateway.webhooks.webhook import SEVERITIES
 
 OUTCOMES = {
     DeliveryState.DELIVERED: "delivered",
@@ -87,7 +88,7 @@ class GatewayCollector(Collector):
         yield _gauge("robots", "Robots that the gateway serves", len(robots))
         stopped = sum(parts[Stopper].state(robot.namespace)["latched"] for robot in robots)
         yield _gauge("robots_stopped", "Robots held by a latched stop", stopped)
-        alerts = Counter(dict.fromkeys(SEVERITIES, 0))
+        alerts = Counter({str(severity): 0 for severity in SEVERITIES})
         alerts.update(alert["severity"] for alert in parts[AlertBoard].documents())
         yield _gauges("alerts", "Active alerts", "severity", alerts)
         attempts = {outcome: parts[Notifier].attempts.get(state, 0) for state, outcome in OUTCOMES.items()}

@@ -6,9 +6,10 @@ from typing import Any, Generic
 import sqlalchemy as sa
 
 from dock_gateway.storage.immediate import ImmediateWriter
-from dock_gateway.storage.protocol import Beside, EntryT
+from dock_gateway.storage.protocol import Beside, EntryT, ModelT
 from dock_gateway.storage.queries import insert_into
 from dock_gateway.storage.reader import Reader
+from dock_gateway.storage.tables import documents
 
 
 class SqlEntries(Generic[EntryT]):
@@ -58,6 +59,16 @@ class SqlEntries(Generic[EntryT]):
     def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
         return {key: self._make(*fields) for key, *fields in connection.execute(sa.select(self._table))}
 
+    def _identify(self, key: str) -> dict[str, str]:
+        """Return the columns of the primary key."""
+        (name,) = self._table.primary_key.columns.keys()
+        return {name: key}
+
+    def _describe(self, entry: EntryT) -> dict[str, Any]:
+        """Return the other columns."""
+        names = self._table.columns.keys()[1:]
+        return dict(zip(names, vars(entry).values(), strict=True))
+
     def _write(
         self,
         connection: sa.Connection,
@@ -78,13 +89,44 @@ class SqlEntries(Generic[EntryT]):
             connection.execute(sa.text(f"LOCK TABLE {names} IN SHARE ROW EXCLUSIVE MODE"))
         for entries, require in checks:
             require(entries._read(connection))  # noqa: SLF001 - as above
-        (name,) = self._table.primary_key.columns.keys()
+        identity = self._identify(key)
         if entry is None:
-            connection.execute(sa.delete(self._table).where(self._table.c[name] == key))
+            connection.execute(
+                sa.delete(self._table).where(*(self._table.c[name] == identity[name] for name in identity))
+            )
             return
-        row: dict[str, Any] = dict(zip(self._table.columns.keys(), (key, *vars(entry).values()), strict=True))
+        row = identity | self._describe(entry)
         insert = insert_into(connection.dialect.name, self._table)
-        connection.execute(insert.on_conflict_do_update(index_elements=[name], set_=row), row)
+        connection.execute(insert.on_conflict_do_update(index_elements=[*identity], set_=row), row)
+
+
+class SqlDocuments(SqlEntries[ModelT]):
+    """The documents of one kind.
+
+    Args:
+        reader: Reads from the database.
+        writer: Writes to it.
+        kind: The kind.
+        model: What a document is.
+    """
+
+    def __init__(self, reader: Reader, writer: ImmediateWriter, kind: str, model: type[ModelT]) -> None:
+        super().__init__(reader, writer, documents, model)
+        self._kind = kind
+        self._model = model
+
+    def _read(self, connection: sa.Connection) -> dict[str, ModelT]:
+        query = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == self._kind)
+        return {
+            key: self._model.model_validate_json(document, extra="ignore")
+            for key, document in connection.execute(query)
+        }
+
+    def _identify(self, key: str) -> dict[str, str]:
+        return {"kind": self._kind, "key": key}
+
+    def _describe(self, entry: ModelT) -> dict[str, Any]:
+        return {"document": entry.model_dump_json().encode()}
 
 
 class MemoryEntries(Generic[EntryT]):

@@ -3,15 +3,17 @@
 import asyncio
 import bisect
 import time
+from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
 from copy import copy
+from typing import Any
 
 from dock_gateway.core.access import PersonSession, Session, Token, User
-from dock_gateway.core.automation import Decision, Rule
+from dock_gateway.core.automation import Decision
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.webhook import Delivery, Webhook
+from dock_gateway.core.webhook import Delivery
 from dock_gateway.storage.audit import MemoryAudit
 from dock_gateway.storage.battery import BatterySpan, Bucket, add_events
 from dock_gateway.storage.database import Incident
@@ -25,6 +27,7 @@ from dock_gateway.storage.protocol import (
     Acknowledgement,
     HistoryStats,
     LaterEvents,
+    ModelT,
     RobotLabel,
     fingerprint_of,
 )
@@ -46,9 +49,7 @@ class MemoryHistory:
         self.acknowledgements = MemoryEntries[Acknowledgement]()
         self.labels = MemoryEntries[RobotLabel]()
         self.notes = MemoryNotes()
-        self.automation_rules = MemoryEntries[Rule]()
         self.automation_decisions = MemoryEntries[Decision]()
-        self.webhooks = MemoryEntries[Webhook]()
         self.webhook_deliveries = MemoryEntries[Delivery]()
         self.tokens = MemoryEntries[Token]()
         self.users = MemoryEntries[User]()
@@ -56,6 +57,7 @@ class MemoryHistory:
         self.person_sessions = MemoryEntries[PersonSession]()
         self.audit = MemoryAudit()
         self.on_loss: Callable[[], None] = lambda: None
+        self._documents: defaultdict[str, MemoryEntries[Any]] = defaultdict(MemoryEntries)
         self._limit = limit
         self._event_limit = event_limit
         self._goals: dict[str, Goal] = {}
@@ -64,6 +66,10 @@ class MemoryHistory:
         self._event_ids: list[str] = []  # sorted
         self._horizon: dict[str, str] = {}  # topic → id of the newest dropped event
         self._dropped = 0
+
+    def documents(self, kind: str, model: type[ModelT]) -> MemoryEntries[ModelT]:
+        """Return the documents of a kind, by id."""
+        return self._documents[kind]
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Store a new goal."""

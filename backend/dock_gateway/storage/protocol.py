@@ -6,18 +6,21 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any, NamedTuple, Protocol, TypeVar
 
+from pydantic import BaseModel
+
 from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
-from dock_gateway.core.automation import Decision, Rule
+from dock_gateway.core.automation import Decision
 from dock_gateway.core.event import Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
-from dock_gateway.core.webhook import Delivery, Webhook
+from dock_gateway.core.webhook import Delivery
 from dock_gateway.storage.battery import BatterySpan, Bucket
 from dock_gateway.storage.database import Incident
 from dock_gateway.storage.statistics import Span, Tallies
 
 EntryT = TypeVar("EntryT")
+ModelT = TypeVar("ModelT", bound=BaseModel)
 
 KEY_LIFETIME = timedelta(hours=24)
 # Sorts after the id of every event.
@@ -199,16 +202,8 @@ class History(Protocol):
         """The notes and tags of goals."""
 
     @property
-    def automation_rules(self) -> Entries[Rule]:
-        """The rules of automatic docking, by id."""
-
-    @property
     def automation_decisions(self) -> Entries[Decision]:
         """The decisions of automatic docking, by id."""
-
-    @property
-    def webhooks(self) -> Entries[Webhook]:
-        """The webhooks, by id."""
 
     @property
     def webhook_deliveries(self) -> Entries[Delivery]:
@@ -229,6 +224,12 @@ class History(Protocol):
     @property
     def person_sessions(self) -> Entries[PersonSession]:
         """The sessions of people of an identity provider, by id."""
+
+    def documents(self, kind: str, model: type[ModelT]) -> Entries[ModelT]:
+        """Return the documents of a kind, by id: models that are stored as JSON, so that a new field changes no table.
+
+        A field that a document lacks has its default; one that the model does not know is ignored.
+        """
 
     @property
     def audit(self) -> AuditStore:

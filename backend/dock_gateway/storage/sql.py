@@ -11,18 +11,18 @@ from functools import partial
 from pathlib import Path
 
 from dock_gateway.core.access import PersonSession, Session, Token, User
-from dock_gateway.core.automation import Decision, Rule
+from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
-from dock_gateway.core.webhook import Delivery, Webhook
+from dock_gateway.core.webhook import Delivery
 from dock_gateway.storage import queries, statistics
 from dock_gateway.storage.audit import SqlAudit
 from dock_gateway.storage.battery import BatterySpan, Bucket
 from dock_gateway.storage.database import DATABASE_ERRORS, Database, Incident
-from dock_gateway.storage.entries import SqlEntries
+from dock_gateway.storage.entries import SqlDocuments, SqlEntries
 from dock_gateway.storage.event_reader import EventReader
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.merge import merge_all
@@ -33,6 +33,7 @@ from dock_gateway.storage.protocol import (
     Acknowledgement,
     HistoryStats,
     LaterEvents,
+    ModelT,
     RobotLabel,
     fingerprint_of,
 )
@@ -45,14 +46,12 @@ from dock_gateway.storage.statistics import Span, Tallies
 from dock_gateway.storage.tables import (
     acknowledgements,
     automation_decisions,
-    automation_rules,
     person_sessions,
     robot_labels,
     sessions,
     tokens,
     users,
     webhook_deliveries,
-    webhooks,
 )
 from dock_gateway.storage.waiting import Waiting
 from dock_gateway.storage.writer import Writer
@@ -87,13 +86,11 @@ class SqlHistory:
         self.newest = ""
         self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
-        writer = ImmediateWriter(self._database, self._writer)
+        self._immediate = writer = ImmediateWriter(self._database, self._writer)
         self.acknowledgements = SqlEntries(self._reader, writer, acknowledgements, Acknowledgement)
         self.labels = SqlEntries(self._reader, writer, robot_labels, RobotLabel)
         self.notes = SqlNotes(self._reader, writer)
-        self.automation_rules = SqlEntries(self._reader, writer, automation_rules, Rule)
         self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, Decision)
-        self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
         self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, Delivery)
         self.tokens = SqlEntries(self._reader, writer, tokens, Token)
         self.users = SqlEntries(self._reader, writer, users, User)
@@ -139,6 +136,10 @@ class SqlHistory:
     def incident(self) -> Incident | None:
         """The last loss of the database's data, as long as it must be reported."""
         return self._database.incident
+
+    def documents(self, kind: str, model: type[ModelT]) -> SqlDocuments[ModelT]:
+        """Return the documents of a kind, by id."""
+        return SqlDocuments(self._reader, self._immediate, kind, model)
 
     # ------------------------------------------------------------------ write
 

@@ -2,7 +2,7 @@
 
 import sqlalchemy as sa
 
-from dock_gateway.core.automation import Mode, Outcome
+from dock_gateway.core.automation import Outcome
 from dock_gateway.core.grant import Role
 from dock_gateway.core.webhook import DeliveryState, EventType
 from dock_gateway.storage.column_types import JsonText, Names, OneOf, UtcTime, identity
@@ -110,22 +110,13 @@ goal_notes = sa.Table(
     sa.Index("notes_by_goal", "goal_id", "written_at", "note_id"),
 )
 
-automation_rules = sa.Table(
-    "automation_rules",
+# What is edited and read as a whole: rules and webhooks.
+documents = sa.Table(
+    "documents",
     metadata,
-    sa.Column("rule_id", sa.Text, primary_key=True),
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("mode", OneOf(Mode), nullable=False),
-    sa.Column("every_robot", sa.Boolean, nullable=False),
-    sa.Column("robots", Names, nullable=False),
-    sa.Column("groups", Names, nullable=False),
-    sa.Column("below", sa.Float),
-    sa.Column("idle_s", sa.Float),
-    sa.Column("times", Names, nullable=False),
-    sa.Column("weekdays", Names, nullable=False),
-    sa.Column("time_zone", sa.Text),
-    sa.Column("changed_by", sa.Text),
-    sa.Column("changed_at", UtcTime, nullable=False),
+    sa.Column("kind", sa.Text, primary_key=True),
+    sa.Column("key", sa.Text, primary_key=True),
+    sa.Column("document", JsonText, nullable=False),
 )
 
 automation_decisions = sa.Table(
@@ -144,22 +135,6 @@ automation_decisions = sa.Table(
     sa.Column("code", sa.Text),
     sa.Column("detail", sa.Text),
     sa.Column("open", sa.Boolean, nullable=False),
-)
-
-webhooks = sa.Table(
-    "webhooks",
-    metadata,
-    sa.Column("webhook_id", sa.Text, primary_key=True),
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("url", sa.Text, nullable=False),
-    sa.Column("secret", sa.Text, nullable=False),
-    sa.Column("enabled", sa.Boolean, nullable=False),
-    sa.Column("severities", Names, nullable=False),
-    sa.Column("every_robot", sa.Boolean, nullable=False),
-    sa.Column("robots", Names, nullable=False),
-    sa.Column("groups", Names, nullable=False),
-    sa.Column("changed_by", sa.Text),
-    sa.Column("changed_at", UtcTime, nullable=False),
 )
 
 webhook_deliveries = sa.Table(

@@ -5,20 +5,20 @@ import logging
 import time
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import replace
 
 import orjson
 
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.core.webhook import DeliveryState, EventType, Webhook
+from dock_gateway.core.webhook import DeliveryState, EventType
 from dock_gateway.fleet.alerts import SETTLED_AFTER, AlertBoard
 from dock_gateway.robots.labels import NO_LABEL, Labels
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook
 from dock_gateway.webhooks.outbox import Document, Outbox, delivery_document
 from dock_gateway.webhooks.sender import new_secret
+from dock_gateway.webhooks.webhook import WebhookEntry
 
 log = logging.getLogger(__name__)
 
@@ -49,7 +49,7 @@ class Notifier:
         alerts: AlertBoard,
         labels: Labels,
         *,
-        webhooks: SharedBook[Webhook],
+        webhooks: SharedBook[WebhookEntry],
         outbox: Outbox,
         settled_after: float = SETTLED_AFTER,
         interval: float = INTERVAL,
@@ -91,7 +91,7 @@ class Notifier:
         ordered = sorted(webhooks.items(), key=lambda item: (item[1].name.casefold(), item[0]))
         return [self._document(webhook_id, webhook) for webhook_id, webhook in ordered]
 
-    async def replace(self, webhook_id: str, webhook: Webhook) -> Document:
+    async def replace(self, webhook_id: str, webhook: WebhookEntry) -> Document:
         """Store a webhook, new or changed, and return it, with its secret if that was made now.
 
         Args:
@@ -106,7 +106,8 @@ class Notifier:
         made = None
         if not webhook.secret:
             made = None if known is not None else new_secret()
-            webhook = replace(webhook, secret=made or (known.secret if known is not None else ""))
+            secret = made or (known.secret if known is not None else "")
+            webhook = webhook.model_copy(update={"secret": secret})
         await self._webhooks.replace(webhook_id, webhook)
         state = "on" if webhook.enabled else "off"
         log.info("webhook %s (%r): %s, by %s", webhook_id, webhook.name, state, webhook.changed_by)
@@ -125,24 +126,18 @@ class Notifier:
         log.info("webhook %s removed", webhook_id)
         await self._outbox.tidy()
 
-    async def _read(self) -> Mapping[str, Webhook]:
+    async def _read(self) -> Mapping[str, WebhookEntry]:
         webhooks = await self._webhooks.read()
         self._compare()
         return webhooks
 
-    def _document(self, webhook_id: str, webhook: Webhook) -> Document:
+    def _document(self, webhook_id: str, webhook: WebhookEntry) -> Document:
         own = self._outbox.of(webhook_id)
         tried = [(each.tried_at, identity, each) for identity, each in own if each.tried_at is not None]
         _, identity, last = max(tried, key=lambda each: each[0], default=(None, "", None))
         return {
             "id": webhook_id,
-            "name": webhook.name,
-            "url": webhook.url,
-            "enabled": webhook.enabled,
-            "severities": webhook.severities,
-            "robots": webhook.robots_document(),
-            "changed_by": webhook.changed_by,
-            "changed_at": webhook.changed_at,
+            **webhook.model_dump(exclude={"secret"}),
             "pending": sum(each.state is DeliveryState.PENDING for _, each in own),
             "last_delivery": None if last is None else delivery_document(identity, last),
         }
@@ -202,7 +197,7 @@ class Notifier:
         await self._outbox.send_due()
 
     @property
-    def _on(self) -> dict[str, Webhook]:
+    def _on(self) -> dict[str, WebhookEntry]:
         return {webhook_id: webhook for webhook_id, webhook in self._webhooks.all().items() if webhook.enabled}
 
     def _compare(self) -> None:
@@ -220,7 +215,7 @@ class Notifier:
         for key in [key for key in self._raised if key[1] not in alerts]:
             self._news.append((EventType.CLEARED, *key, self._event(EventType.CLEARED, self._raised.pop(key))))
 
-    def _wants(self, webhook: Webhook, alert: Document) -> bool:
+    def _wants(self, webhook: WebhookEntry, alert: Document) -> bool:
         return webhook.wants(alert["severity"], alert["robot"], self._label_of(alert).groups)
 
     def _label_of(self, alert: Document) -> RobotLabel:

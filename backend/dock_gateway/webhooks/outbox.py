@@ -13,10 +13,11 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.deliveries import RETRY_AFTER, after_attempt, due, find_open, open_alerts, surplus
 from dock_gateway.webhooks.sender import Sender, sign
+from dock_gateway.webhooks.webhook import WebhookEntry
 
 log = logging.getLogger(__name__)
 
@@ -41,7 +42,7 @@ class Outbox:
 
     def __init__(
         self,
-        webhooks: SharedBook[Webhook],
+        webhooks: SharedBook[WebhookEntry],
         deliveries: SharedEntries[Delivery],
         *,
         retry_after: Sequence[float] = RETRY_AFTER,
@@ -153,7 +154,7 @@ class Outbox:
         finally:
             self._sending.discard(webhook_id)
 
-    async def _attempt(self, webhook: Webhook, identity: str, delivery: Delivery) -> Delivery:
+    async def _attempt(self, webhook: WebhookEntry, identity: str, delivery: Delivery) -> Delivery:
         headers = sign(webhook.secret, identity, utc_now(), delivery.body)
         answer = await self._sender.send(webhook.url, headers, delivery.body)
         tried = after_attempt(delivery, answer, utc_now(), self._retry_after)
@@ -166,7 +167,7 @@ class Outbox:
             log.warning("webhook %r: %s was not delivered: %s; %s", webhook.name, identity, tried.error, then)
         return tried
 
-    async def send_test(self, webhook_id: str, webhook: Webhook) -> Document:
+    async def send_test(self, webhook_id: str, webhook: WebhookEntry) -> Document:
         """Send a test now, once; return the delivery."""
         now, identity = utc_now(), uuid.uuid4().hex
         text = f"This is a test of the webhook {webhook.name!r}."

@@ -19,7 +19,8 @@ from dock_gateway.http.requests import (
     read_slug,
 )
 from dock_gateway.webhooks.notifier import Notifier
-from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookBody, WebhookList
+from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
+from dock_gateway.webhooks.webhook import WebhookBody
 
 router = APIRouter(tags=["Webhooks"], prefix="/webhooks")
 
@@ -54,7 +55,7 @@ async def replace_webhook(webhook_id: WebhookId, request: Request, notifier: Par
     It receives the present alerts, and then each that begins or ends.
     """
     body = await read_signed(WebhookBody, request)
-    return json_response(await notifier.replace(webhook_id, body.webhook()))
+    return json_response(await notifier.replace(webhook_id, body.entry()))
 
 
 @router.delete("/{webhook_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])

@@ -3792,8 +3792,6 @@ export interface components {
             robots: components["schemas"]["RobotSelection"];
             battery: components["schemas"]["BatteryCondition"] | null;
             schedule: components["schemas"]["Schedule"] | null;
-            /** Id */
-            id: string;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -3801,6 +3799,8 @@ export interface components {
              * Format: date-time
              */
             changed_at: string;
+            /** Id */
+            id: string;
             /** Applies To */
             applies_to: components["schemas"]["RuleRobot"][];
         };
@@ -4316,8 +4316,6 @@ export interface components {
              *     }
              */
             robots: components["schemas"]["RobotSelection"];
-            /** Id */
-            id: string;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -4325,6 +4323,8 @@ export interface components {
              * Format: date-time
              */
             changed_at: string;
+            /** Id */
+            id: string;
             /** Pending */
             pending: number;
             last_delivery: components["schemas"]["Delivery"] | null;
@@ -4620,8 +4620,6 @@ export interface components {
              *     }
              */
             robots: components["schemas"]["RobotSelection"];
-            /** Id */
-            id: string;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -4629,6 +4627,8 @@ export interface components {
              * Format: date-time
              */
             changed_at: string;
+            /** Id */
+            id: string;
             /** Pending */
             pending: number;
             last_delivery: components["schemas"]["Delivery"] | null;

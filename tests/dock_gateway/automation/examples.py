@@ -5,18 +5,34 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from dock_gateway.automation.policy import DockingPolicy, RobotFacts, Verdict
-from dock_gateway.core.automation import WEEKDAYS, Decision, Mode, Outcome, Rule, Wait
+from dock_gateway.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
+from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.http.schema import RobotSelection
+
+
+def changed(rule: RuleEntry, **fields: Any) -> RuleEntry:
+    """The rule with other fields."""
+    return rule.model_copy(update=fields)
+
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)  # a Thursday
-LOW_BATTERY = Rule("Low battery", Mode.ON, True, (), (), 0.2, 60.0, (), (), None, "Ada", NOON - timedelta(days=1))
-AT_ONE = Rule("Lunch", Mode.ON, True, (), (), None, None, ("12:10",), WEEKDAYS, "UTC", "Ada", NOON - timedelta(days=1))
+LOW_BATTERY = RuleEntry(
+    name="Low battery",
+    mode=Mode.ON,
+    robots=RobotSelection(all=True),
+    battery=BatteryCondition(below=0.2, idle_s=60),
+    changed_by="Ada",
+    changed_at=NOON - timedelta(days=1),
+)
+LUNCH = Schedule(times=["12:10"], weekdays=[*WEEKDAYS], time_zone="UTC")
+AT_ONE = changed(LOW_BATTERY, name="Lunch", battery=None, schedule=LUNCH)
 EMPTY = RobotFacts("/robot1", battery=0.1, still_since=0.0)
 
 
 class Site:
     """One gateway and its robot: looks at a number of seconds past noon, and records what is decided."""
 
-    def __init__(self, **rules: Rule) -> None:
+    def __init__(self, **rules: RuleEntry) -> None:
         self.rules = rules
         self.policy = DockingPolicy()
         self.decisions: dict[str, Decision] = {}

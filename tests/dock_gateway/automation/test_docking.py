@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Callable
-from dataclasses import replace
 from datetime import timedelta
 from types import SimpleNamespace
 from typing import Any, cast
@@ -12,7 +11,8 @@ import pytest
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
-from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.automation.rule import BatteryCondition, RuleEntry
+from dock_gateway.core.automation import Decision, Mode, Outcome
 from dock_gateway.core.battery import Reading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
@@ -28,13 +28,13 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.shared_entries import SharedBook
-from tests.dock_gateway.automation.examples import LOW_BATTERY
+from tests.dock_gateway.automation.examples import LOW_BATTERY, changed
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
 
 ROBOT = "/robot1"
 # Idle for no time at all: what counts here is what follows.
-AT_ONCE = replace(LOW_BATTERY, idle_s=0.0)
+AT_ONCE = changed(LOW_BATTERY, battery=BatteryCondition.model_construct(below=0.2, idle_s=0.0))
 
 
 class Robot:
@@ -87,7 +87,7 @@ class Site:
 
     def __init__(self) -> None:
         self.robot = Robot()
-        self.rules, self.stored = SharedStore[Rule](), SharedStore[Decision]()
+        self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[Decision]()
         self.gateways: list[AutomaticDocking] = []
         self.history = MemoryHistory(100)
         self.hub = Hub(queue_limit=10, max_subscribers=10)
@@ -220,7 +220,7 @@ async def test_without_the_history_nothing_docks(site: Site, caplog: pytest.LogC
     with pytest.raises(Unavailable):
         await gateway.decisions.newest(robot=None, rule_id=None, goal_id=None, limit=1)
     with pytest.raises(Unavailable):
-        await gateway.replace("low", replace(AT_ONCE, mode=Mode.OFF))
+        await gateway.replace("low", changed(AT_ONCE, mode=Mode.OFF))
     assert sum("no automatic docking" in line for line in caplog.messages) == 1
 
 
@@ -264,7 +264,7 @@ async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> No
 
 async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_the_old_rule(site: Site) -> None:
     first = site.gateway()
-    await first.replace("low", replace(AT_ONCE, mode=Mode.DRY_RUN))
+    await first.replace("low", changed(AT_ONCE, mode=Mode.DRY_RUN))
     await site.decided()
     second = site.gateway(sync_every=1_000_000)  # it reads once, at its start
     await until(lambda: [each.outcome for each in second.decisions.all().values()] == [Outcome.DRY_RUN])

@@ -7,9 +7,11 @@ from typing import Any
 import pytest
 
 from dock_gateway.automation.past import MAX_ATTEMPTS, require_free
+from dock_gateway.automation.rule import BatteryCondition
 from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
 from dock_gateway.core.errors import Conflict
-from tests.dock_gateway.automation.examples import AT_ONE, EMPTY, LOW_BATTERY, NOON, Site, robot
+from dock_gateway.http.schema import RobotSelection
+from tests.dock_gateway.automation.examples import AT_ONE, EMPTY, LOW_BATTERY, NOON, Site, changed, robot
 
 FULL = robot(battery=0.9)
 DUE = 600.0  # the seconds past noon at which AT_ONE is due
@@ -76,7 +78,7 @@ def test_a_latched_stop_holds_the_robot_and_is_recorded_once(site: Site) -> None
 
 
 def test_a_dry_run_records_once_and_sends_nothing(site: Site) -> None:
-    site.rules["low"] = replace(LOW_BATTERY, mode=Mode.DRY_RUN)
+    site.rules["low"] = changed(LOW_BATTERY, mode=Mode.DRY_RUN)
     site.look(0)
     assert site.look(60) == [Outcome.DRY_RUN]
     assert site.look(7200) == []
@@ -87,14 +89,14 @@ def test_a_dry_run_records_once_and_sends_nothing(site: Site) -> None:
 
 
 def test_a_rule_that_is_off_does_nothing(site: Site) -> None:
-    site.rules["low"] = replace(LOW_BATTERY, mode=Mode.OFF)
+    site.rules["low"] = changed(LOW_BATTERY, mode=Mode.OFF)
     site.look(0)
     assert site.look(3600) == []
     assert site.verdict.watched == set()
 
 
 def test_which_robots_a_rule_is_for(site: Site) -> None:
-    site.rules["low"] = replace(LOW_BATTERY, every_robot=False, robots=("/robot1",), groups=("hall 1",))
+    site.rules["low"] = changed(LOW_BATTERY, robots=RobotSelection(names=("/robot1",), groups=("hall 1",)))
     robots = [EMPTY, robot(name="/robot2", groups=("hall 1", "new")), robot(name="/robot3", groups=("hall 2",))]
     site.decide(0, *robots)
     assert [decision.robot for decision in site.decide(60, *robots)] == ["/robot1", "/robot2"]
@@ -134,7 +136,7 @@ def test_a_failed_docking_is_retried_five_minutes_after_its_end(site: Site) -> N
 
 
 def test_two_rules_do_not_dock_one_robot_twice(site: Site) -> None:
-    site.rules["other"] = replace(LOW_BATTERY, name="Other", below=0.5)
+    site.rules["other"] = changed(LOW_BATTERY, name="Other", battery=BatteryCondition(below=0.5, idle_s=60))
     site.look(0)
     assert site.look(60) == [Outcome.SENT]
     assert site.look(61) == []
@@ -175,8 +177,8 @@ def test_a_time_of_day_is_not_made_up_for() -> None:
     assert site.look(DUE + 121) == []  # after a restart, say
     assert site.waits("lunch") is Wait.NOT_DUE
     assert Site(lunch=AT_ONE).look(DUE + 120) == [Outcome.SENT]
-    changed = replace(AT_ONE, changed_at=NOON + timedelta(seconds=DUE + 1))
-    assert Site(lunch=changed).look(DUE + 2) == []
+    later = changed(AT_ONE, changed_at=NOON + timedelta(seconds=DUE + 1))
+    assert Site(lunch=later).look(DUE + 2) == []
 
 
 def test_a_stop_at_that_time_holds_the_robot() -> None:
@@ -271,5 +273,5 @@ def test_what_has_changed_since_the_decision(site: Site, facts: dict[str, Any], 
 
 def test_a_rule_that_was_switched_off_since(site: Site) -> None:
     site.look(0)
-    for rule in (None, replace(LOW_BATTERY, mode=Mode.OFF), replace(LOW_BATTERY, mode=Mode.DRY_RUN)):
+    for rule in (None, changed(LOW_BATTERY, mode=Mode.OFF), changed(LOW_BATTERY, mode=Mode.DRY_RUN)):
         assert site.policy.obstacle("low", rule, EMPTY, 60.0) is Wait.OFF

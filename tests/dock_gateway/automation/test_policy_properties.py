@@ -2,7 +2,6 @@
 
 import itertools
 from collections import defaultdict
-from dataclasses import replace
 from datetime import datetime, timedelta
 
 from hypothesis import given, settings
@@ -10,8 +9,9 @@ from hypothesis import strategies as st
 
 from dock_gateway.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL
 from dock_gateway.automation.policy import QUIET_PERIOD, STILL_FOR, RobotFacts
-from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
-from tests.dock_gateway.automation.examples import AT_ONE, LOW_BATTERY, NOON, Site
+from dock_gateway.automation.rule import RuleEntry
+from dock_gateway.core.automation import Decision, Mode, Outcome
+from tests.dock_gateway.automation.examples import AT_ONE, LOW_BATTERY, NOON, Site, changed
 
 ages = st.sampled_from([None, 0.0, 5.0, 30.0, 59.0, 61.0, 200.0, 1000.0])
 # Mostly what speaks for docking, so that it comes to that.
@@ -34,7 +34,7 @@ modes = st.sampled_from([Mode.ON, Mode.ON, Mode.DRY_RUN, Mode.OFF])
 @settings(max_examples=300, deadline=None)
 @given(st.lists(steps, min_size=1, max_size=40), modes, modes)
 def test_what_always_holds(history: list[tuple[object, ...]], low: Mode, lunch: Mode) -> None:
-    rules = {"low": replace(LOW_BATTERY, mode=low), "lunch": replace(AT_ONE, mode=lunch)}
+    rules = {"low": changed(LOW_BATTERY, mode=low), "lunch": changed(AT_ONE, mode=lunch)}
     site = Site(**rules)
     seconds = 0.0
     sent: list[tuple[datetime, Decision]] = []
@@ -72,7 +72,7 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: Mode, lunch: 
     assert len(set(due)) == len(due)
 
 
-def check_facts(rule: Rule, facts: RobotFacts, seconds: float) -> None:
+def check_facts(rule: RuleEntry, facts: RobotFacts, seconds: float) -> None:
     """What must speak for docking a robot."""
     assert rule.mode is Mode.ON
     assert facts.stopped is None
@@ -82,5 +82,5 @@ def check_facts(rule: Rule, facts: RobotFacts, seconds: float) -> None:
     assert not facts.goal_running
     assert facts.person_at is None or seconds - facts.person_at >= QUIET_PERIOD
     assert facts.still_since is not None
-    assert seconds - facts.still_since >= (rule.idle_s or STILL_FOR)
-    assert rule.below is None or (facts.battery is not None and facts.battery < rule.below)
+    assert seconds - facts.still_since >= (STILL_FOR if rule.battery is None else rule.battery.idle_s)
+    assert rule.battery is None or (facts.battery is not None and facts.battery < rule.battery.below)

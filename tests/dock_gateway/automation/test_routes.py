@@ -11,6 +11,7 @@ from dock_gateway.app import create_app
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
+from dock_gateway.automation.rule import RuleEntry
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.hub import Hub
@@ -38,7 +39,7 @@ class Client:
         labels = {"/": (), "/robot1": ("hall 1",)}
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
         docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots
-        docking._rules = SharedBook(self.history.automation_rules, "rule", 2)
+        docking._rules = SharedBook(self.history.documents("rule", RuleEntry), "rule", 2)
         docking.decisions = DecisionLog(Hub(queue_limit=1, max_subscribers=1), self.history.automation_decisions)
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)

@@ -1,29 +1,27 @@
 """Times of day in time zones: each is one moment, also when clocks change."""
 
-from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dock_gateway.automation.rule import WEEKDAYS, Schedule, Weekday
 from dock_gateway.automation.schedule import last_due, next_due
-from dock_gateway.core.automation import WEEKDAYS, Rule
-from tests.dock_gateway.automation.examples import AT_ONE
 
 MINUTE = timedelta(minutes=1)
 
 
-def rule(zone: str, *times: str, weekdays: tuple[str, ...] = WEEKDAYS) -> Rule:
-    return replace(AT_ONE, time_zone=zone, times=times, weekdays=weekdays)
+def schedule(zone: str, *times: str, weekdays: tuple[Weekday, ...] = WEEKDAYS) -> Schedule:
+    return Schedule(time_zone=zone, times=[*times], weekdays=[*weekdays])
 
 
-def moments(rule: Rule, since: datetime, until: datetime) -> list[datetime]:
-    """When the rule is due, as seen by a look every minute."""
+def moments(schedule: Schedule, since: datetime, until: datetime) -> list[datetime]:
+    """When the schedule is due, as seen by a look every minute."""
     found: list[datetime] = []
     now = since
     while now < until:
-        due = last_due(rule, now)
+        due = last_due(schedule, now)
         if due is not None and now - due < MINUTE and due not in found:
             found.append(due)
         now += MINUTE
@@ -42,17 +40,17 @@ def utc(text: str) -> datetime:
     ],
 )
 def test_clocks_that_go_forward(times: tuple[str, ...], due: list[str]) -> None:
-    found = moments(rule("Europe/Berlin", *times), utc("2026-03-28T00:00"), utc("2026-03-30T01:00"))
+    found = moments(schedule("Europe/Berlin", *times), utc("2026-03-28T00:00"), utc("2026-03-30T01:00"))
     assert found == [utc(each) for each in due]
 
 
 def test_clocks_that_go_back() -> None:
-    found = moments(rule("Europe/Berlin", "02:30"), utc("2026-10-24T00:00"), utc("2026-10-26T03:00"))
+    found = moments(schedule("Europe/Berlin", "02:30"), utc("2026-10-24T00:00"), utc("2026-10-26T03:00"))
     assert found == [utc("2026-10-24T00:30"), utc("2026-10-25T00:30"), utc("2026-10-26T01:30")]
 
 
 def test_days_are_those_of_the_time_zone() -> None:
-    monday = rule("Pacific/Auckland", "08:00", weekdays=("mon",))
+    monday = schedule("Pacific/Auckland", "08:00", weekdays=("mon",))
     assert moments(monday, utc("2026-06-01T00:00"), utc("2026-06-09T00:00")) == [utc("2026-06-07T20:00")]
     assert next_due(monday, utc("2026-06-07T19:00")) == utc("2026-06-07T20:00")
     assert next_due(monday, utc("2026-06-03T00:00")) is None
@@ -71,7 +69,7 @@ times = st.lists(
 @settings(max_examples=200, deadline=None)
 @given(zones, times, st.integers(0, 2**31).map(lambda seconds: datetime.fromtimestamp(seconds, UTC)))
 def test_any_moment_has_a_last_and_a_next_time(zone: str, times: list[str], now: datetime) -> None:
-    last, coming = last_due(rule(zone, *times), now), next_due(rule(zone, *times), now)
+    last, coming = last_due(schedule(zone, *times), now), next_due(schedule(zone, *times), now)
     assert last is not None
     assert coming is not None
     assert last <= now < coming

@@ -7,14 +7,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
+from pydantic import BaseModel
 
-from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.storage import History, RobotLabel, sqlite
 from tests.support.history import locked, open_place
 from tests.support.waiting import PATIENCE, until
 
+AT = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
 LEFT = RobotLabel("Left forklift", ("hall 1", "Gabelstapler ü, \"'"))
 RIGHT = RobotLabel(None, ("hall 1",))
 BARE = RobotLabel("Bar\u00e9", ())
@@ -65,41 +67,61 @@ async def test_labels_are_stored_replaced_and_removed(place: str, tmp_path: Path
         assert await history.acknowledgements.read() == {}
 
 
+class Lamp(BaseModel):
+    """A document of this version."""
+
+    name: str
+    lit_at: datetime | None = None
+    colours: tuple[str, ...] = ()
+
+
+class LaterLamp(Lamp):
+    """One of a later version, which has a new field."""
+
+    watts: float = 60.0
+
+
 @pytest.mark.usefixtures("patient")
-async def test_rules_and_decisions_of_automatic_docking_are_what_they_were(place: str, tmp_path: Path) -> None:
-    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
-    low = Rule("Low", Mode.ON, False, ("/robot1",), ("hall 1",), 0.2, 60.0, (), (), None, None, at)
-    night = Rule("Nacht ü", Mode.DRY_RUN, True, (), (), None, None, ("22:00",), ("mon",), "Europe/Berlin", "Ada", at)
-    sent = Decision("low", "Low", "/robot1", at, Outcome.SENT, 0.1, at, at, "a", "b", "c", open=True)
-    bare = Decision("low", "Low", "/robot1", at, Outcome.GAVE_UP, None, None, None, None, None, None, open=False)
+async def test_documents_are_what_they_were(place: str, tmp_path: Path) -> None:
+    red, dark = Lamp(name="Lämpchen", lit_at=AT, colours=("red", "\"'")), Lamp(name="Lamp")
     async with opened(place, tmp_path) as history:
-        for rule_id, rule in (("low", night), ("low", low), ("night", night)):
-            await history.automation_rules.write(rule_id, rule)
-        for identity, decision in (("a", bare), ("a", sent), ("b", bare)):
-            await history.automation_decisions.write(identity, decision)
-        rules, decisions = await history.automation_rules.read(), await history.automation_decisions.read()
-        assert rules == {"low": low, "night": night}
-        assert decisions == {"a": sent, "b": bare}
-        assert isinstance(rules["low"].mode, Mode)
-        assert isinstance(decisions["a"].outcome, Outcome)
+        lamps, others = history.documents("lamp", Lamp), history.documents("other", Lamp)
+        for lamp_id, lamp in (("a", dark), ("a", red), ("b", dark), ("c", red)):
+            await lamps.write(lamp_id, lamp)
+        await lamps.write("c", None)
+        await others.write("a", dark)
+        assert await lamps.read() == {"a": red, "b": dark}
+        assert await history.documents("other", Lamp).read() == {"a": dark}
 
 
 @pytest.mark.usefixtures("patient")
-async def test_webhooks_and_their_deliveries_are_what_they_were(place: str, tmp_path: Path) -> None:
-    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
-    off = Webhook("Büro", "https://x/ü", "whsec_a", False, ("critical",), False, ("/a",), ("hall 1",), "Ada", at)
-    every = Webhook("Hook", "http://x", "whsec_b", True, ("critical", "warning"), True, (), (), None, at)
+async def test_a_new_field_has_its_default_in_older_documents_and_older_gateways_do_without_it(
+    database_url: str, tmp_path: Path
+) -> None:
+    async with opened(database_url, tmp_path) as history:
+        older, later = history.documents("lamp", Lamp), history.documents("lamp", LaterLamp)
+        await older.write("a", Lamp(name="Lamp"))
+        await later.write("b", LaterLamp(name="Lamp", watts=5))
+        assert await later.read() == {"a": LaterLamp(name="Lamp"), "b": LaterLamp(name="Lamp", watts=5)}
+        assert await older.read() == {"a": Lamp(name="Lamp"), "b": Lamp(name="Lamp")}
+
+
+@pytest.mark.usefixtures("patient")
+async def test_decisions_and_deliveries_are_what_they_were(place: str, tmp_path: Path) -> None:
+    decided = Decision("low", "Low", "/robot1", AT, Outcome.SENT, 0.1, AT, AT, "a", "b", "c", open=True)
+    bare = Decision("low", "Low", "/robot1", AT, Outcome.GAVE_UP, None, None, None, None, None, None, open=False)
     body = b'{"text":"\xc3\xbc","n":1.0}'
-    sent = Delivery("a", EventType.RAISED, DeliveryState.DELIVERED, "id", at, body, 2, at, at, 204, "why")
-    bare = Delivery("b", EventType.TEST, DeliveryState.PENDING, None, at, b"{}", 0, None, None, None, None)
+    sent = Delivery("a", EventType.RAISED, DeliveryState.DELIVERED, "id", AT, body, 2, AT, AT, 204, "why")
+    new = Delivery("b", EventType.TEST, DeliveryState.PENDING, None, AT, b"{}", 0, None, None, None, None)
     async with opened(place, tmp_path) as history:
-        for webhook_id, webhook in (("a", every), ("a", off), ("b", every)):
-            await history.webhooks.write(webhook_id, webhook)
-        for identity, delivery in (("1", bare), ("1", sent), ("2", bare)):
+        for identity, decision in (("a", bare), ("a", decided), ("b", bare)):
+            await history.automation_decisions.write(identity, decision)
+        for identity, delivery in (("1", new), ("1", sent), ("2", new)):
             await history.webhook_deliveries.write(identity, delivery)
-        deliveries = await history.webhook_deliveries.read()
-        assert await history.webhooks.read() == {"a": off, "b": every}
-        assert deliveries == {"1": sent, "2": bare}
+        decisions, deliveries = await history.automation_decisions.read(), await history.webhook_deliveries.read()
+        assert decisions == {"a": decided, "b": bare}
+        assert deliveries == {"1": sent, "2": new}
+        assert isinstance(decisions["a"].outcome, Outcome)
         assert isinstance(deliveries["1"].event_type, EventType)
         assert isinstance(deliveries["1"].state, DeliveryState)
 

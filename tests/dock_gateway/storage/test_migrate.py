@@ -4,6 +4,7 @@ import asyncio
 import subprocess
 import sys
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,14 +15,18 @@ from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
+from dock_gateway.automation.rule import BatteryCondition, RuleEntry, Schedule
 from dock_gateway.core.access import Token
 from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.automation import Mode
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import Role
+from dock_gateway.http.schema import RobotSelection
 from dock_gateway.storage.migrate import HEAD, MIGRATIONS, migrate
 from dock_gateway.storage.rows import goal_row
 from dock_gateway.storage.sql import open_database
 from dock_gateway.storage.tables import goals, metadata, prepare_for, users
+from dock_gateway.webhooks.webhook import WebhookEntry
 from tests.support.history import NOW, make_goal, open_at, written
 from tests.support.waiting import until
 
@@ -81,12 +86,13 @@ def insert(connection: sa.Connection, goal: Goal, *, without: tuple[str, ...]) -
     connection.execute(sa.insert(goals).values(row))
 
 
-@pytest.mark.parametrize("make", [migrate, make_earlier_tables], ids=["new", "of before the baseline"])
+@pytest.mark.parametrize("make", [migrate, make_earlier_tables], ids=["new", "of the baseline"])
 async def test_the_tables_are_those_that_the_code_expects(
     database_url: str, make: Callable[[sa.Connection], None]
 ) -> None:
     def differences(connection: sa.Connection) -> list[Any]:
         make(connection)
+        migrate(connection)
         return compare_metadata(MigrationContext.configure(connection), metadata)
 
     assert await carry_out(database_url, differences) == []
@@ -104,7 +110,7 @@ async def test_a_new_database_has_the_newest_revision(database_url: str) -> None
     assert ScriptDirectory.from_config(config).get_current_head() == HEAD
 
 
-async def test_the_database_of_before_the_baseline_is_used_as_it_is(database_url: str, tmp_path: Path) -> None:
+async def test_the_database_of_the_baseline_is_upgraded(database_url: str, tmp_path: Path) -> None:
     def make_tables(connection: sa.Connection) -> None:
         make_early_tables(connection)
         set_revision(connection, "0018")
@@ -119,7 +125,50 @@ async def test_the_database_of_before_the_baseline_is_used_as_it_is(database_url
         await history.tokens.write("t", Token("name", Role.OPERATOR, (), (), (), "digest", None, NOW, None, None))
         entry = AuditEntry("e", NOW, None, None, None, None, None, "login", None, None, None, None, 200, None)
         assert [row.sequence for row in await history.audit.append([entry])] == [1]
-        assert await history._database.read(contents) == ("0018", ["goal-0001", "goal-0002"], ["ada"])
+        assert await history._database.read(contents) == (HEAD, ["goal-0001", "goal-0002"], ["ada"])
+
+
+RULES_AND_WEBHOOKS = """
+INSERT INTO automation_rules VALUES ('low', 'Löw', 'on', false, '["/robot1"]', '["hall 1"]', 0.2, 60,
+    '[]', '[]', NULL, NULL, '2026-01-01 12:00:00.123456');
+INSERT INTO automation_rules VALUES ('night', 'Night', 'dry_run', true, '[]', '[]', NULL, NULL,
+    '["22:00"]', '["mon"]', 'Europe/Berlin', 'Ada', '2026-01-01 12:00:00.123456');
+INSERT INTO webhooks VALUES ('a', 'Büro', 'https://x/ü', 'whsec_a', false, '["critical"]', false,
+    '["/a"]', '["hall 1"]', 'Ada', '2026-01-01 12:00:00.123456');
+INSERT INTO webhooks VALUES ('b', 'Hook', 'http://x', 'whsec_b', true, '["critical","warning"]', true,
+    '[]', '[]', NULL, '2026-01-01 12:00:00.123456')
+"""
+
+
+async def test_rules_and_webhooks_of_the_baseline_become_documents(database_url: str, tmp_path: Path) -> None:
+    def make_tables(connection: sa.Connection) -> None:
+        make_earlier_tables(connection)
+        if connection.dialect.name == "postgresql":
+            connection.execute(sa.text("SET LOCAL timezone = 'UTC'"))
+        for statement in RULES_AND_WEBHOOKS.split(";"):
+            connection.exec_driver_sql(statement)
+
+    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+    chosen, every = RobotSelection(names=("/robot1",), groups=("hall 1",)), RobotSelection(all=True)
+    battery = BatteryCondition(below=0.2, idle_s=60)
+    schedule = Schedule(times=["22:00"], weekdays=["mon"], time_zone="Europe/Berlin")
+    low = RuleEntry(name="Löw", mode=Mode.ON, robots=chosen, battery=battery, changed_by=None, changed_at=at)
+    night = RuleEntry(name="Night", mode=Mode.DRY_RUN, robots=every, schedule=schedule, changed_by="Ada", changed_at=at)
+    office = WebhookEntry(
+        name="Büro",
+        url="https://x/ü",
+        secret="whsec_a",
+        enabled=False,
+        severities=["critical"],
+        robots=RobotSelection(names=("/a",), groups=("hall 1",)),
+        changed_by="Ada",
+        changed_at=at,
+    )
+    hook = WebhookEntry(name="Hook", url="http://x", secret="whsec_b", changed_by=None, changed_at=at)
+    await carry_out(database_url, make_tables)
+    async with open_at(database_url, tmp_path) as history:
+        assert await history.documents("rule", RuleEntry).read() == {"low": low, "night": night}
+        assert await history.documents("webhook", WebhookEntry).read() == {"a": office, "b": hook}
 
 
 async def test_a_sqlite_file_of_before_the_first_release_is_set_aside(

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
+from dock_gateway.http.schema import RobotSelection
 from dock_gateway.webhooks import deliveries as rules
 from dock_gateway.webhooks.deliveries import (
     RETRY_AFTER,
@@ -19,11 +20,15 @@ from dock_gateway.webhooks.deliveries import (
     open_alerts,
     surplus,
 )
+from dock_gateway.webhooks.webhook import WebhookEntry
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 OK, REFUSED, AWAY = Answer(204, None), Answer(500, "the answer was 500"), Answer(None, "no connection")
 NEW = Delivery("hook", EventType.RAISED, DeliveryState.PENDING, "a", NOON, b"{}", 0, NOON, None, None, None)
-HOOK = Webhook("Hook", "http://x", "", True, ("critical",), False, ("/robot1",), ("hall 1",), None, NOON)
+CHOSEN = RobotSelection(names=("/robot1",), groups=("hall 1",))
+HOOK = WebhookEntry(
+    name="Hook", url="http://x", severities=["critical"], robots=CHOSEN, secret="", changed_by=None, changed_at=NOON
+)
 
 
 def at(seconds: float, event_type: EventType = EventType.RAISED, **fields: Any) -> Delivery:
@@ -78,8 +83,10 @@ def test_the_end_of_an_alert_waits_for_its_beginning() -> None:
 )
 def test_which_alerts_a_webhook_wants(severity: str, robot: str | None, groups: tuple[str, ...], wanted: bool) -> None:
     assert HOOK.wants(severity, robot, groups) is wanted
-    assert not replace(HOOK, enabled=False).wants(severity, robot, groups)
-    assert replace(HOOK, every_robot=True).wants(severity, robot, groups) is (severity == "critical")
+    assert not HOOK.model_copy(update={"enabled": False}).wants(severity, robot, groups)
+    assert HOOK.model_copy(update={"robots": RobotSelection(all=True)}).wants(severity, robot, groups) is (
+        severity == "critical"
+    )
 
 
 Happening = tuple[EventType, str, str, DeliveryState]

@@ -10,19 +10,22 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.core.hub import Hub
-from dock_gateway.core.webhook import Delivery, DeliveryState, Webhook
+from dock_gateway.core.webhook import Delivery, DeliveryState
 from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.http.schema import RobotSelection
 from dock_gateway.robots.labels import Labels
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox
 from dock_gateway.webhooks.sender import sign
+from dock_gateway.webhooks.webhook import WebhookEntry
 from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
 from tests.support.webhooks import Receiver, running_receiver
 
+HALL = RobotSelection(groups=("hall 1",))
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 LABELS = {"/robot1": RobotLabel("Left forklift", ("hall 1",))}
 RAISED, CLEARED = "alert.raised", "alert.cleared"
@@ -50,7 +53,7 @@ class Site:
 
     def __init__(self, url: str) -> None:
         self.url = url
-        self.webhooks = SharedStore[Webhook]()
+        self.webhooks = SharedStore[WebhookEntry]()
         self.deliveries = SharedStore[Delivery]()
         self.gateways: list[Notifier] = []
         self.alerts: list[list[dict[str, Any]]] = []
@@ -77,12 +80,9 @@ class Site:
         self.alerts.append(seen)
         return notifier
 
-    def hook(self, **fields: Any) -> Webhook:
-        values = {"severities": ("critical", "warning"), "every_robot": True, "robots": (), "groups": ()} | fields
-        return Webhook(
-            **{"name": "Hook", "url": self.url, "secret": "", "enabled": True, "changed_by": None, "changed_at": NOON}
-            | values
-        )
+    def hook(self, **fields: Any) -> WebhookEntry:
+        values = {"name": "Hook", "url": self.url, "secret": "", "changed_by": None, "changed_at": NOON}
+        return WebhookEntry(**(values | fields))
 
     async def states(self) -> list[DeliveryState]:
         stored = await self.deliveries.read()
@@ -148,9 +148,9 @@ async def test_an_alert_that_lasts_for_a_moment_is_sent(site: Site, receiver: Re
 
 async def test_a_webhook_gets_what_it_wants(site: Site, receiver: Receiver) -> None:
     gateway = site.gateway(STOP, LOW, alert("stop", "/robot2"))
-    await gateway.replace("hook", site.hook(severities=("critical",), every_robot=False, groups=("hall 1",)))
+    await gateway.replace("hook", site.hook(severities=["critical"], robots=HALL))
     await until(lambda: len(receiver.bodies) == 1)
-    await gateway.replace("hook", site.hook(every_robot=False, groups=("hall 1",)))  # as of now warnings, too
+    await gateway.replace("hook", site.hook(robots=HALL))  # as of now warnings, too
     await until(lambda: len(receiver.bodies) == 2)
     await gateway.replace("hook", site.hook(enabled=False))
     site.alerts[0].clear()

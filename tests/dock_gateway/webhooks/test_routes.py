@@ -16,6 +16,7 @@ from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox
+from dock_gateway.webhooks.webhook import WebhookEntry
 from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 from tests.support.webhooks import Receiver, running_receiver
@@ -34,7 +35,7 @@ class Client:
 
         @asynccontextmanager
         async def opened(_: object) -> AsyncIterator[dict[str, Any]]:
-            webhooks = SharedBook(history.webhooks, "webhook", 2)
+            webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", 2)
             notifier = Notifier(
                 cast("Any", SimpleNamespace(documents=list, on_change=[])),
                 cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
