@@ -78,6 +78,8 @@ UNMUTATED = {
 EQUIVALENT = {
     "refused = None": "as false as False",
     "self._looking_up = None": "as false as False",
+    "self._beginning = None": "as false as False",
+    "self._pulsing = None": "as false as False",
     "self._waiting.move_to_end(goal_id, last=None)": "as false as False",
     "for attempt in range(3):": "the second attempt leaves the loop",
 }
