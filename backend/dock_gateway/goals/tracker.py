@@ -8,13 +8,13 @@ import logging
 import time
 from collections import defaultdict
 from collections.abc import Callable
-from typing import Concatenate, ParamSpec
+from datetime import datetime
 from weakref import WeakValueDictionary
 
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, Now, result_event, status_event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
 from dock_gateway.core.hub import Hold, Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
@@ -27,20 +27,6 @@ from dock_gateway.ros.status import StatusReport
 from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
-
-
-P = ParamSpec("P")
-
-
-def _now(change: "Callable[Concatenate[GoalMachine, Now, P], None]") -> "Callable[Concatenate[GoalTracker, P], None]":
-    """Make a method of the tracker from an input of the machine: it happens now, and what follows is carried out."""
-
-    def method(self: "GoalTracker", /, *args: P.args, **kwargs: P.kwargs) -> None:
-        change(self._machine, Now.read(), *args, **kwargs)
-        self.carry_out()
-
-    method.__doc__ = change.__doc__
-    return method
 
 
 class GoalTracker:
@@ -79,11 +65,8 @@ class GoalTracker:
             port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter, limits=limits
         )
         self.known: KnownGoals = self._machine
-        self.new_goal = self._machine.new_goal
         self.live = self._machine.live
         self.taken_up = self._machine.taken_up
-        self.running = self._machine.running
-        self.explain = self._machine.explain
         self.last_heard = time.monotonic()
         self.port = port
         self.tasks = Tasks("tracking goals")
@@ -116,28 +99,86 @@ class GoalTracker:
         for report in reports:
             if report.status.terminal:
                 self._reserve(report.goal_id, stamp_ns)
-            self._report(report.goal_id, report.status, report.accepted_ns, stamp_ns)
+            self._machine.report(Now.read(), report.goal_id, report.status, report.accepted_ns, stamp_ns)
+            self.carry_out()
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
         """Handle a message of `_action/feedback`."""
         self.heard()
-        self._feedback(goal_id, feedback, stamp_ns)
+        self._machine.feedback(Now.read(), goal_id, feedback, stamp_ns)
+        self.carry_out()
 
     def ask_again(self, goal: Goal) -> None:
         """Request a goal's result again: the server may have restarted and lost the first request."""
         self._results.request_again(goal)
 
+    def on_progress(self, goal: Goal, stage: str | None, retries: int | None, stamp_ns: int) -> None:
+        """Handle the server's report on `/diagnostics` about a goal."""
+        self._machine.progress(Now.read(), goal, stage, retries, stamp_ns)
+        self.carry_out()
+
+    def _answered(self, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
+        """Handle the answer to a request for a goal's result; `stamp_ns` is when the server reported the goal's end."""
+        self._machine.answered(Now.read(), goal, answer, stamp_ns)
+        self.carry_out()
+
+    # ------------------------------------------------------------------ goals
+
+    def running(self) -> list[Goal]:
+        """Return the goals that have not ended, oldest first."""
+        return self._machine.running()
+
+    def new_goal(self, goal_id: str, created_at: datetime, origin: Origin) -> Goal:
+        """Return a new goal on this action, which is not tracked yet."""
+        return self._machine.new_goal(goal_id, created_at, origin)
+
     def add(self, goal: Goal) -> None:
         """Track a goal that is being sent."""
-        self._add(goal)
+        self._machine.add(Now.read(), goal)
+        self.carry_out()
         self._notify(News.SENT, goal)
 
-    # The machine's inputs; it documents them.
-    _report, _feedback, _answered = _now(GoalMachine.report), _now(GoalMachine.feedback), _now(GoalMachine.answered)
-    on_progress = _now(GoalMachine.progress)
-    _add, take_up, _adopt = _now(GoalMachine.add), _now(GoalMachine.take_up), _now(GoalMachine.adopt)
-    accept, move, stall = _now(GoalMachine.accept), _now(GoalMachine.move), _now(GoalMachine.stall)
-    lose, end = _now(GoalMachine.lose), _now(GoalMachine.end)
+    def take_up(self, goal: Goal) -> None:
+        """Resume tracking a goal that was running according to the history."""
+        self._machine.take_up(Now.read(), goal)
+        self.carry_out()
+
+    def accept(self, goal: Goal, stamp_ns: int) -> None:
+        """Note that the action server accepted a goal."""
+        self._machine.accept(Now.read(), goal, stamp_ns)
+        self.carry_out()
+
+    def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
+        """Move a goal to a state that is not terminal, unless that is a step back."""
+        self._machine.move(Now.read(), goal, status, stamp_ns)
+        self.carry_out()
+
+    def stall(self, goal: Goal, *, stalled: bool) -> None:
+        """Set or clear a goal's `stalled` flag."""
+        self._machine.stall(Now.read(), goal, stalled=stalled)
+        self.carry_out()
+
+    def explain(self, goal: Goal, error: GoalError | None) -> None:
+        """Set why a goal that has not ended will not succeed; None: it may. It is published with the next change."""
+        self._machine.explain(goal, error)
+
+    def lose(self, goal: Goal, error: GoalError) -> None:
+        """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
+        self._machine.lose(Now.read(), goal, error)
+        self.carry_out()
+
+    def end(
+        self,
+        goal: Goal,
+        status: GoalStatus,
+        *,
+        result: Json | None = None,
+        error: GoalError | None = None,
+        stamp_ns: int | None = None,
+    ) -> None:
+        """End a goal for good; `stamp_ns` is when the server reported it."""
+        self._machine.end(Now.read(), goal, status, result=result, error=error, stamp_ns=stamp_ns)
+        self.carry_out()
 
     # ------------------------------------------------------------------ what the machine wants done
 
@@ -173,7 +214,8 @@ class GoalTracker:
                 ready, pause = newcomers.ready(asked, known, time.monotonic())
                 for number, goal_id in enumerate(ready, 1):
                     try:
-                        self._adopt(goal_id, (known or {}).get(goal_id))
+                        self._machine.adopt(Now.read(), goal_id, (known or {}).get(goal_id))
+                        self.carry_out()
                     except Exception:
                         log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
                     if self._machine.ended(goal_id):
