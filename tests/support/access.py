@@ -1,21 +1,27 @@
 """A gateway that asks for a login; users and tokens that are made on the command line."""
 
 import os
-import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from websockets.exceptions import ConnectionClosed
 
 from tests.support.clients import HttpClient, connect
 from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.processes import BIN
+from tests.support.processes import ForkedProcess
 from tests.support.waiting import wait_until
 
 PASSWORD = "correct horse battery staple"
+
+
+class Done(NamedTuple):
+    """How a command has ended, and what it printed, to either stream."""
+
+    returncode: int
+    output: str
 
 
 class Site:
@@ -24,20 +30,26 @@ class Site:
     def __init__(self, folder: Path, database: str | None = None) -> None:
         self.database = database or f"sqlite:///{folder}/history.db"
 
-    def run(self, *command: str, typed: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+    def run(self, *command: str, typed: str = "", **environment: str) -> Done:
         variables = {**os.environ, "DOCK_GATEWAY_DATABASE_URL": self.database, **environment}
-        return subprocess.run(
-            [BIN / "dock-gateway", *command], env=variables, input=typed, capture_output=True, text=True, check=False
-        )
+        with ForkedProcess("dock-gateway", *command, env=variables, typed=typed) as process:
+            return Done(process.wait(), process.output)
 
     def user(self, name: str, role: str, *limits: str) -> None:
-        added = self.run("user", "add", name, "--role", role, *limits, typed=f"{PASSWORD}\n")
-        assert added.returncode == 0, added.stderr
+        self._make("user", "add", name, "--role", role, *limits, typed=f"{PASSWORD}\n")
 
     def token(self, name: str, role: str, *limits: str) -> str:
-        created = self.run("token", "create", name, "--role", role, *limits)
-        assert created.returncode == 0, created.stderr
-        return created.stdout.strip()
+        return self._make("token", "create", name, "--role", role, *limits).split()[-1]
+
+    def _make(self, *command: str, typed: str = "") -> str:
+        """Run a command, until the database of a busy machine answers; its output."""
+
+        def made() -> Done | None:
+            done = self.run(*command, typed=typed)
+            assert done.returncode == 0 or "history_unavailable" in done.output, done.output
+            return done if done.returncode == 0 else None
+
+        return wait_until(made, "the database").output
 
     @contextmanager
     def gateway(self, domain: int, **settings: str) -> Iterator[RunningGateway]:

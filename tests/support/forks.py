@@ -7,6 +7,7 @@ these, such as those of the exit, start a new Python.
 
 import contextlib
 import faulthandler
+import io
 import multiprocessing
 import os
 import runpy
@@ -27,11 +28,12 @@ class Fork:
     Args:
         command: The name of one of our programs, or `-m` and a module; then the arguments.
         env: Its environment.
+        typed: Its standard input.
     """
 
-    def __init__(self, *command: str, env: dict[str, str]) -> None:
+    def __init__(self, *command: str, env: dict[str, str], typed: str = "") -> None:
         reader, writer = _context.Pipe(duplex=False)
-        self._process = _context.Process(target=_run, args=(command, env, writer))
+        self._process = _context.Process(target=_run, args=(command, env, writer, typed))
         self._process.start()
         writer.close()
         self.stdout = os.fdopen(os.dup(reader.fileno()), encoding="utf-8")
@@ -68,11 +70,12 @@ def _end_with_parent() -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def _run(command: tuple[str, ...], env: dict[str, str], output: Connection) -> None:
+def _run(command: tuple[str, ...], env: dict[str, str], output: Connection, typed: str = "") -> None:
     """Become the program, in the new process."""
     for descriptor in (1, 2):
         os.dup2(output.fileno(), descriptor)
     output.close()
+    sys.stdin = io.TextIOWrapper(io.BytesIO(typed.encode()))
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(line_buffering=True)
     faulthandler.enable()

@@ -134,6 +134,10 @@ class Process:
 class ForkedProcess(Process):
     """The same, for our programs and for modules (`-m`), which start sooner as forks; see `tests/support/forks.py`."""
 
+    def __init__(self, *command: str, env: dict[str, str], typed: str = "") -> None:
+        self._typed = typed
+        super().__init__(*command, env=env)
+
     def _start(self, command: tuple[str, ...], env: dict[str, str], cwd: Path | None) -> Fork:
         assert cwd is None
-        return Fork(*command, env=env)
+        return Fork(*command, env=env, typed=self._typed)

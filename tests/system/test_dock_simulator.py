@@ -14,7 +14,7 @@ from docking.core.geometry import Pose
 from docking.nodes.simulator import LATCHED
 from tests.support.docking import LOW
 from tests.support.observer import Observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.simulator import (
     START,
     SimulatorControls,
@@ -217,7 +217,7 @@ def test_parameters_are_guarded_and_count_at_once_or_from_the_next_reset_on(doma
 
 def test_robots_are_apart_by_their_namespaces(domain: int, observer: Observer) -> None:
     programs = [
-        Process("dock_simulator", "--ros-args", "-r", f"__ns:={namespace}", env=ros_environment(domain))
+        ForkedProcess("dock_simulator", "--ros-args", "-r", f"__ns:={namespace}", env=ros_environment(domain))
         for namespace in ("/robot1", "/robot2")
     ]
     with programs[0], programs[1]:
@@ -246,7 +246,7 @@ def test_a_signal_ends_it_at_once(domain: int, observer: Observer, number: signa
     [("slip:=2.0", "slip out of range"), ("real_time_factor:=0.0", "out of range"), ("seed:=1.5", "INTEGER")],
 )
 def test_a_wrong_parameter_is_refused_in_one_line(domain: int, parameter: str, complaint: str) -> None:
-    with Process("dock_simulator", "--ros-args", "-p", parameter, env=ros_environment(domain)) as program:
+    with ForkedProcess("dock_simulator", "--ros-args", "-p", parameter, env=ros_environment(domain)) as program:
         assert program.wait() == 2
         assert complaint in program.output
         assert len(program.own_lines) == 1

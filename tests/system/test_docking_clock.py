@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock
 
 from tests.support.docking import PATIENT, SUCCEEDED, Reports, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -56,8 +56,8 @@ def test_the_servers_follow_a_simulated_clock(domain: int, observer: Observer) -
     start = ("-p", "start_x:=-1.0", "-p", "start_y:=0.1", "-p", "start_theta:=0.0")
     with (
         simulated_time(observer) as clock,
-        Process("dock_simulator", *simulated, "-p", f"real_time_factor:={SPEED}", *start, env=environment),
-        Process("docking_server", *simulated, "-p", "controller:=dock_pose", "-p", PATIENT, env=environment),
+        ForkedProcess("dock_simulator", *simulated, "-p", f"real_time_factor:={SPEED}", *start, env=environment),
+        ForkedProcess("docking_server", *simulated, "-p", "controller:=dock_pose", "-p", PATIENT, env=environment),
     ):
         wheels, reports = watch_wheels(observer), Reports(observer)
         truth = observer.record(Odometry, "ground_truth")

@@ -11,7 +11,7 @@ from docking.core.geometry import Pose, normalize_angle
 from docking.simulation.dock import DOCKED
 from tests.support.docking import SERVER, SUCCEEDED, docking_servers, send_dock_goal, send_undock_goal
 from tests.support.observer import Observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.simulator import dock_simulator
 from tests.support.site import look_at
 from tests.support.waiting import wait_until
@@ -154,7 +154,7 @@ def test_what_a_file_of_nav2_says_is_what_the_servers_have(domain: int, observer
 def test_each_parameter_that_has_no_effect_is_told_once(domain: int, observer: Observer, tmp_path: Path) -> None:
     file = write(tmp_path, FILE.replace("DIRECTION", "dock_backwards: false"))
     arguments = ("--params-file", str(file), "-p", "max_retrys:=2", "-p", "controller:=dock_pose")
-    with Process("docking_server", "--ros-args", *arguments, env=ros_environment(domain)) as server:
+    with ForkedProcess("docking_server", "--ros-args", *arguments, env=ros_environment(domain)) as server:
         wait_until(lambda: "battery_state_subscriber" in observer.node.get_node_names(), "the nodes")
         server.wait_for("amcl")
         warnings = [line for line in server.own_lines if "[WARN]" in line]
@@ -191,7 +191,9 @@ def test_each_parameter_that_has_no_effect_is_told_once(domain: int, observer: O
 def test_what_would_move_the_robot_otherwise_is_refused(domain: int, tmp_path: Path, line: str, told: str) -> None:
     values = line if line.startswith("{") else f"{{{line}}}"
     file = write(tmp_path, f"docking_server: {{ros__parameters: {values}}}\n")
-    with Process("docking_server", "--ros-args", "--params-file", str(file), env=ros_environment(domain)) as server:
+    with ForkedProcess(
+        "docking_server", "--ros-args", "--params-file", str(file), env=ros_environment(domain)
+    ) as server:
         assert server.wait() == 2
         assert told in server.own_lines[-1]
         assert len(server.own_lines) == 1
@@ -216,7 +218,7 @@ def test_what_would_move_the_robot_otherwise_is_refused(domain: int, tmp_path: P
             ("-p", "controller:=dock_pose", "-p", "connect_to_charging_dock_action_server:dock_direction:=backward"),
             "until a goal has docked it, it undocks as if it had docked forward",
         ),
-        ("docking_server", ("--params-file", "/dev/fd/0"), "/dev/fd/0: what has no effect in it is not told"),
+        ("docking_server", ("--params-file", "/dev/fd/0"), "/dev/fd/0: parameters in it without effect are not listed"),
         ("docking_server", ("-p", "battery_state_subscriber:x:=1"), "/battery_state_subscriber has no such parameter"),
         (
             "docking_server",
@@ -228,13 +230,15 @@ def test_what_would_move_the_robot_otherwise_is_refused(domain: int, tmp_path: P
 def test_every_program_tells_what_has_no_effect(
     domain: int, program: str, arguments: tuple[str, ...], told: str
 ) -> None:
-    with Process(program, "--ros-args", *arguments, env=ros_environment(domain)) as process:
+    with ForkedProcess(program, "--ros-args", *arguments, env=ros_environment(domain)) as process:
         process.wait_for(told)
 
 
 def test_a_key_that_comes_twice_is_refused(domain: int, tmp_path: Path) -> None:
     file = write(tmp_path, "docking_server:\n  ros__parameters:\n    max_retries: 1\n    max_retries: 2\n")
-    with Process("docking_server", "--ros-args", "--params-file", str(file), env=ros_environment(domain)) as server:
+    with ForkedProcess(
+        "docking_server", "--ros-args", "--params-file", str(file), env=ros_environment(domain)
+    ) as server:
         assert server.wait() == 2
         assert server.own_lines == [f"error: --params-file: {file} has the key 'max_retries' twice"]
 
@@ -242,7 +246,7 @@ def test_a_key_that_comes_twice_is_refused(domain: int, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("program", "file"), [("docking_server", "docking_server"), ("dock_simulator",) * 2])
 def test_our_own_files_have_nothing_without_effect(domain: int, observer: Observer, program: str, file: str) -> None:
     path = Path(__file__).parents[2] / "backend/action_tutorials_py/config" / f"{file}.yaml"
-    with Process(program, "--ros-args", "--params-file", str(path), env=ros_environment(domain)) as process:
+    with ForkedProcess(program, "--ros-args", "--params-file", str(path), env=ros_environment(domain)) as process:
         last = {"docking_server": "battery_state_subscriber"}.get(program, program)
         wait_until(lambda: last in observer.node.get_node_names(), "the nodes")
         if program == "docking_server":
@@ -268,7 +272,7 @@ def test_sections_are_found_by_namespace_and_those_of_our_own_nodes_count_more(
 ) -> None:
     file = write(tmp_path, NAMESPACED)
     arguments = ("-r", "__ns:=/robot1", "--params-file", str(file))
-    with Process("docking_server", "--ros-args", *arguments, env=ros_environment(domain)) as server:
+    with ForkedProcess("docking_server", "--ros-args", *arguments, env=ros_environment(domain)) as server:
         names = ("v_linear_max", "k_phi", "max_retries")
         assert read(observer, f"/robot1{SERVER}", *names) == [0.2, 2.5, 1]
         assert read(observer, f"/robot1{UNDOCK_SERVER}", "v_linear_max") == [0.1]

@@ -11,7 +11,7 @@ import pytest
 
 from tests.support.docking import ABORTED, LOW, SUCCEEDED, Reports, battery_state, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -155,7 +155,7 @@ def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int,
         *("-p", "rotate_speed:=-0.3"),
         *("-p", "qos_overrides./robot1/wheels/cmd_vel.publisher.depth:=3"),
     )
-    with Process(SERVER, "--ros-args", *arguments, env=ros_environment(domain)):
+    with ForkedProcess(SERVER, "--ros-args", *arguments, env=ros_environment(domain)):
         wheels = watch_wheels(observer, "/robot1/wheels/cmd_vel")
         reports = Reports(observer)
         with observer.publishing(LOW, "/robot1/battery_status"):
@@ -169,7 +169,7 @@ def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int,
 
 
 def test_nodes_are_not_renamed_alike(domain: int) -> None:
-    with Process(SERVER, "--ros-args", "-r", "__node:=x", env=ros_environment(domain)) as server:
+    with ForkedProcess(SERVER, "--ros-args", "-r", "__node:=x", env=ros_environment(domain)) as server:
         assert server.wait() == 2
         assert "-r connect_to_charging_dock_action_server:__node:=…" in server.own_lines[-1]
 
@@ -180,7 +180,7 @@ def test_one_node_is_renamed_and_parameters_come_from_a_file(domain: int, observ
         "/**:\n  ros__parameters:\n    rotate_speed: -0.3\ndocker:\n  ros__parameters:\n    goal_policy: preempt\n"
     )
     arguments = ("-r", "connect_to_charging_dock_action_server:__node:=docker", "--params-file", str(file))
-    with Process(SERVER, "--ros-args", *arguments, env=ros_environment(domain)):
+    with ForkedProcess(SERVER, "--ros-args", *arguments, env=ros_environment(domain)):
         wheels = watch_wheels(observer)
         wait_until(lambda: {"docker", "battery_state_subscriber"} <= set(observer.node.get_node_names()), "the nodes")
         with observer.publishing(LOW, "battery_status"):
@@ -207,7 +207,7 @@ def test_one_node_is_renamed_and_parameters_come_from_a_file(domain: int, observ
     ],
 )
 def test_a_wrong_command_line_is_refused_in_one_line(domain: int, arguments: tuple[str, ...], complaint: str) -> None:
-    with Process(SERVER, "--ros-args", *arguments, env=ros_environment(domain)) as server:
+    with ForkedProcess(SERVER, "--ros-args", *arguments, env=ros_environment(domain)) as server:
         assert server.wait() == 2
         assert complaint in server.output
         assert len(server.own_lines) == 1
@@ -215,7 +215,7 @@ def test_a_wrong_command_line_is_refused_in_one_line(domain: int, arguments: tup
 
 def test_a_frozen_time_changes_nothing(domain: int, observer: Observer) -> None:
     """With use_sim_time and no /clock, ROS time stands still for ever."""
-    with Process(SERVER, "--ros-args", "-p", "use_sim_time:=true", env=ros_environment(domain)):
+    with ForkedProcess(SERVER, "--ros-args", "-p", "use_sim_time:=true", env=ros_environment(domain)):
         wheels = watch_wheels(observer)
         with observer.publishing(LOW, "battery_status"):
             goal = send_dock_goal(observer)

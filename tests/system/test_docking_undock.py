@@ -22,7 +22,7 @@ from tests.support.docking import (
     watch_wheels,
 )
 from tests.support.observer import Observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.sensors import odometry
 from tests.support.waiting import wait_until
 
@@ -149,7 +149,7 @@ def test_a_latched_stop_ends_undocking_and_lets_in_nothing(domain: int, observer
 
 def test_the_program_holds_both_servers_and_ends_at_a_signal(domain: int, observer: Observer) -> None:
     arguments = ("--ros-args", "-r", "__ns:=/robot1", "-p", "controller:=dock_pose")
-    with Process(PROGRAM, *arguments, env=ros_environment(domain)) as program:
+    with ForkedProcess(PROGRAM, *arguments, env=ros_environment(domain)) as program:
         wheels = watch_wheels(observer, "/robot1/cmd_vel")
         reports = Reports(observer)
         names = {
@@ -174,15 +174,15 @@ def test_the_program_holds_both_servers_and_ends_at_a_signal(domain: int, observ
 def test_the_client_undocks(domain: int, observer: Observer) -> None:
     client = "disconnect_from_charging_dock_client"
     with docking_servers(domain):
-        with observer.publishing(LOW, BATTERY), Process(client, env=ros_environment(domain)) as process:
+        with observer.publishing(LOW, BATTERY), ForkedProcess(client, env=ros_environment(domain)) as process:
             process.wait_for("Goal accepted...")
             process.wait_for("The goal was aborted: it is not known whether the robot is docked")
             assert process.wait() == 1
-        with on_the_dock(observer), Process(client, env=ros_environment(domain)) as process:
+        with on_the_dock(observer), ForkedProcess(client, env=ros_environment(domain)) as process:
             process.wait_for("Received feedback (1 = CHARGING, 3 = NOT CHARGING): 1")
             process.send_signal(signal.SIGINT)
             process.wait_for("The goal was canceled")
             assert process.wait() == 130
-        with Process(client, "--status", "1", env=ros_environment(domain)) as process:
+        with ForkedProcess(client, "--status", "1", env=ros_environment(domain)) as process:
             assert "1 (CHARGING)" in process.wait_for("The goal was rejected: ")
             assert process.wait() == 3

@@ -13,7 +13,7 @@ from tests.support.docking import (
     send_undock_goal,
 )
 from tests.support.observer import Observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.site import assert_docked, look_at, site
 from tests.support.waiting import wait_until
 
@@ -91,7 +91,7 @@ def test_a_dead_charger(domain: int, observer: Observer) -> None:
 def test_the_end_of_the_server_on_the_way(domain: int, observer: Observer, number: signal.Signals) -> None:
     environment = ros_environment(domain)
     with (
-        Process("dock_simulator", env=environment),
+        ForkedProcess("dock_simulator", env=environment),
         Process("docking_server", "--ros-args", "-p", "controller:=dock_pose", env=environment) as server,
     ):
         here = look_at(observer)

@@ -45,9 +45,9 @@ def test_roles_over_every_way(domain: int, site: Site) -> None:
         assert sent.status_code == 202, sent.text
 
         commands = {"DOCK_GATEWAY_URL": gateway.url}
-        assert "not_authenticated" in site.run("stop", **commands).stderr
+        assert "not_authenticated" in site.run("stop", **commands).output
         stopped = site.run("stop", **commands, DOCK_GATEWAY_TOKEN=viewer)
-        assert stopped.returncode == 0, stopped.stderr
+        assert stopped.returncode == 0, stopped.output
         state = gateway.http.get("/stop", headers=bearer(viewer)).json()
         assert (state["latched"], state["by"]) == (True, "viewer")
 
@@ -86,20 +86,20 @@ def test_tokens_survive_a_restart_and_new_ones_come_by_themselves(shared_domain:
         assert gateway.http.get("/robots", headers=bearer(admin)).status_code == 200
         late = site.token("late", "viewer")
         wait_until(lambda: gateway.http.get("/robots", headers=bearer(late)).status_code == 200, "the new token")
-    listed = site.run("token", "list").stdout
+    listed = site.run("token", "list").output
     assert all(text in listed for text in ("admin", "ada", "late"))
     assert admin not in listed
-    assert "there is no token nobody" in site.run("token", "revoke", "nobody").stderr
-    assert "token_exists" in site.run("token", "create", "ada").stderr
+    assert "there is no token nobody" in site.run("token", "revoke", "nobody").output
+    assert "token_exists" in site.run("token", "create", "ada").output
 
 
 def test_an_open_gateway_on_the_network_is_refused(shared_domain: int, site: Site) -> None:
     options = ("serve", "--port", "0", "--host", "0.0.0.0")
     refused = site.run(*options, **ros_environment(shared_domain))
     assert refused.returncode == 2
-    assert "--authentication true" in refused.stderr
+    assert "--authentication true" in refused.output
     with site.gateway(shared_domain, host="0.0.0.0", insecure_open="true", authentication="false") as gateway:
         assert gateway.http.get("/session").json()["open_to"] == "network"
         assert "OPEN TO THE NETWORK" in gateway.process.output
     memory = site.run("serve", "--authentication", "true", "--database-url", "memory:")
-    assert "authentication needs a database" in memory.stderr
+    assert "authentication needs a database" in memory.output

@@ -26,14 +26,8 @@ def records(gateway: RunningGateway, secret: str, **wanted: str) -> list[dict[st
 
 def verify(site: Site, *options: str) -> str:
     done = site.run("audit", "verify", *options)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def memory(gateway: RunningGateway) -> float:
-    """In MB."""
-    status = Path(f"/proc/{gateway.process.pid}/status").read_text()
-    return int(status.partition("VmRSS:")[2].split()[0]) / 1000
+    assert done.returncode == 0, done.output
+    return done.output
 
 
 def test_every_way_leaves_its_record_and_a_kill_loses_no_release(shared_domain: int, tmp_path: Path) -> None:
@@ -99,21 +93,6 @@ def test_records_outlast_a_gateway_that_ends_while_the_history_is_away(shared_do
     with site.gateway(shared_domain, **spool) as gateway:
         wait_until(lambda: records(gateway, ada, what="stop"), "the stop")
     verify(site)
-
-
-def test_a_flood_without_a_token(shared_domain: int, tmp_path: Path) -> None:
-    site = Site(tmp_path)
-    ada = site.token("ada", "admin")
-    with site.gateway(shared_domain) as gateway:
-        for _ in range(300):
-            gateway.http.post("/dock")
-        before = memory(gateway)
-        for _ in range(2000):
-            assert gateway.http.post("/dock", headers=bearer("dgw_wrong")).status_code == 401
-        assert memory(gateway) - before < 15
-        gateway.http.post("/stop", headers=bearer(ada)).raise_for_status()
-        wait_until(lambda: records(gateway, ada, what="stop"), "a record after the flood")
-        assert len(gateway.http.get("/audit", params={"limit": 500}, headers=bearer(ada)).json()["records"]) < 100
 
 
 def test_two_gateways_write_one_chain_and_one_is_killed(shared_domain: int, tmp_path: Path) -> None:

@@ -2,12 +2,12 @@
 
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import ros_observer
 from tests.support.postgresql import binaries, running_postgresql
@@ -22,18 +22,10 @@ UNWATCHED = {"ping_interval": "60", "stalled_after": "120", "lost_after": "240"}
 
 
 @pytest.fixture
-def domain() -> Iterator[int]:
-    with ros_domain() as number:
-        yield number
-
-
-@pytest.fixture(params=["sqlite", "postgresql"])
-def database(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    if request.param == "sqlite":
-        yield f"sqlite:///{tmp_path_factory.mktemp('history')}/history.db"
-        return
+def database(tmp_path: Path) -> Iterator[str]:
     if binaries() is None:
-        pytest.skip("no PostgreSQL is installed")
+        yield f"sqlite:///{tmp_path}/history.db"
+        return
     with running_postgresql() as server:
         yield server.url
 
@@ -140,7 +132,7 @@ def test_robots_that_share_a_docking_action_are_not_docked(domain: int) -> None:
         assert goals(gateway) == []
 
 
-def test_a_gateway_that_is_killed_while_it_sends_a_goal_sends_no_other(domain: int, tmp_path: Any) -> None:
+def test_a_gateway_that_is_killed_while_it_sends_a_goal_sends_no_other(domain: int, tmp_path: Path) -> None:
     database = f"sqlite:///{tmp_path}/history.db"
     with running_dock_server(domain) as server:
         with running_gateway(domain, database_url=database, **UNWATCHED) as gateway:

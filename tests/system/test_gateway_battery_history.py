@@ -1,22 +1,14 @@
 """`/battery/history`: what a plot of the battery's past is made of, by a real gateway from real messages."""
 
-from collections.abc import Iterator
 from datetime import datetime, timedelta
 
 import pytest
 
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway
 
 pytestmark = pytest.mark.ros
 
 FIELDS = ("voltage", "percentage", "current", "temperature")
-
-
-@pytest.fixture(scope="module", params=["sqlite", "memory:"])
-def gateway(shared_domain: int, request: pytest.FixtureRequest) -> Iterator[RunningGateway]:
-    settings = {"database_url": "memory:"} if request.param == "memory:" else {}
-    with running_gateway(shared_domain, **settings) as gateway:
-        yield gateway
 
 
 def test_what_was_published_is_there_at_once(gateway: RunningGateway) -> None:

@@ -1,13 +1,12 @@
 """Docking servers that are not ours: `/dock` and `/undock` work with nav2's and the Create 3's protocols."""
 
-import time
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_servers
-from tests.support.waiting import PATIENCE, wait_until
+from tests.support.waiting import wait_until
 
 pytest.importorskip("nav2_msgs", reason="`make test` installs the interface packages of tests/interfaces")
 
@@ -29,13 +28,12 @@ def dock_server(gateway: RunningGateway, robot: str = "/") -> dict[str, Any]:
 
 def wait_until_docked_by(gateway: RunningGateway, action: str, robot: str = "/") -> None:
     """Wait until this action docks the robot, and its server is there."""
-    deadline = time.monotonic() + PATIENCE
-    while True:
+
+    def docks() -> bool:
         server = dock_server(gateway, robot)
-        if server["action_name"] == action and server["available"] and server["answering"]:
-            return
-        assert time.monotonic() < deadline, server
-        time.sleep(0.05)
+        return bool(server["action_name"] == action and server["available"] and server["answering"])
+
+    wait_until(docks, action)
 
 
 def servers(gateway: RunningGateway) -> tuple[str, str]:
@@ -142,10 +140,7 @@ def test_nav2_fails(domain: int, gateway: RunningGateway) -> None:
 def test_create3(domain: int, gateway: RunningGateway) -> None:
     outcomes = ("missed", "gave-up", "slow")
     with running_servers(domain, "--robot", "/robot3", "--offer", "create3", "--outcomes", *outcomes):
-        deadline = time.monotonic() + PATIENCE
-        while not any(robot["name"] == "/robot3" for robot in gateway.http.get("/robots").json()["robots"]):
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        wait_until(lambda: gateway.http.get("/robots?robot=/robot3").is_success, "the robot")
         wait_until_docked_by(gateway, "/robot3/dock", "/robot3")
         query = "?robot=/robot3"
         for what in ("missed", "gave-up"):

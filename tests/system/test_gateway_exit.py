@@ -40,13 +40,10 @@ def alive(pid: int) -> bool:
 
 
 def wait_gone(pids: list[int], timeout: float) -> None:
-    deadline = time.monotonic() + timeout
-    while any(alive(pid) for pid in pids):
-        assert time.monotonic() < deadline, "a process is left behind"
-        time.sleep(0.05)
+    wait_until(lambda: not any(alive(pid) for pid in pids), "the end of each process", timeout)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, number: signal.Signals) -> None:
     answers: list[httpx2.Response] = []
     with running_dock_server(domain) as server, running_gateway(domain, "env") as gateway, gateway.stream() as stream:
@@ -77,8 +74,7 @@ def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, num
         assert server.running
 
 
-@pytest.mark.parametrize("said", ["registry]: robot /", "listening on"])
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize(("said", "number"), [("registry]: robot /", signal.SIGTERM), ("listening on", signal.SIGINT)])
 def test_a_signal_in_the_middle_of_a_start(domain: int, tmp_path: Path, said: str, number: signal.Signals) -> None:
     """ROS is there and the web is not, or the database is not."""
     kept = {
@@ -144,11 +140,8 @@ def test_a_reader_of_server_sent_events_that_never_reads_is_cut_off(domain: int)
         assert "Traceback" not in gateway.process.output
 
 
-def wait_for_subscribers(gateway: RunningGateway, number: int, timeout: float = 30.0) -> None:
-    deadline = time.monotonic() + timeout
-    while (there := gateway.http.get("/healthz").json()["subscribers"]) != number:
-        assert time.monotonic() < deadline, f"{there} subscribers, not {number}"
-        time.sleep(0.05)
+def wait_for_subscribers(gateway: RunningGateway, number: int) -> None:
+    wait_until(lambda: gateway.http.get("/healthz").json()["subscribers"] == number, f"{number} subscribers")
 
 
 @contextmanager

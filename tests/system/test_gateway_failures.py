@@ -7,17 +7,10 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import IMPATIENT, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.processes import ForkedProcess, Process, ros_environment
 
 pytestmark = pytest.mark.ros
-
-
-@pytest.fixture
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
 
 
 @pytest.fixture

@@ -5,10 +5,11 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import httpx2
 import pytest
 
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -16,12 +17,12 @@ NODES = 60
 Graph = dict[str, list[dict[str, Any]]]
 
 
-def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool], timeout: float = PATIENCE) -> Graph:
-    deadline = time.monotonic() + timeout
-    while not matches(graph := gateway.http.get("/graph").raise_for_status().json()):
-        assert time.monotonic() < deadline, {kind: [entry["name"] for entry in found] for kind, found in graph.items()}
-        time.sleep(0.2)
-    return graph
+def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool]) -> Graph:
+    def found() -> Graph | None:
+        graph: Graph = gateway.http.get("/graph").raise_for_status().json()
+        return graph if matches(graph) else None
+
+    return wait_until(found, "the graph")
 
 
 def find(entries: list[dict[str, Any]], name: str) -> dict[str, Any]:
@@ -64,7 +65,7 @@ def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, sh
                 "/talker7/talker" in {entry["node"] for entry in end} for end in ends
             )
 
-        graph = wait_for_graph(gateway, is_complete, timeout=60)
+        graph = wait_for_graph(gateway, is_complete)
         with ThreadPoolExecutor(8) as pool:
             answers = list(pool.map(lambda _: gateway.http.get("/graph").status_code, range(40)))
         assert answers == [200] * 40
@@ -93,15 +94,18 @@ def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, shared_doma
 def test_what_is_known_is_not_sent_again(domain: int) -> None:
     with running_gateway(domain) as gateway:
         wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"})
-        deadline = time.monotonic() + PATIENCE
-        while True:  # ports of robots that left are closed a little later
+        tag = ""
+
+        def same() -> httpx2.Response | None:
+            """Ports of robots that left are closed a little later."""
+            nonlocal tag
             tag = gateway.http.get("/graph").headers["etag"]
             time.sleep(1.1)
-            same = gateway.http.get("/graph", headers={"If-None-Match": tag})
-            if same.status_code == 304:
-                break
-            assert time.monotonic() < deadline
-        assert (same.content, same.headers["etag"]) == (b"", tag)
+            answer = gateway.http.get("/graph", headers={"If-None-Match": tag})
+            return answer if answer.status_code == 304 else None
+
+        answer = wait_until(same, "a graph that does not change")
+        assert (answer.content, answer.headers["etag"]) == (b"", tag)
         with running_talker(domain):
             wait_for_graph(gateway, lambda graph: "/talker0/talker" in names(graph["nodes"]))
             changed = gateway.http.get("/graph", headers={"If-None-Match": tag})

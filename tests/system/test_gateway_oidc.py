@@ -150,5 +150,5 @@ def test_half_a_configuration_does_not_start(site: Site, setting: dict[str, str]
     settings = {"authentication": "true", **oidc_settings("https://login.example"), **setting}
     refused = site.run("serve", **{f"DOCK_GATEWAY_{name.upper()}": value for name, value in settings.items()})
     assert refused.returncode == 2
-    assert said in refused.stderr
-    assert "a secret" not in refused.stderr
+    assert said in refused.output
+    assert "a secret" not in refused.output

@@ -209,8 +209,9 @@ def test_a_goal_that_was_never_sent_does_not_use_up_its_key(domain: int, kept: d
     headers = {"Idempotency-Key": "once"}
     with running_gateway(domain, **blind) as gateway:
         with running_dock_server(domain):
+            gateway.wait_until_ready()
             gateway.publish(LOW)
-            wait_until(lambda: gateway.http.post("/dock").status_code == 202, "the first goal is accepted")
+            gateway.http.post("/dock").raise_for_status()
             (canceled,) = gateway.stop_once()["canceling"]
             gateway.wait_for_goal(canceled, "canceled")
         refused = gateway.http.post("/dock", headers=headers)

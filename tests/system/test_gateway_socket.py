@@ -14,7 +14,7 @@ from websockets.sync.client import ClientConnection
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -97,9 +97,12 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
     goal_id = socket.ask("send_goal")["goal"]["goal_id"]
     assert socket.ask("cancel_goal", goal_id=goal_id)["goal"]["status"] in ("canceling", "canceled")
     socket.ask("subscribe", goal_id=goal_id)
-    deadline = time.monotonic() + PATIENCE
-    while (again := socket.ask("cancel_goal", goal_id=goal_id))["op"] == "ack":
-        assert time.monotonic() < deadline
+
+    def refusal() -> dict[str, Any] | None:
+        answer = socket.ask("cancel_goal", goal_id=goal_id)
+        return answer if answer["op"] != "ack" else None
+
+    again = wait_until(refusal, "the end of the goal")
     assert (again["op"], again["code"], again["status"]) == ("error", "goal_terminal", 409)
     second = socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"]
     assert socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"] == second
@@ -133,12 +136,10 @@ def test_a_command_whose_socket_breaks_is_carried_out_once(gateway: RunningGatew
     with open_socket(gateway) as other:
         other.connection.send('{"op": "send_goal", "id": "1"}')
         other.connection.close()
-    deadline = time.monotonic() + PATIENCE
-    while len(goals := gateway.http.get("/dock").json()["goals"]) == before:
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    wait_until(lambda: len(gateway.http.get("/dock").json()["goals"]) > before, "the goal")
     time.sleep(0.5)
-    assert len(gateway.http.get("/dock").json()["goals"]) == before + 1
+    goals = gateway.http.get("/dock").json()["goals"]
+    assert len(goals) == before + 1
     assert goals[0]["status"] in ("pending", "accepted", "executing")
 
 
