@@ -1,0 +1,43 @@
+"""Each part that a route or another part asks for by its type is one that the gateway has."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import dock_gateway
+from dock_gateway.http.parts import Part, Parts, T
+from dock_gateway.observability.metrics import Metrics
+
+BACKEND = Path(dock_gateway.__file__).parent
+
+
+def trees() -> Iterator[ast.AST]:
+    for path in sorted(BACKEND.rglob("*.py")):
+        yield from ast.walk(ast.parse(path.read_text()))
+
+
+def asked_for() -> set[str]:
+    """The types in `Part[Labels]`, `parts[Labels]` and `self._parts[Labels]`."""
+    return {
+        node.slice.id
+        for node in trees()
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Name) and node.slice.id[0].isupper()
+        if ast.unparse(node.value).split(".")[-1].lstrip("_") in {"Part", "parts"}
+    } - {T.__name__}
+
+
+def made() -> set[str]:
+    """The keys of `Parts({Labels: labels, …})` in the assembly."""
+    (parts,) = [
+        node.args[0]
+        for node in ast.walk(ast.parse((BACKEND / "assembly.py").read_text()))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == Parts.__name__
+    ]
+    assert isinstance(parts, ast.Dict)
+    return {key.id for key in parts.keys if isinstance(key, ast.Name)}
+
+
+def test_the_gateway_has_each_part_that_is_asked_for() -> None:
+    wanted = asked_for()
+    assert {"Goals", "Stopper", "RobotRegistry"} <= wanted, f"nothing was found that reads as {Part.__name__}[...]"
+    assert wanted - made() == {Metrics.__name__}  # added last: it measures the others
