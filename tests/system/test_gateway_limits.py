@@ -35,7 +35,9 @@ class Robots:
         return self.gateway.http.request(method, path, headers=bearer(who), **({} if body is None else {"json": body}))
 
     def ask(self, who: str, method: str, path: str, body: object = None) -> Any:
-        return self.answer(who, method, path, body).raise_for_status().json()
+        answer = self.answer(who, method, path, body)
+        assert answer.is_success, answer.text
+        return answer.json()
 
     def refused(self, who: str, method: str, path: str, body: object = None) -> bool:
         answer = self.answer(who, method, path, body)
@@ -52,8 +54,14 @@ class Robots:
         return [robot["name"] for robot in self.ask(who, "GET", "/robots")["robots"]]
 
     def dock(self, robot: str) -> str:
-        goal_id: str = self.ask(self.admin, "POST", f"/dock?robot={robot}")["goal_id"]
-        return goal_id
+        """Dock it. Its server rejects goals until it has heard, over DDS, that an earlier stop was released."""
+
+        def sent() -> str | None:
+            answer = self.answer(self.admin, "POST", f"/dock?robot={robot}")
+            assert answer.is_success or answer.json()["code"] == "goal_rejected", answer.text
+            return str(answer.json()["goal_id"]) if answer.is_success else None
+
+        return wait_until(sent, "a goal that is accepted")
 
 
 @pytest.fixture(scope="module")
