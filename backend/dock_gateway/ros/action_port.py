@@ -120,10 +120,16 @@ class ActionPort:
             on_status=on_status,
             on_feedback=on_feedback,
             on_loss=on_loss,
-            uses=lambda link: link is self._link,
+            uses=self._uses,
         )
-        self._listen = self.listener.listen
-        self._listen(self._link)
+        self.listener.listen(self._link)
+
+    def _uses(self, link: ActionLink) -> bool:
+        return link is self._link
+
+    def _listen(self, link: ActionLink) -> None:
+        if self.listener is not None:
+            self.listener.listen(link)
 
     def close(self) -> None:
         """Leave the action."""
