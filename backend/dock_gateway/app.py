@@ -32,7 +32,7 @@ from dock_gateway.http.schema import Problem
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
-from dock_gateway.robots import battery_history_routes, battery_routes, calibration_routes, simulator_routes
+from dock_gateway.robots import battery_routes, calibration_routes, simulator_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
 from dock_gateway.stop import routes as stop_routes
@@ -72,7 +72,6 @@ def api_routers() -> tuple[APIRouter, ...]:
         interface_routes,
         graph_routes,
         battery_routes,
-        battery_history_routes,
         fleet_routes,
         automation_routes,
         webhook_routes,
