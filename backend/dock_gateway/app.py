@@ -38,18 +38,19 @@ from dock_gateway.statistics import routes as statistics_routes
 from dock_gateway.stop import routes as stop_routes
 from dock_gateway.stop.schema import StopProblem
 from dock_gateway.streams import events, socket, topics
-from dock_gateway.streams.command_schema import ANSWERS
+from dock_gateway.streams.command_schema import ANSWERS, COMMAND_SCHEMAS
 from dock_gateway.streams.schema import EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
 from dock_gateway.webhooks import routes as webhook_routes
 
 DESCRIPTION = "Drive ROS 2 actions from a browser, curl or a WebSocket."
-# What streams and `/ws` send.
+# What streams and `/ws` send, and what `/ws` reads.
 UNIONS = (
     Union("Event", EVENTS, "A message of an event stream."),
     Union("ActionEvent", ACTION_EVENTS, "An event of a goal on an action other than docking."),
     Union("EchoEvent", ECHO_EVENTS, "A message of /ws/topics."),
-    Union("Answer", ANSWERS, "The answer to a command of /ws.", discriminated=False),
+    Union("Answer", ANSWERS, "The answer to a command of /ws.", discriminator=None),
+    Union("Command", COMMAND_SCHEMAS, "A command of /ws.", "op", "validation", socket.OPERATIONS),
 )
 
 

@@ -1,5 +1,7 @@
 """Bodies as pydantic models: one declaration is the reader, the JSON Schema and the example."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Annotated, Any, TypeVar
 
@@ -46,8 +48,26 @@ def read_model(model: type[ModelT], value: object) -> ModelT:
         InvalidField: It is not what the model describes. Lists the invalid fields.
     """
     _check_size(value)
-    try:
+    with _invalid_fields(model):
         return model.model_validate_json(orjson.dumps(value))
+
+
+def read_fields(model: type[ModelT], fields: dict[str, Any]) -> ModelT:
+    """Return an object as a model whose fields are texts, or values of any size that are read elsewhere.
+
+    Raises:
+        InvalidField: It is not what the model describes. Lists the invalid fields.
+    """
+    _check_size(dict.fromkeys(fields))
+    with _invalid_fields(model):
+        return model.model_validate(fields)
+
+
+@contextmanager
+def _invalid_fields(model: type[BaseModel]) -> Iterator[None]:
+    """Report the errors of a model as those of fields."""
+    try:
+        yield
     except ValidationError as error:
         schema = body_schema(model)
         raise InvalidField([_field_error(item, schema) for item in error.errors()[:MAX_ERRORS]]) from None

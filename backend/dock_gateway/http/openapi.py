@@ -1,8 +1,8 @@
 """The OpenAPI document: FastAPI's, plus the schemas of ROS messages and WebSocket events."""
 
 import asyncio
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import orjson
@@ -10,10 +10,10 @@ from fastapi import FastAPI, Response
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import iter_route_contexts
 from pydantic import BaseModel
-from pydantic.json_schema import models_json_schema
+from pydantic.json_schema import JsonSchemaMode, models_json_schema
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.http.operation import Scope, find_operation
+from dock_gateway.http.operation import Operation, Scope, find_operation
 from dock_gateway.ros.messages.codec import codec
 
 SECURITY_SCHEMES = {
@@ -28,12 +28,23 @@ Models = Sequence[type[BaseModel]]
 
 @dataclass(frozen=True)
 class Union:
-    """A component of the document that is one of several models; messages of a stream are told apart by `type`."""
+    """A component of the document that is one of several models.
+
+    Attributes:
+        name: The name of the component.
+        models: The models.
+        description: What they are.
+        discriminator: The field that tells them apart, if one does.
+        mode: Whether the gateway sends them (`serialization`) or reads them (`validation`).
+        operations: What each needs, by its value of the discriminator, if they are commands.
+    """
 
     name: str
     models: Models
     description: str
-    discriminated: bool = True
+    discriminator: str | None = "type"
+    mode: JsonSchemaMode = "serialization"
+    operations: Mapping[str, Operation] = field(default_factory=dict)
 
 
 def install_openapi(app: FastAPI, *, authentication: bool, unions: Iterable[Union], models: Models) -> None:
@@ -42,7 +53,7 @@ def install_openapi(app: FastAPI, *, authentication: bool, unions: Iterable[Unio
     Args:
         app: The application.
         authentication: Whether requests need a token.
-        unions: The messages of streams, which no route names as its response.
+        unions: The messages of streams, which no route names.
         models: Further models that no route names.
     """
     components = [*unions]
@@ -80,8 +91,11 @@ def _build(app: FastAPI, unions: list[Union], further: Models, *, authentication
         document["security"] = [{name: []} for name in SECURITY_SCHEMES]
     _add_roles(document, app)
     schemas = components.setdefault("schemas", {})
-    models = [model for union in unions for model in union.models] + [*further]
-    _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
+    modes: list[tuple[type[BaseModel], JsonSchemaMode]] = [
+        *((model, union.mode) for union in unions for model in union.models),
+        *((model, "serialization") for model in further),
+    ]
+    _, ours = models_json_schema(modes, ref_template=REF)
     schemas.update(ours["$defs"])
     for union in unions:
         schemas[union.name] = _one_of(schemas, union)
@@ -110,24 +124,30 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
                 continue
             needed = find_operation(route)
             if needed is not None and needed.role is not None:
-                operation["x-role"] = needed.role
-                if needed.scope is Scope.EVERY:
-                    operation["x-every-robot"] = True
+                operation.update(_needs(needed))
             elif "security" in document:
                 operation["security"] = []
 
 
+def _needs(operation: Operation) -> dict[str, Any]:
+    every_robot = {"x-every-robot": True} if operation.scope is Scope.EVERY else {}
+    return {"x-role": operation.role, **every_robot}
+
+
 def _one_of(schemas: dict[str, Any], union: Union) -> dict[str, Any]:
-    """Return the schema of a union."""
+    """Return the schema of a union. Each of its models that is a command gets the role that it needs."""
     references = [{"$ref": REF.format(model=model.__name__)} for model in union.models]
-    if not union.discriminated:
+    if union.discriminator is None:
         return {"description": union.description, "anyOf": references}
-    kinds = [schemas[model.__name__]["properties"]["type"]["const"] for model in union.models]
+    kinds = [schemas[model.__name__]["properties"][union.discriminator]["const"] for model in union.models]
+    for kind, model in zip(kinds, union.models, strict=True):
+        if kind in union.operations:
+            schemas[model.__name__] |= _needs(union.operations[kind])
     mapping = {kind: reference["$ref"] for kind, reference in zip(kinds, references, strict=True)}
     return {
         "description": union.description,
         "oneOf": references,
-        "discriminator": {"propertyName": "type", "mapping": mapping},
+        "discriminator": {"propertyName": union.discriminator, "mapping": mapping},
     }
 
 

@@ -12,6 +12,10 @@ class BatteryState(Schema):
     """sensor_msgs/BatteryState. `openapi.py` adds the fields from the ROS definition."""
 
 
+class BatteryStateInput(Schema):
+    """As a request has it: every field may be left out. `openapi.py` adds the fields from the ROS definition."""
+
+
 class Implausible(Schema):
     """A value of a battery state that cannot be right, so that it is not used. An infinity is a text, such as `inf`."""
 

@@ -1,14 +1,127 @@
-"""The JSON shapes of the answers to the commands of `/ws`."""
+"""The JSON shapes of the commands of `/ws`, and of their answers."""
 
 from datetime import datetime
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, WithJsonSchema, WrapValidator
 
 from dock_gateway.goals.schema import ActionGoal
 from dock_gateway.http.schema import Schema
-from dock_gateway.robots.schema import BatteryState, Publisher
+from dock_gateway.robots.battery_routes import MAX_RATE, MIN_RATE
+from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
+from dock_gateway.stop.routes import STOP_REQUEST
 from dock_gateway.stop.schema import StopProblem, StopReport, StopState
+from dock_gateway.streams.queries import MAX_RATE as MAX_EVENTS
+from dock_gateway.streams.queries import MIN_RATE as MIN_EVENTS
+
+MAX_ID = 200
+NAMED = {"type": "string", "maxLength": MAX_ID}
+
+
+def _adapt(schema: dict[str, Any]) -> None:
+    """Require `op`, and leave out defaults: type generators treat a field that has one as always present."""
+    schema["required"] = ["op", *schema.get("required", ())]
+    for field in schema["properties"].values():
+        field.pop("default", None)
+
+
+class Command(Schema):
+    """A command. Its `op` and `id` have been read when its other fields are."""
+
+    model_config = ConfigDict(json_schema_extra=_adapt)
+
+    id: Annotated[Any, WithJsonSchema({"anyOf": [NAMED, {"type": "null"}]})] = None
+
+
+class SendGoalCommand(Command):
+    """Send a goal to `action`, or a robot to its charging dock."""
+
+    op: Literal["send_goal"] = "send_goal"
+    action: str | None = None
+    robot: str | None = None
+    goal: Annotated[Any, WithJsonSchema({"type": ["object", "null"], "additionalProperties": True})] = None
+    idempotency_key: str | None = None
+
+
+class CancelGoalCommand(Command):
+    """Ask the action server to cancel a goal, whoever sent it."""
+
+    op: Literal["cancel_goal"] = "cancel_goal"
+    goal_id: str
+
+
+class SubscribeCommand(Command):
+    """Start a subscription, named by the `id` of the command. Its fields are the parameters of `/ws/feedback`."""
+
+    op: Literal["subscribe"] = "subscribe"
+    id: Annotated[Any, WithJsonSchema(NAMED | {"minLength": 1})]
+    goal_id: str | None = None
+    action: str | None = None
+    robot: str | None = None
+    include: str | None = None
+    after: str | None = None
+    feedback: Annotated[Any, WithJsonSchema({"type": ["boolean", "null"]})] = None
+    max_rate: Annotated[
+        Any, WithJsonSchema({"type": ["number", "null"], "minimum": MIN_EVENTS, "maximum": MAX_EVENTS})
+    ] = None
+
+
+class UnsubscribeCommand(Command):
+    """End a subscription."""
+
+    op: Literal["unsubscribe"] = "unsubscribe"
+    subscription: str
+
+
+class PublishBatteryCommand(Command):
+    """Publish a battery state once, or with `rate_hz` until it is stopped."""
+
+    op: Literal["publish_battery"] = "publish_battery"
+    robot: str | None = None
+    state: Annotated[BatteryStateInput, WrapValidator(lambda value, _: value)] = BatteryStateInput()
+    rate_hz: Annotated[Any, WithJsonSchema({"type": "number", "minimum": MIN_RATE, "maximum": MAX_RATE})] = None
+
+
+class StopPublishingCommand(Command):
+    """Stop publishing battery states."""
+
+    op: Literal["stop_publishing"] = "stop_publishing"
+    robot: str | None = None
+
+
+class StopCommand(Command):
+    """Stop a robot, or every robot, and cancel its goals. It is carried out even if `latch` or `by` is invalid."""
+
+    op: Literal["stop"] = "stop"
+    robot: str | None = None
+    latch: Annotated[Any, WithJsonSchema(STOP_REQUEST["properties"]["latch"])] = True
+    by: Annotated[Any, WithJsonSchema(STOP_REQUEST["properties"]["by"])] = None
+
+
+class ReleaseStopCommand(Command):
+    """Let a robot that was stopped move again."""
+
+    op: Literal["release_stop"] = "release_stop"
+    robot: str | None = None
+
+
+class PingCommand(Command):
+    """Answer with the time."""
+
+    op: Literal["ping"] = "ping"
+
+
+COMMAND_SCHEMAS: tuple[type[BaseModel], ...] = (
+    SendGoalCommand,
+    CancelGoalCommand,
+    SubscribeCommand,
+    UnsubscribeCommand,
+    PublishBatteryCommand,
+    StopPublishingCommand,
+    StopCommand,
+    ReleaseStopCommand,
+    PingCommand,
+)
 
 
 class Ack(Schema):

@@ -11,6 +11,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import check_key, read_goal_id
@@ -19,11 +20,20 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.stop.routes import stop_robots
 from dock_gateway.stop.stopper import Stopper
+from dock_gateway.streams.command_schema import (
+    MAX_ID,
+    CancelGoalCommand,
+    PingCommand,
+    PublishBatteryCommand,
+    ReleaseStopCommand,
+    SendGoalCommand,
+    StopCommand,
+    StopPublishingCommand,
+)
 
 Fields = dict[str, Any]
 Command = Callable[[Parts, Principal, Fields], Awaitable[Fields]]
 
-MAX_ID = 200
 STOP = "stop"
 
 
@@ -46,36 +56,18 @@ def read_command(message: object) -> tuple[str, str | None, Fields]:
     return op, identity, fields
 
 
-def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str, ...] = ()) -> None:
-    """Refuse unknown fields, and those of `texts` that are neither strings nor null.
-
-    Raises:
-        InvalidField: Lists each of them.
-    """
-    known = (*texts, *others)
-    expected = f"one of {', '.join(known)}" if known else "no fields"
-    errors = [FieldError(name[:200], expected, "got an unknown field") for name in fields if name not in known]
-    errors += [
-        FieldError(name, "a string", "got something else")
-        for name in texts
-        if fields.get(name) is not None and not isinstance(fields[name], str)
-    ]
-    if errors:
-        raise InvalidField(errors[:20])
-
-
 @operation(Role.OPERATOR, Scope.NEW_GOAL, sends_goal=True)
 async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Send a goal to `action`, or a robot to its charging dock. The ack has the goal."""
-    if fields.get("action") is not None:
-        return await _submit_goal(parts, principal, fields)
-    with parts[RobotActions].hinting(fields.get("robot"), principal.grant):
-        return await _submit_goal(parts, principal, fields)
+    command = read_fields(SendGoalCommand, fields)
+    if command.action is not None:
+        return await _submit_goal(parts, principal, command)
+    with parts[RobotActions].hinting(command.robot, principal.grant):
+        return await _submit_goal(parts, principal, command)
 
 
-async def _submit_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
-    check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
-    name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
+async def _submit_goal(parts: Parts, principal: Principal, command: SendGoalCommand) -> Fields:
+    name, robot, goal = command.action, command.robot, command.goal
     if name is None:
         action = await parts[RobotActions].find("dock", robot, principal.grant)
         message = action.parse_request(action.default_request if goal is None else goal, "goal")
@@ -83,7 +75,7 @@ async def _submit_goal(parts: Parts, principal: Principal, fields: Fields) -> Fi
         namespace = None if robot is None else parts[RobotRegistry].get(robot).namespace
         action = await parts[ActionRegistry].find(parts[Settings].resolve(name, namespace))
         message = action.port.goal_codec.parse(goal, "goal")
-    key = check_key(fields.get("idempotency_key"), "idempotency_key")
+    key = check_key(command.idempotency_key, "idempotency_key")
     own = None if key is None else principal.own(key)
     return {"goal": (await action.submitter.submit(message, own)).document()}
 
@@ -91,26 +83,26 @@ async def _submit_goal(parts: Parts, principal: Principal, fields: Fields) -> Fi
 @operation(Role.OPERATOR, Scope.GOAL)
 async def cancel_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Ask the action server to cancel a goal, whoever sent it."""
-    check_fields(fields, ("goal_id",))
-    return {"goal": (await parts[Goals].cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
+    command = read_fields(CancelGoalCommand, fields)
+    return {"goal": (await parts[Goals].cancel(read_goal_id(command.goal_id))).document()}
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOT)
 async def publish_battery(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Publish a battery state once, or with `rate_hz` until it is stopped."""
-    check_fields(fields, ("robot",), ("state", "rate_hz"))
-    publisher = parts[RobotRegistry].get(fields.get("robot")).publisher
+    command = read_fields(PublishBatteryCommand, fields)
+    publisher, state = parts[RobotRegistry].get(command.robot).publisher, fields.get("state", {})
     if "rate_hz" in fields:
-        await publisher.start(fields.get("state", {}), read_rate(fields["rate_hz"]))
+        await publisher.start(state, read_rate(command.rate_hz))
         return {"battery_publisher": publisher.document()}
-    return {"state": fragment(await publisher.publish(fields.get("state", {}), "state"))}
+    return {"state": fragment(await publisher.publish(state, "state"))}
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOT)
 async def stop_publishing(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Stop publishing battery states."""
-    check_fields(fields, ("robot",))
-    publisher = parts[RobotRegistry].get(fields.get("robot")).publisher
+    command = read_fields(StopPublishingCommand, fields)
+    publisher = parts[RobotRegistry].get(command.robot).publisher
     await publisher.stop()
     return {"battery_publisher": publisher.document()}
 
@@ -118,24 +110,23 @@ async def stop_publishing(parts: Parts, _: Principal, fields: Fields) -> Fields:
 @operation(Role.VIEWER, Scope.ANY)
 async def stop(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Stop a robot, or every robot, and cancel its goals."""
-    robot = fields.pop("robot", None)
-    check_fields({"robot": robot}, ("robot",))
-    if robot is None:  # an unknown field may be a misspelt `robot`
-        check_fields(fields, (), ("latch", "by", "id"))
+    robot = fields.get("robot")
+    if not isinstance(robot, str):  # an unknown field may be a misspelt `robot`
+        robot = read_fields(StopCommand, fields).robot
+    fields.pop("robot", None)
     return await stop_robots(parts[Stopper], principal, [] if robot is None else [robot], fields)
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
 async def release_stop(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Let a robot that was stopped move again."""
-    check_fields(fields, ("robot",))
-    return {"stop": await parts[Stopper].release(fields.get("robot"))}
+    return {"stop": await parts[Stopper].release(read_fields(ReleaseStopCommand, fields).robot)}
 
 
 @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
 async def ping(_: Parts, __: Principal, fields: Fields) -> Fields:
     """Answer with the time."""
-    check_fields(fields)
+    read_fields(PingCommand, fields)
     return {"time": utc_now()}
 
 

@@ -32,12 +32,14 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import cancel
+from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.requests import known_query
-from dock_gateway.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
+from dock_gateway.streams.command_schema import SubscribeCommand, UnsubscribeCommand
+from dock_gateway.streams.commands import COMMANDS, STOP, Fields, read_command
 from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends
 from dock_gateway.streams.feed import end_of, feed
 from dock_gateway.streams.queries import read_after, read_event_filter, read_max_rate
@@ -47,7 +49,6 @@ log = logging.getLogger(__name__)
 router = APIRouter()
 
 MAX_SUBSCRIPTIONS = 32
-SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
 @router.websocket("/ws", dependencies=[Depends(known_query(TICKET))])
@@ -177,7 +178,7 @@ class Session:
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     def subscribe(self, identity: str | None, fields: Fields) -> None:
         """Start a subscription. Nothing is awaited here, so the checks still hold when its id is registered."""
-        check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
+        read_fields(SubscribeCommand, {"id": identity, **fields})
         if not identity:
             raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])
         if identity in self._subscriptions:
@@ -215,8 +216,7 @@ class Session:
     @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
     async def unsubscribe(self, fields: Fields) -> Fields:
         """End a subscription."""
-        check_fields(fields, ("subscription",))
-        identity = fields.get("subscription") or ""
+        identity = read_fields(UnsubscribeCommand, fields).subscription
         subscription = self._subscriptions.get(identity)
         if subscription is None or not subscription.acknowledged:
             raise InvalidField([FieldError("subscription", "the id of a subscription", f"got {identity[:60]!r}")])

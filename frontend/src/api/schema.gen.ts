@@ -2209,6 +2209,21 @@ export interface components {
             service: string;
         };
         /**
+         * CancelGoalCommand
+         * @description Ask the action server to cancel a goal, whoever sent it.
+         */
+        CancelGoalCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "cancel_goal";
+            /** Goal Id */
+            goal_id: string;
+        };
+        /**
          * ClosingEvent
          * @description The last message of a stream.
          */
@@ -2247,6 +2262,8 @@ export interface components {
             robot: string;
             cmd_vel: components["schemas"]["Twist"];
         };
+        /** @description A command of /ws. */
+        Command: components["schemas"]["SendGoalCommand"] | components["schemas"]["CancelGoalCommand"] | components["schemas"]["SubscribeCommand"] | components["schemas"]["UnsubscribeCommand"] | components["schemas"]["PublishBatteryCommand"] | components["schemas"]["StopPublishingCommand"] | components["schemas"]["StopCommand"] | components["schemas"]["ReleaseStopCommand"] | components["schemas"]["PingCommand"];
         /**
          * CommandError
          * @description A command was refused or failed. `canceling`, `failed`, `unconfirmed` and `stop` belong to `stop`.
@@ -3350,6 +3367,19 @@ export interface components {
             time: string;
         };
         /**
+         * PingCommand
+         * @description Answer with the time.
+         */
+        PingCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "ping";
+        };
+        /**
          * Point
          * @description A point in the robot's own frame, `base_link`, in m; x is ahead, y to the left.
          */
@@ -3449,6 +3479,24 @@ export interface components {
             name: string;
             /** Logout Url */
             logout_url: string | null;
+        };
+        /**
+         * PublishBatteryCommand
+         * @description Publish a battery state once, or with `rate_hz` until it is stopped.
+         */
+        PublishBatteryCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "publish_battery";
+            /** Robot */
+            robot?: string | null;
+            state?: components["schemas"]["BatteryStateInput"];
+            /** Rate Hz */
+            rate_hz?: number;
         };
         /**
          * Published
@@ -3582,6 +3630,21 @@ export interface components {
             /** Id */
             id: string | null;
             stop: components["schemas"]["StopState"];
+        };
+        /**
+         * ReleaseStopCommand
+         * @description Let a robot that was stopped move again.
+         */
+        ReleaseStopCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "release_stop";
+            /** Robot */
+            robot?: string | null;
         };
         /**
          * Requester
@@ -3898,6 +3961,29 @@ export interface components {
             time_zone: string;
         };
         /**
+         * SendGoalCommand
+         * @description Send a goal to `action`, or a robot to its charging dock.
+         */
+        SendGoalCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "send_goal";
+            /** Action */
+            action?: string | null;
+            /** Robot */
+            robot?: string | null;
+            /** Goal */
+            goal?: {
+                [key: string]: unknown;
+            } | null;
+            /** Idempotency Key */
+            idempotency_key?: string | null;
+        };
+        /**
          * Session
          * @description Whether requests need a login, and who makes this one; null if its login is missing or not valid.
          *
@@ -4155,6 +4241,31 @@ export interface components {
             warning: components["schemas"]["Problem"] | null;
         };
         /**
+         * StopCommand
+         * @description Stop a robot, or every robot, and cancel its goals. It is carried out even if `latch` or `by` is invalid.
+         */
+        StopCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "stop";
+            /** Robot */
+            robot?: string | null;
+            /**
+             * Latch
+             * @description Whether goals are refused until the stop is released; true by default
+             */
+            latch?: boolean;
+            /**
+             * By
+             * @description Name of who stops the robot
+             */
+            by?: string | null;
+        };
+        /**
          * StopEvent
          * @description A stop was latched or released.
          */
@@ -4246,6 +4357,21 @@ export interface components {
             stop: components["schemas"]["StopState"] | null;
         };
         /**
+         * StopPublishingCommand
+         * @description Stop publishing battery states.
+         */
+        StopPublishingCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "stop_publishing";
+            /** Robot */
+            robot?: string | null;
+        };
+        /**
          * StopReport
          * @description The result of a stop.
          *
@@ -4330,6 +4456,33 @@ export interface components {
             last_delivery: components["schemas"]["Delivery"] | null;
             /** Secret */
             secret: string | null;
+        };
+        /**
+         * SubscribeCommand
+         * @description Start a subscription, named by the `id` of the command. Its fields are the parameters of `/ws/feedback`.
+         */
+        SubscribeCommand: {
+            /** Id */
+            id: string;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "subscribe";
+            /** Goal Id */
+            goal_id?: string | null;
+            /** Action */
+            action?: string | null;
+            /** Robot */
+            robot?: string | null;
+            /** Include */
+            include?: string | null;
+            /** After */
+            after?: string | null;
+            /** Feedback */
+            feedback?: boolean | null;
+            /** Max Rate */
+            max_rate?: number | null;
         };
         /**
          * SubscriptionAck
@@ -4530,6 +4683,21 @@ export interface components {
         Twist: {
             linear: components["schemas"]["Vector3"];
             angular: components["schemas"]["Vector3"];
+        };
+        /**
+         * UnsubscribeCommand
+         * @description End a subscription.
+         */
+        UnsubscribeCommand: {
+            /** Id */
+            id?: string | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            op: "unsubscribe";
+            /** Subscription */
+            subscription: string;
         };
         /**
          * User

@@ -17,8 +17,9 @@ from dock_gateway.automation.rule import RuleBody
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.fleet.schema import AcknowledgementBody, Label
 from dock_gateway.goals.schema import NoteBody, TagsBody
-from dock_gateway.http.bodies import MAX_ERRORS, body_schema, read_model
+from dock_gateway.http.bodies import MAX_ERRORS, body_schema, read_fields, read_model
 from dock_gateway.robots.schema import FaultBody, PlaceBody
+from dock_gateway.streams.command_schema import SendGoalCommand, SubscribeCommand
 from dock_gateway.webhooks.webhook import WebhookBody
 
 NAMESPACE = "a ROS namespace such as /robot1, of up to 255 characters"
@@ -174,3 +175,34 @@ def test_what_is_nested_deeply_is_refused(opening: bytes, closing: bytes, depth:
 def test_of_too_many_fields_only_the_number_is_named(path: str) -> None:
     many = {f"k{index}": 1 for index in range(60_000)}
     assert errors({**RULE, path: many} if path else many) == [(path, "at most 100 fields", "got 60000")]
+
+
+def test_what_others_read_may_have_any_size() -> None:
+    """Such as the goal of an action, which is checked against its message type."""
+    deep = orjson.loads(b"[" * 900 + b"]" * 900)
+    goal = {f"k{index}": deep for index in range(200)}
+    assert read_fields(SendGoalCommand, {"goal": goal}).goal is goal
+
+
+@pytest.mark.parametrize(
+    ("fields", "wrong"),
+    [
+        ({"robot": 7, "goal": {}}, [("robot", "a valid string", "got 7")]),
+        (
+            {"gaol": {}, "action": []},
+            [
+                ("action", "a valid string", "got []"),
+                ("gaol", "one of id, op, action, robot, goal, idempotency_key", "got an unknown field"),
+            ],
+        ),
+        ({f"k{index}": 1 for index in range(60_000)}, [("", "at most 100 fields", "got 60000")]),
+    ],
+)
+def test_what_is_wrong_in_a_command_is_said_by_field(fields: dict[str, Any], wrong: list[tuple[str, str, str]]) -> None:
+    with pytest.raises(InvalidField) as refused:
+        read_fields(SendGoalCommand, fields)
+    assert [(each["path"], each["expected"], each["detail"]) for each in refused.value.extra["errors"]] == wrong
+
+
+def test_null_is_as_if_a_text_were_left_out() -> None:
+    read_fields(SubscribeCommand, {"id": "1", "goal_id": None, "include": None, "max_rate": None, "feedback": None})

@@ -12,6 +12,7 @@ from openapi_spec_validator import OpenAPIV31SpecValidator, validate
 
 from dock_gateway.app import create_app
 from dock_gateway.settings import Settings
+from dock_gateway.streams.socket import OPERATIONS
 
 COPY = Path(__file__).parents[3] / "frontend" / "openapi.json"
 
@@ -82,14 +83,27 @@ def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> 
         assert voltage["x-unit"] == "V"
 
 
-@pytest.mark.parametrize(("union", "count"), [("Event", 22), ("EchoEvent", 6)])
-def test_events_are_told_apart_by_their_type(document: dict[str, Any], union: str, count: int) -> None:
+@pytest.mark.parametrize(
+    ("union", "field", "count"), [("Event", "type", 22), ("EchoEvent", "type", 6), ("Command", "op", 9)]
+)
+def test_messages_are_told_apart_by_a_field(document: dict[str, Any], union: str, field: str, count: int) -> None:
     schemas = document["components"]["schemas"]
     kinds = [
-        schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"] for option in schemas[union]["oneOf"]
+        schemas[option["$ref"].rpartition("/")[2]]["properties"][field]["const"] for option in schemas[union]["oneOf"]
     ]
     assert len(set(kinds)) == len(kinds) == count
+    assert schemas[union]["discriminator"]["propertyName"] == field
     assert schemas[union]["discriminator"]["mapping"].keys() == set(kinds)
+
+
+def test_each_command_has_its_role_and_requires_its_op(document: dict[str, Any]) -> None:
+    schemas = document["components"]["schemas"]
+    commands = {op: ref.rpartition("/")[2] for op, ref in schemas["Command"]["discriminator"]["mapping"].items()}
+    assert commands.keys() == OPERATIONS.keys()
+    for op, name in commands.items():
+        assert schemas[name]["x-role"] == OPERATIONS[op].role
+        assert "op" in schemas[name]["required"]
+        assert schemas[name]["additionalProperties"] is False
 
 
 def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:

@@ -343,6 +343,7 @@ def test_no_robot_is_stopped_where_it_is_not_clear_which(query: bytes, body: byt
         ({"robot": "/robot2", "id": 7}, True, ["id"]),
         ({"robot": "/robot2", "id": "i" * 201, "latch": None}, True, ["id"]),
         ({"robot": "/robot2", "wait": 2, "by": [[]]}, True, ["wait"]),
+        ({"robot": "/robot2", **{f"k{number}": 1 for number in range(200)}}, True, [f"k{n}" for n in range(20)]),
     ],
 )
 async def test_a_stop_on_a_websocket(tmp_path: Path, command: dict[str, Any], latched: bool, wrong: list[str]) -> None:
@@ -354,7 +355,7 @@ async def test_a_stop_on_a_websocket(tmp_path: Path, command: dict[str, Any], la
         assert [error["path"] for error in (report["warning"] or {}).get("errors", [])] == wrong
 
 
-@pytest.mark.parametrize("command", [{"robots": "/robot2"}, {"robot": 7}])
+@pytest.mark.parametrize("command", [{"robots": "/robot2"}, {"robot": 7}, {"robot": None, "id": 7, "wait": 2}])
 async def test_no_robot_is_stopped_on_a_websocket_where_it_is_not_clear_which(
     tmp_path: Path, command: dict[str, Any]
 ) -> None:
