@@ -12,8 +12,10 @@ import pytest
 from dock_gateway.assembly import open_gateway
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.goals.limits import GoalLimits
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from tests.support.gateway import running_program
 from tests.support.rejoining import lose_answers
@@ -44,20 +46,21 @@ async def read(subscriber: Subscriber, into: list[dict[str, Any]]) -> None:
 
 
 async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(settings: Settings) -> None:
-    async with open_gateway(settings, LIMITS) as gateway:
-        action = await gateway.actions.find("/fibonacci")
+    async with open_gateway(settings, LIMITS) as parts:
+        bridge = parts[Bridge]
+        action = await parts[ActionRegistry].find("/fibonacci")
         events: list[dict[str, Any]] = []
-        reading = asyncio.create_task(read(gateway.hub.subscribe(EventFilter()), events))
+        reading = asyncio.create_task(read(parts[Hub].subscribe(EventFilter()), events))
         goal = await action.delivery.start(action.port.goal_codec.parse({"order": 46}))
         await until(lambda: goal.feedback_count > 0)
         with pytest.MonkeyPatch.context() as patch:
-            lose_answers(gateway.bridge, patch)
+            lose_answers(bridge, patch)
             with pytest.raises(GatewayError):  # the server did cancel it, but the answer was lost
                 await action.canceler.cancel(goal)
             await until(lambda: action.port.away)
             await until(lambda: goal.status.final)
         await until(lambda: not action.port.away)
-        await until(lambda: not gateway.bridge.branches)
+        await until(lambda: not bridge.branches)
         reading.cancel()
     mine = [event for event in events if event.get("goal_id") == goal.goal_id]
     assert mine[-1]["status"] == "canceled"
