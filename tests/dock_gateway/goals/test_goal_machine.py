@@ -6,7 +6,8 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway.core.dock_adapters.adapter import DockAdapter
+from dock_gateway.core.dock_adapters import nav2
+from dock_gateway.core.dock_adapters.adapter import NO_REASON, DockAdapter
 from dock_gateway.core.event import Now, moment
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
@@ -20,9 +21,10 @@ START, NOW = Now(1_000_000_000, 1.0), Now(5_000_000_000, 5.0)
 class Bench:
     """A machine whose stamps are those of the source, and what it wanted done since the last look."""
 
-    def __init__(self, **limits: int) -> None:
-        limited = GoalLimits(**limits)
-        self.machine = GoalMachine("/dock", "pkg/action/Dock", lambda source_ns: source_ns, START, limits=limited)
+    def __init__(self, adapter: DockAdapter | None = None, **limits: int) -> None:
+        self.machine = GoalMachine(
+            "/dock", "pkg/action/Dock", lambda source_ns: source_ns, START, adapter, limits=GoalLimits(**limits)
+        )
 
     def done(self) -> list[Any]:
         """Everything that is to be done; an event as its type, its detail, and its source's stamp."""
@@ -189,6 +191,97 @@ def test_why_a_goal_was_canceled_stays_unless_it_succeeds(
     assert goal.error == kept
     bench.machine.explain(goal, GoalError("later", "too late"))
     assert goal.error == kept
+
+
+# What nav2's server answers: it aborts by its `success`, with a code, and counts its retries.
+NOT_SEEN = {"success": False, "error_code": 904, "error_msg": "", "num_retries": 2}
+SEEN = {"success": True, "error_code": 0, "error_msg": "", "num_retries": 1}
+
+
+def judged(answer: ResultAnswer, adapter: DockAdapter | None = nav2.DOCK) -> Goal:
+    """Return a goal that ran and has got this answer."""
+    bench = Bench(adapter)
+    goal = bench.goal(S.EXECUTING)
+    bench.machine.answered(NOW, goal, answer, None)
+    assert bench.machine.ended(A)
+    return goal
+
+
+def test_a_result_says_how_the_goal_ended_and_after_how_many_retries() -> None:
+    failed = judged(ResultAnswer(S.SUCCEEDED, orjson.dumps(NOT_SEEN)))
+    assert (failed.status, failed.retries) == (S.ABORTED, 2)
+    assert failed.error == GoalError("failed_to_detect_dock", "the dock was not detected")
+    docked = judged(ResultAnswer(S.SUCCEEDED, orjson.dumps(SEEN)))
+    assert (docked.status, docked.retries, docked.error) == (S.SUCCEEDED, 1, None)
+
+
+def test_a_result_that_counts_no_retries_leaves_those_that_are_known() -> None:
+    bench = Bench(nav2.UNDOCK)
+    goal = bench.goal(S.EXECUTING, retries=3)
+    bench.machine.answered(NOW, goal, ResultAnswer(S.SUCCEEDED, orjson.dumps(SEEN)), None)
+    assert (goal.status, goal.retries) == (S.SUCCEEDED, 3)
+
+
+def test_a_late_result_changes_no_retries() -> None:
+    bench = Bench(nav2.DOCK)
+    goal = bench.goal(S.EXECUTING)
+    bench.machine.end(NOW, goal, S.SUCCEEDED)
+    bench.machine.answered(NOW, goal, ResultAnswer(S.SUCCEEDED, orjson.dumps(SEEN)), None)
+    assert (goal.status, goal.retries, goal.result) == (S.SUCCEEDED, None, orjson.dumps(SEEN))
+
+
+@pytest.mark.parametrize(
+    ("said", "kept"),
+    [(WHY, "why"), (GoalError(NO_REASON, "nothing"), "failed_to_detect_dock"), (None, "failed_to_detect_dock")],
+)
+def test_a_reason_that_the_server_gave_counts_more_than_the_code_of_its_result(
+    said: GoalError | None, kept: str
+) -> None:
+    goal = judged(ResultAnswer(S.ABORTED, orjson.dumps(NOT_SEEN), said))
+    assert goal.error is not None
+    assert goal.error.code == kept
+
+
+@pytest.mark.parametrize("adapter", [None, nav2.DOCK])
+def test_without_a_result_what_the_server_says_counts(adapter: DockAdapter | None) -> None:
+    goal = judged(ResultAnswer(S.ABORTED, None, GoalError(NO_REASON, "nothing")), adapter)
+    assert (goal.status, goal.error, goal.retries) == (S.ABORTED, GoalError(NO_REASON, "nothing"), None)
+
+
+def test_without_an_adapter_a_result_says_nothing_about_the_end() -> None:
+    goal = judged(ResultAnswer(S.SUCCEEDED, orjson.dumps(NOT_SEEN), WHY), None)
+    assert (goal.status, goal.error, goal.retries) == (S.SUCCEEDED, WHY, None)
+
+
+@pytest.mark.parametrize("detail", ["because", "because."])
+@pytest.mark.parametrize(("status", "remarked"), [(S.ABORTED, True), (S.CANCELED, False)])
+def test_what_is_wrong_around_the_robot_is_added_to_why_a_goal_was_aborted(
+    detail: str, status: GoalStatus, *, remarked: bool
+) -> None:
+    goal = judged(ResultAnswer(status, b"{}", GoalError("why", detail), "Two nodes publish cmd_vel."), None)
+    assert goal.error == GoalError("why", "because. Two nodes publish cmd_vel." if remarked else detail)
+    assert judged(ResultAnswer(S.ABORTED, b"{}", None, "Two nodes publish cmd_vel."), None).error is None
+
+
+def test_feedback_tells_the_stage_and_the_retries() -> None:
+    bench = Bench(nav2.DOCK)
+    goal = bench.goal(S.EXECUTING)
+    for retries in (1, 1, 2):
+        feedback = orjson.dumps({"state": 3, "num_retries": retries})
+        bench.machine.feedback(NOW, A, feedback, 4_000_000_000)
+        assert (goal.stage, goal.retries, goal.updated_at) == ("CONTROLLING", retries, moment(NOW.ns))
+    told = [done if isinstance(done, Store) else done[0] for done in bench.done()]
+    news = ["status", Store(goal), "feedback"]
+    assert told == [*news, "feedback", *news], "the second message says nothing new"
+
+
+@pytest.mark.parametrize("adapter", [None, nav2.UNDOCK])
+def test_feedback_of_an_action_without_stages_is_not_read(adapter: DockAdapter | None) -> None:
+    bench = Bench(adapter)
+    goal = bench.goal(S.EXECUTING)
+    bench.machine.feedback(NOW, A, orjson.dumps({"state": 3, "num_retries": 1}), 4_000_000_000)
+    assert [kind for kind, *_ in bench.done()] == ["feedback"]
+    assert (goal.stage, goal.retries) == (None, None)
 
 
 def test_a_late_result_completes_the_end(bench: Bench) -> None:
