@@ -17,9 +17,12 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
 # Requests for each operation, besides those that are derived from the document.
 EXAMPLES = os.environ.get("CHAOS_EXAMPLES", "1")
 SEED = os.environ.get("CHAOS_SEED", "1")
-# Without credentials, requests of each kind that the document suggests are for `make chaos`: that every operation asks
-# for them is proved by tests/dock_gateway/http/test_operation.py, too.
-UNKNOWN_CLIENT = "fuzzing" if EXAMPLES == "1" else "coverage,fuzzing"
+THOROUGH = EXAMPLES != "1"
+# Random requests are for `make chaos`: each costs more than all that the document suggests for its operation.
+PHASES = "examples,coverage,fuzzing,stateful" if THOROUGH else "examples,coverage"
+# Without credentials, so are the requests of each kind: that every operation asks for credentials is proved by
+# tests/dock_gateway/http/test_operation.py, too.
+UNKNOWN_CLIENT = "coverage,fuzzing" if THOROUGH else "examples"
 
 
 def schemathesis(folder: Path, url: str, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
@@ -50,7 +53,7 @@ def test_the_gateway_does_what_its_document_says(domain: int, tmp_path: Path) ->
         running_gateway(domain) as gateway,
     ):
         gateway.wait_until_ready()
-        run = schemathesis(tmp_path, gateway.url)
+        run = schemathesis(tmp_path, gateway.url, "--phases", PHASES)
         assert run.returncode == 0, run.stdout + run.stderr
         assert "Traceback" not in gateway.process.output
     figures = re.search(r"(\d+) generated, (.+)", run.stdout)

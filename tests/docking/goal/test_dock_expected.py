@@ -145,7 +145,7 @@ def test_a_marker_that_is_not_the_docks_never_moves_the_robot(distance: float, s
     assert "another marker is detected" in outcome.error_msg
 
 
-@settings(max_examples=6, derandomize=True)
+@settings(max_examples=3, derandomize=True)
 @given(st.floats(0.3, 2.6), st.integers(0, 10**6))
 def test_a_search_never_leaves_its_radius(radius: float, seed: int) -> None:
     random = Random(seed)

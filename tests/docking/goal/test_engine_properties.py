@@ -100,7 +100,7 @@ def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
-@settings(max_examples=12, derandomize=True)
+@settings(max_examples=6, derandomize=True)
 @given(
     distance=st.floats(0.0, 1.0), aside=st.floats(-1.0, 1.0), turned=st.floats(-1.0, 1.0), seed=st.integers(0, 10**6)
 )
@@ -128,7 +128,7 @@ def test_it_docks_from_everywhere_in_its_region(
 
 
 @pytest.mark.parametrize(("controller", "far_off"), [(ControllerName.DOCK_POSE, 0.05), (ControllerName.INFRARED, 0.3)])
-@settings(max_examples=12, derandomize=True)
+@settings(max_examples=8, derandomize=True)
 @given(
     distance=st.floats(0.45, 3.0),
     bearing=st.floats(-math.pi, math.pi),
@@ -178,7 +178,7 @@ def test_whatever_is_wrong_with_the_robot_it_is_never_fast_and_ends_at_rest(
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
-@settings(max_examples=12, derandomize=True)
+@settings(max_examples=6, derandomize=True)
 @given(
     silences=st.lists(st.tuples(st.floats(0.5, 15.0), st.floats(0.05, 6.0)), min_size=1, max_size=4),
     seed=st.integers(0, 10**6),
