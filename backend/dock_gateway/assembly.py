@@ -17,6 +17,7 @@ from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.automation.rule import RuleEntry
+from dock_gateway.core.automation import Decision
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
@@ -24,6 +25,7 @@ from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.core.webhook import Delivery
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.graph_watch import GraphWatch
@@ -58,7 +60,7 @@ from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.ros.velocity import VelocityListener
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
-from dock_gateway.storage import AuditSpool, History, open_history
+from dock_gateway.storage import Acknowledgement, AuditSpool, History, RobotLabel, open_history
 from dock_gateway.storage.database import display
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
@@ -134,15 +136,15 @@ async def _open(
     await robots.open(robots.default_namespace)
     await actions.pin("dock")
     await actions.pin("undock")
-    labels = _closed_by(stack, Labels(history.labels, robots.namespaces))
+    labels = _closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
     await labels.open()
     graph_watch = _make_graph_watch(settings, bridge, robots, actions)
-    decisions = DecisionLog(hub, history.automation_decisions)
+    decisions = DecisionLog(hub, history.documents("decision", Decision))
     alerts = _closed_by(
         stack,
         AlertBoard(
             hub,
-            SharedEntries(history.acknowledgements),
+            SharedEntries(history.documents("acknowledgement", Acknowledgement)),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
             given_up=decisions.given_up,
@@ -233,7 +235,7 @@ def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry,
 
 def _make_notifier(history: History, alerts: AlertBoard, labels: Labels) -> Notifier:
     webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
-    outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
+    outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
     return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox)
 
 

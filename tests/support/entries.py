@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.storage import Beside, EntryT
+from dock_gateway.storage import Dependency, EntryT
 from dock_gateway.storage.entries import MemoryEntries
 
 
@@ -28,10 +28,10 @@ class SharedStore(MemoryEntries[EntryT]):
         key: str,
         entry: EntryT | None,
         check: Callable[[Mapping[str, EntryT]], None] | None = None,
-        beside: Beside | None = None,
+        dependency: Dependency | None = None,
     ) -> None:
         self.require()
-        await super().write(key, entry, check, beside)
+        await super().write(key, entry, check, dependency)
 
     def require(self) -> None:
         if self.away:

@@ -18,7 +18,7 @@ from dock_gateway.access.sessions import MAX_SESSIONS, PERSON_PREFIX, PREFIX, Pe
 from dock_gateway.access.single_sign_on import SingleSignOn, no_provider
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
-from dock_gateway.core.access import Kind, Principal, User
+from dock_gateway.core.access import Kind, PersonSession, Principal, Session, Token, User
 from dock_gateway.core.errors import (
     Conflict,
     NotAllowed,
@@ -55,13 +55,13 @@ class Logins:
         sync_interval: float = SYNC_INTERVAL,
     ) -> None:
         self._sync_interval = sync_interval
-        self.tokens = Tokens(SharedBook(history.tokens, "token", MAX_TOKENS), where)
+        self.tokens = Tokens(SharedBook(history.documents("token", Token), "token", MAX_TOKENS), where)
         self._where = where
-        self._users = Users(SharedBook(history.users, "user", MAX_USERS))
-        self._sessions = Sessions(SharedBook(history.sessions, "session", MAX_SESSIONS), self._users.book)
-        self.people = PersonSessions(
-            SharedBook(history.person_sessions, "session", MAX_SESSIONS), None if sso is None else sso.issuer
-        )
+        self._users = Users(SharedBook(history.documents("user", User), "user", MAX_USERS))
+        sessions = SharedBook(history.documents("session", Session), "session", MAX_SESSIONS)
+        self._sessions = Sessions(sessions, self._users.book)
+        people = SharedBook(history.documents("person_session", PersonSession), "session", MAX_SESSIONS)
+        self.people = PersonSessions(people, None if sso is None else sso.issuer)
         self.sso = sso
         self._passwords = Passwords()
         self.guard = LoginGuard(self._users.book.get)
@@ -375,7 +375,7 @@ class Logins:
                 raise Conflict(f"there is a user of the name {name}", code="user_exists")
             return new_user(grant, hashed, by, disabled=disabled)
 
-        user = await self._users.change(name, add, beside=self.tokens.without(name))
+        user = await self._users.change(name, add, dependency=self.tokens.without(name))
         assert user is not None
         return user_document(name, user, 0)
 

@@ -12,7 +12,7 @@ from dock_gateway.core.access import Kind, Principal, Token
 from dock_gateway.core.errors import Conflict, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.storage import Beside
+from dock_gateway.storage import Dependency
 from dock_gateway.storage.shared_entries import SharedBook
 
 log = logging.getLogger(__name__)
@@ -82,7 +82,7 @@ class Tokens(Credentials[Token]):
         grant: Grant,
         expires_at: datetime | None = None,
         by: str | None = None,
-        beside: Beside | None = None,
+        dependency: Dependency | None = None,
     ) -> tuple[dict[str, Any], str]:
         """Create a token; return it as the API shows it, and its secret, which is not stored.
 
@@ -91,7 +91,7 @@ class Tokens(Credentials[Token]):
             grant: What it may do.
             expires_at: When it becomes invalid.
             by: Who creates it.
-            beside: Entries of another kind that are checked at the same moment.
+            dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
             Conflict: There are too many (`too_many_tokens`), or one has this name (`token_exists`).
@@ -112,7 +112,7 @@ class Tokens(Credentials[Token]):
             if any(each.name == name for each in tokens.values()):
                 raise Conflict(f"there is a token of the name {name}; revoke it first", code="token_exists")
 
-        await self.book.replace(digest[:ID_DIGITS], token, check, beside)
+        await self.book.replace(digest[:ID_DIGITS], token, check, dependency)
         return token_document(digest[:ID_DIGITS], token), secret
 
     async def documents(self) -> list[dict[str, Any]]:
@@ -125,14 +125,14 @@ class Tokens(Credentials[Token]):
         found = [token_document(token_id, token) for token_id, token in tokens.items()]
         return sorted(found, key=lambda token: str(token["name"]))
 
-    def without(self, name: str) -> Beside:
+    def without(self, name: str) -> Dependency:
         """Return a check that no token has the name of a user, whatever its case."""
 
         def check(tokens: Mapping[str, Token]) -> None:
             if any(token.name.lower() == name for token in tokens.values()):
                 raise Conflict(f"there is a token of the name {name}", code="token_exists")
 
-        return self.book.beside(check)
+        return self.book.dependency(check)
 
     def have_admin(self) -> bool:
         """Return whether there is a valid token of an admin."""

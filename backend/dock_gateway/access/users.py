@@ -12,7 +12,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import act
-from dock_gateway.storage import Beside
+from dock_gateway.storage import Dependency
 from dock_gateway.storage.shared_entries import SharedBook
 
 MAX_USERS = 200
@@ -36,7 +36,7 @@ class Users:
         self._changing = asyncio.Lock()
 
     async def change(
-        self, name: str, change: Change, check: Check = lambda _: None, beside: Beside | None = None
+        self, name: str, change: Change, check: Check = lambda _: None, dependency: Dependency | None = None
     ) -> User | None:
         """Change a user as they are stored now, and return what they are then.
 
@@ -45,7 +45,7 @@ class Users:
             change: Is given the user, None if there is none, and returns the new one; None removes them. May be called
                 again if another gateway changes the user at the same time.
             check: Is given all users after the change, and raises if it must not be stored.
-            beside: Entries of another kind that are checked at the same moment.
+            dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
             NotAuthenticated: The login of who changes them has ended meanwhile (`invalid_token`).
@@ -58,13 +58,15 @@ class Users:
                 new = change(old)
                 act()
                 try:
-                    await self._store(name, old, new, check, beside)
+                    await self._store(name, old, new, check, dependency)
                 except _OvertakenError:
                     continue
                 return new
         raise Conflict(f"{name} is being changed by others; try again", code="user_changed")
 
-    async def _store(self, name: str, old: User | None, new: User | None, check: Check, beside: Beside | None) -> None:
+    async def _store(
+        self, name: str, old: User | None, new: User | None, check: Check, dependency: Dependency | None
+    ) -> None:
         def check_all(users: Mapping[str, User]) -> None:
             if users.get(name) != old:
                 raise _OvertakenError
@@ -72,18 +74,18 @@ class Users:
             check(others if new is None else {**others, name: new})
 
         if new is None:
-            await self.book.store(name, None, check_all, beside)
+            await self.book.store(name, None, check_all, dependency)
         else:
-            await self.book.replace(name, new, check_all, beside)
+            await self.book.replace(name, new, check_all, dependency)
 
-    def without(self, name: str) -> Beside:
+    def without(self, name: str) -> Dependency:
         """Return a check that no user has a name, whatever its case."""
 
         def check(users: Mapping[str, User]) -> None:
             if name.lower() in users:
                 raise Conflict(f"there is a user of the name {name}", code="user_exists")
 
-        return self.book.beside(check)
+        return self.book.dependency(check)
 
     async def read(self) -> Mapping[str, User]:
         """Return all users by name, as they are stored now.

@@ -11,7 +11,7 @@ from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.protocol import (
     Acknowledgement,
     AuditStore,
-    Beside,
+    Dependency,
     Entries,
     EntryT,
     GoalNotes,
@@ -30,7 +30,7 @@ __all__ = [
     "Acknowledgement",
     "AuditSpool",
     "AuditStore",
-    "Beside",
+    "Dependency",
     "Entries",
     "EntryT",
     "GoalFilter",

@@ -1,7 +1,6 @@
 """The types of columns. Encoded JSON is stored unchanged as text, times are UTC, and ids compare byte by byte."""
 
 from datetime import UTC, datetime
-from enum import StrEnum
 from typing import Any
 
 import orjson
@@ -59,25 +58,6 @@ class Names(sa.types.TypeDecorator[tuple[str, ...]]):
     def process_result_value(self, value: str | None, dialect: Dialect) -> tuple[str, ...] | None:
         """Decode the names."""
         return None if value is None else tuple(orjson.loads(value))
-
-
-class OneOf(sa.types.TypeDecorator[StrEnum]):
-    """A member of an enumeration, as text.
-
-    Args:
-        kind: The enumeration.
-    """
-
-    impl = sa.Text
-    cache_ok = True
-
-    def __init__(self, kind: type[StrEnum]) -> None:
-        super().__init__()
-        self.kind = kind
-
-    def process_result_value(self, value: str | None, dialect: Dialect) -> StrEnum | None:
-        """Convert the text to the member."""
-        return None if value is None else self.kind(value)
 
 
 def identity() -> Any:

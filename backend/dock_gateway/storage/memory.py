@@ -8,12 +8,9 @@ from collections.abc import Callable, Collection, Sequence
 from copy import copy
 from typing import Any
 
-from dock_gateway.core.access import PersonSession, Session, Token, User
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.webhook import Delivery
 from dock_gateway.storage.audit import MemoryAudit
 from dock_gateway.storage.battery import BatterySpan, Bucket, add_events
 from dock_gateway.storage.database import Incident
@@ -24,11 +21,9 @@ from dock_gateway.storage.notes import MemoryNotes
 from dock_gateway.storage.protocol import (
     KEY_LIFETIME,
     NEVER,
-    Acknowledgement,
+    EntryT,
     HistoryStats,
     LaterEvents,
-    ModelT,
-    RobotLabel,
     fingerprint_of,
 )
 from dock_gateway.storage.statistics import Span, Tallies, tally_goals
@@ -46,15 +41,7 @@ class MemoryHistory:
     incident: Incident | None = None
 
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
-        self.acknowledgements = MemoryEntries[Acknowledgement]()
-        self.labels = MemoryEntries[RobotLabel]()
         self.notes = MemoryNotes()
-        self.automation_decisions = MemoryEntries[Decision]()
-        self.webhook_deliveries = MemoryEntries[Delivery]()
-        self.tokens = MemoryEntries[Token]()
-        self.users = MemoryEntries[User]()
-        self.sessions = MemoryEntries[Session]()
-        self.person_sessions = MemoryEntries[PersonSession]()
         self.audit = MemoryAudit()
         self.on_loss: Callable[[], None] = lambda: None
         self._documents: defaultdict[str, MemoryEntries[Any]] = defaultdict(MemoryEntries)
@@ -67,8 +54,8 @@ class MemoryHistory:
         self._horizon: dict[str, str] = {}  # topic → id of the newest dropped event
         self._dropped = 0
 
-    def documents(self, kind: str, model: type[ModelT]) -> MemoryEntries[ModelT]:
-        """Return the documents of a kind, by id."""
+    def documents(self, kind: str, model: type[EntryT]) -> MemoryEntries[EntryT]:
+        """Return the entries of a kind."""
         return self._documents[kind]
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:

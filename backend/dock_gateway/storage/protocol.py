@@ -6,21 +6,15 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-from pydantic import BaseModel
-
-from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.event import Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
-from dock_gateway.core.webhook import Delivery
 from dock_gateway.storage.battery import BatterySpan, Bucket
 from dock_gateway.storage.database import Incident
 from dock_gateway.storage.statistics import Span, Tallies
 
 EntryT = TypeVar("EntryT")
-ModelT = TypeVar("ModelT", bound=BaseModel)
 
 KEY_LIFETIME = timedelta(hours=24)
 # Sorts after the id of every event.
@@ -89,7 +83,7 @@ class LaterEvents:
     complete: bool
 
 
-class Beside(NamedTuple):
+class Dependency(NamedTuple):
     """Entries of another kind that a write depends on.
 
     Attributes:
@@ -116,7 +110,7 @@ class Entries(Protocol[EntryT]):
         key: str,
         entry: EntryT | None,
         check: Callable[[Mapping[str, EntryT]], None] | None = None,
-        beside: Beside | None = None,
+        dependency: Dependency | None = None,
     ) -> None:
         """Store an entry, replacing the earlier one; None deletes it.
 
@@ -125,7 +119,7 @@ class Entries(Protocol[EntryT]):
             entry: The entry.
             check: Is given all entries, and raises if this one must not be stored. No other gateway can write between
                 the check and the write.
-            beside: Entries of the same history that are checked likewise.
+            dependency: Entries of the same history that are checked likewise.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -190,45 +184,17 @@ class History(Protocol):
     """
 
     @property
-    def acknowledgements(self) -> Entries[Acknowledgement]:
-        """The acknowledgements of alerts, by alert id."""
-
-    @property
-    def labels(self) -> Entries[RobotLabel]:
-        """The labels of robots, by namespace."""
-
-    @property
     def notes(self) -> Notes:
         """The notes and tags of goals."""
 
-    @property
-    def automation_decisions(self) -> Entries[Decision]:
-        """The decisions of automatic docking, by id."""
-
-    @property
-    def webhook_deliveries(self) -> Entries[Delivery]:
-        """What was and is to be sent to webhooks, by id."""
-
-    @property
-    def tokens(self) -> Entries[Token]:
-        """The tokens, by id."""
-
-    @property
-    def users(self) -> Entries[User]:
-        """The users, by name."""
-
-    @property
-    def sessions(self) -> Entries[Session]:
-        """The sessions of users, by id."""
-
-    @property
-    def person_sessions(self) -> Entries[PersonSession]:
-        """The sessions of people of an identity provider, by id."""
-
-    def documents(self, kind: str, model: type[ModelT]) -> Entries[ModelT]:
-        """Return the documents of a kind, by id: models that are stored as JSON, so that a new field changes no table.
+    def documents(self, kind: str, model: type[EntryT]) -> Entries[EntryT]:
+        """Return the entries of a kind. They are stored as JSON, so that a new field changes no table.
 
         A field that a document lacks has its default; one that the model does not know is ignored.
+
+        Args:
+            kind: The kind: `rule`, `webhook`, `user`, ….
+            model: The dataclass or pydantic model of an entry.
         """
 
     @property

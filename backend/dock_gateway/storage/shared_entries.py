@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Generic
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
-from dock_gateway.storage.protocol import Beside, Entries, EntryT
+from dock_gateway.storage.protocol import Dependency, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
 SYNC_INTERVAL = 2.0
@@ -56,7 +56,7 @@ class SharedEntries(Generic[EntryT]):
         key: str,
         entry: EntryT | None,
         check: Callable[[Mapping[str, EntryT]], None],
-        beside: Beside | None = None,
+        dependency: Dependency | None = None,
     ) -> None:
         """Store an entry, and only then set it; None removes it.
 
@@ -64,18 +64,18 @@ class SharedEntries(Generic[EntryT]):
             key: The key.
             entry: The entry.
             check: Is given all stored entries, and raises if this one must not be stored.
-            beside: Entries of another kind that are checked at the same moment.
+            dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         async with self._saving:
-            await self._store.write(key, entry, check, beside)
+            await self._store.write(key, entry, check, dependency)
             self._set(key, entry)
 
-    def beside(self, check: Callable[[Mapping[str, EntryT]], None]) -> Beside:
+    def dependency(self, check: Callable[[Mapping[str, EntryT]], None]) -> Dependency:
         """Return a check of these entries for a write to others."""
-        return Beside(self._store, check)
+        return Dependency(self._store, check)
 
     def _set(self, key: str, entry: EntryT | None) -> None:
         if entry is None:
@@ -137,7 +137,7 @@ class SharedBook(SharedEntries[EntryT]):
         key: str,
         entry: EntryT,
         allow: Callable[[Mapping[str, EntryT]], None] = lambda _: None,
-        beside: Beside | None = None,
+        dependency: Dependency | None = None,
     ) -> None:
         """Store an entry, new or changed.
 
@@ -145,7 +145,7 @@ class SharedBook(SharedEntries[EntryT]):
             key: Its id.
             entry: The entry.
             allow: Is given all entries, and raises if this one must not be stored.
-            beside: Entries of another kind that are checked at the same moment.
+            dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
             Conflict: There are too many (`too_many_rules`, `too_many_webhooks`).
@@ -158,7 +158,7 @@ class SharedBook(SharedEntries[EntryT]):
                 raise Conflict(detail, code=f"too_many_{self._noun}s")
             allow(entries)
 
-        await self.store(key, entry, check, beside)
+        await self.store(key, entry, check, dependency)
 
     async def amend(self, key: str, entry: EntryT) -> None:
         """Store a change of an entry, unless the entry was removed meanwhile.

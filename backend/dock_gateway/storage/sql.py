@@ -10,19 +10,16 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
-from dock_gateway.core.access import PersonSession, Session, Token, User
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
-from dock_gateway.core.webhook import Delivery
 from dock_gateway.storage import queries, statistics
 from dock_gateway.storage.audit import SqlAudit
 from dock_gateway.storage.battery import BatterySpan, Bucket
 from dock_gateway.storage.database import DATABASE_ERRORS, Database, Incident
-from dock_gateway.storage.entries import SqlDocuments, SqlEntries
+from dock_gateway.storage.entries import SqlEntries
 from dock_gateway.storage.event_reader import EventReader
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.merge import merge_all
@@ -30,11 +27,9 @@ from dock_gateway.storage.notes import SqlNotes
 from dock_gateway.storage.protocol import (
     KEY_LIFETIME,
     NEVER,
-    Acknowledgement,
+    EntryT,
     HistoryStats,
     LaterEvents,
-    ModelT,
-    RobotLabel,
     fingerprint_of,
 )
 from dock_gateway.storage.reader import AWAY, Reader
@@ -43,16 +38,6 @@ from dock_gateway.storage.rows import Key
 from dock_gateway.storage.seals import Sealer
 from dock_gateway.storage.spool import Spool
 from dock_gateway.storage.statistics import Span, Tallies
-from dock_gateway.storage.tables import (
-    acknowledgements,
-    automation_decisions,
-    person_sessions,
-    robot_labels,
-    sessions,
-    tokens,
-    users,
-    webhook_deliveries,
-)
 from dock_gateway.storage.waiting import Waiting
 from dock_gateway.storage.writer import Writer
 
@@ -87,15 +72,7 @@ class SqlHistory:
         self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
         self._immediate = writer = ImmediateWriter(self._database, self._writer)
-        self.acknowledgements = SqlEntries(self._reader, writer, acknowledgements, Acknowledgement)
-        self.labels = SqlEntries(self._reader, writer, robot_labels, RobotLabel)
         self.notes = SqlNotes(self._reader, writer)
-        self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, Decision)
-        self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, Delivery)
-        self.tokens = SqlEntries(self._reader, writer, tokens, Token)
-        self.users = SqlEntries(self._reader, writer, users, User)
-        self.sessions = SqlEntries(self._reader, writer, sessions, Session)
-        self.person_sessions = SqlEntries(self._reader, writer, person_sessions, PersonSession)
         self.audit = SqlAudit(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
@@ -137,9 +114,9 @@ class SqlHistory:
         """The last loss of the database's data, as long as it must be reported."""
         return self._database.incident
 
-    def documents(self, kind: str, model: type[ModelT]) -> SqlDocuments[ModelT]:
-        """Return the documents of a kind, by id."""
-        return SqlDocuments(self._reader, self._immediate, kind, model)
+    def documents(self, kind: str, model: type[EntryT]) -> SqlEntries[EntryT]:
+        """Return the entries of a kind."""
+        return SqlEntries(self._reader, self._immediate, kind, model)
 
     # ------------------------------------------------------------------ write
 

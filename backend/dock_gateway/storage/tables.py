@@ -2,10 +2,7 @@
 
 import sqlalchemy as sa
 
-from dock_gateway.core.automation import Outcome
-from dock_gateway.core.grant import Role
-from dock_gateway.core.webhook import DeliveryState, EventType
-from dock_gateway.storage.column_types import JsonText, Names, OneOf, UtcTime, identity
+from dock_gateway.storage.column_types import JsonText, UtcTime, identity
 
 metadata = sa.MetaData()
 
@@ -75,22 +72,6 @@ idempotency_keys = sa.Table(
     sa.Index("keys_by_goal", "goal_id"),
 )
 
-acknowledgements = sa.Table(
-    "acknowledgements",
-    metadata,
-    sa.Column("alert_id", sa.Text, primary_key=True),
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("acknowledged_at", UtcTime, nullable=False),
-)
-
-robot_labels = sa.Table(
-    "robot_labels",
-    metadata,
-    sa.Column("robot", sa.Text, primary_key=True),
-    sa.Column("display_name", sa.Text),
-    sa.Column("groups", Names, nullable=False),
-)
-
 goal_tags = sa.Table(
     "goal_tags",
     metadata,
@@ -110,64 +91,13 @@ goal_notes = sa.Table(
     sa.Index("notes_by_goal", "goal_id", "written_at", "note_id"),
 )
 
-# What is edited and read as a whole: rules and webhooks.
+# What is read and written as a whole: rules, webhooks, users, …, each kind by key.
 documents = sa.Table(
     "documents",
     metadata,
     sa.Column("kind", sa.Text, primary_key=True),
     sa.Column("key", sa.Text, primary_key=True),
     sa.Column("document", JsonText, nullable=False),
-)
-
-automation_decisions = sa.Table(
-    "automation_decisions",
-    metadata,
-    sa.Column("decision_id", sa.Text, primary_key=True),
-    sa.Column("rule_id", sa.Text, nullable=False),
-    sa.Column("rule_name", sa.Text, nullable=False),
-    sa.Column("robot", sa.Text, nullable=False),
-    sa.Column("decided_at", UtcTime, nullable=False),
-    sa.Column("outcome", OneOf(Outcome), nullable=False),
-    sa.Column("battery", sa.Float),
-    sa.Column("idle_since", UtcTime),
-    sa.Column("scheduled_for", UtcTime),
-    sa.Column("goal_id", sa.Text),
-    sa.Column("code", sa.Text),
-    sa.Column("detail", sa.Text),
-    sa.Column("open", sa.Boolean, nullable=False),
-)
-
-webhook_deliveries = sa.Table(
-    "webhook_deliveries",
-    metadata,
-    sa.Column("delivery_id", sa.Text, primary_key=True),
-    sa.Column("webhook_id", sa.Text, nullable=False),
-    sa.Column("event_type", OneOf(EventType), nullable=False),
-    sa.Column("state", OneOf(DeliveryState), nullable=False),
-    sa.Column("alert_id", sa.Text),
-    sa.Column("happened_at", UtcTime, nullable=False),
-    sa.Column("body", JsonText, nullable=False),
-    sa.Column("attempts", sa.Integer, nullable=False),
-    sa.Column("next_at", UtcTime),
-    sa.Column("tried_at", UtcTime),
-    sa.Column("status_code", sa.Integer),
-    sa.Column("error", sa.Text),
-)
-
-tokens = sa.Table(
-    "tokens",
-    metadata,
-    sa.Column("token_id", sa.Text, primary_key=True),
-    sa.Column("name", sa.Text, nullable=False),
-    sa.Column("role", OneOf(Role), nullable=False),
-    sa.Column("robots", Names, nullable=False),
-    sa.Column("actions", Names, nullable=False),
-    sa.Column("topics", Names, nullable=False),
-    sa.Column("digest", sa.Text, nullable=False),
-    sa.Column("created_by", sa.Text),
-    sa.Column("created_at", UtcTime, nullable=False),
-    sa.Column("expires_at", UtcTime),
-    sa.Column("used_at", UtcTime),
 )
 
 audit = sa.Table(
@@ -204,52 +134,6 @@ audit_chain = sa.Table(
     sa.Column("anchor_digest", sa.Text, nullable=False),
     sa.Column("head_sequence", sa.BigInteger, nullable=False),
     sa.Column("head_digest", sa.Text, nullable=False),
-)
-
-users = sa.Table(
-    "users",
-    metadata,
-    sa.Column("name", sa.Text, primary_key=True),
-    sa.Column("role", OneOf(Role), nullable=False),
-    sa.Column("robots", Names, nullable=False),
-    sa.Column("actions", Names, nullable=False),
-    sa.Column("topics", Names, nullable=False),
-    sa.Column("password", sa.Text, nullable=False),
-    sa.Column("era", sa.Text, nullable=False),
-    sa.Column("disabled", sa.Boolean, nullable=False),
-    sa.Column("created_by", sa.Text),
-    sa.Column("created_at", UtcTime, nullable=False),
-    sa.Column("logged_in_at", UtcTime),
-)
-
-sessions = sa.Table(
-    "sessions",
-    metadata,
-    sa.Column("session_id", sa.Text, primary_key=True),
-    sa.Column("user_name", sa.Text, nullable=False),
-    sa.Column("era", sa.Text, nullable=False),
-    sa.Column("digest", sa.Text, nullable=False),
-    sa.Column("created_at", UtcTime, nullable=False),
-    sa.Column("expires_at", UtcTime, nullable=False),
-    sa.Column("used_at", UtcTime, nullable=False),
-)
-
-person_sessions = sa.Table(
-    "person_sessions",
-    metadata,
-    sa.Column("session_id", sa.Text, primary_key=True),
-    sa.Column("person", sa.Text, nullable=False),
-    sa.Column("issuer", sa.Text, nullable=False),
-    sa.Column("subject", sa.Text, nullable=False),
-    sa.Column("role", OneOf(Role), nullable=False),
-    sa.Column("robots", Names, nullable=False),
-    sa.Column("actions", Names, nullable=False),
-    sa.Column("topics", Names, nullable=False),
-    sa.Column("digest", sa.Text, nullable=False),
-    sa.Column("attempt", sa.Text, nullable=False),
-    sa.Column("created_at", UtcTime, nullable=False),
-    sa.Column("expires_at", UtcTime, nullable=False),
-    sa.Column("used_at", UtcTime, nullable=False),
 )
 
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic

@@ -42,10 +42,9 @@ class Site:
         self.people: SharedStore[PersonSession] = SharedStore()
 
     def logins(self, **timing: float) -> Logins:
-        stores = SimpleNamespace(
-            users=self.users, sessions=self.sessions, tokens=self.tokens, person_sessions=self.people
-        )
-        return Logins(cast("History", stores), **timing)
+        stores = {"user": self.users, "session": self.sessions, "token": self.tokens, "person_session": self.people}
+        history = SimpleNamespace(documents=lambda kind, _: stores[kind])
+        return Logins(cast("History", history), **timing)
 
     def go_away(self) -> None:
         self.users.away = self.sessions.away = self.tokens.away = True

@@ -40,7 +40,9 @@ class Client:
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
         docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots
         docking._rules = SharedBook(self.history.documents("rule", RuleEntry), "rule", 2)
-        docking.decisions = DecisionLog(Hub(queue_limit=1, max_subscribers=1), self.history.automation_decisions)
+        docking.decisions = DecisionLog(
+            Hub(queue_limit=1, max_subscribers=1), self.history.documents("decision", Decision)
+        )
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)
         docking._waits = {}
@@ -137,7 +139,7 @@ async def test_decisions_are_found_by_robot_rule_and_goal(client: Client) -> Non
         sent = goal_id if identity == "b" else None
         facts = (0.1, now, None, sent, None, None)
         decision = Decision(rule_id, rule_id, robot, now, Outcome.SENT, *facts, open=True)
-        await client.history.automation_decisions.write(identity, decision)
+        await client.history.documents("decision", Decision).write(identity, decision)
 
     def found(query: str = "") -> list[str]:
         return [decision["id"] for decision in client.get("decisions", query=query)["decisions"]]

@@ -41,7 +41,7 @@ class Client:
 
         robots: Any = SimpleNamespace(namespaces=lambda: ["/", "/robot1"])
         actions: Any = SimpleNamespace(goal=lambda _: None)
-        self.labels = Labels(self.history.labels, robots.namespaces)
+        self.labels = Labels(self.history.documents("label", RobotLabel), robots.namespaces)
         docking = DockingActions(DockingCatalog(settings), {})
         parts = Parts(
             {

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
-from dock_gateway.storage import History, RobotLabel, sqlite
+from dock_gateway.storage import Acknowledgement, Entries, History, RobotLabel, sqlite
 from tests.support.history import locked, open_place
 from tests.support.waiting import PATIENCE, until
 
@@ -35,11 +35,15 @@ async def opened(url: str, folder: Path) -> AsyncIterator[History]:
         yield history
 
 
+def labels_of(history: History) -> Entries[RobotLabel]:
+    return history.documents("label", RobotLabel)
+
+
 async def labels_in(history: History) -> dict[str, RobotLabel]:
     """All labels, once the database answers."""
     for _ in range(200):
         try:
-            return await history.labels.read()
+            return await labels_of(history).read()
         except Unavailable:
             await asyncio.sleep(0.05)
     raise AssertionError("they cannot be read")
@@ -57,14 +61,14 @@ def is_free(name: str) -> Callable[[Mapping[str, RobotLabel]], None]:
 async def test_labels_are_stored_replaced_and_removed(place: str, tmp_path: Path) -> None:
     async with opened(place, tmp_path) as history:
         assert await labels_in(history) == {}
-        await history.labels.write("/robot1", LEFT)
-        await history.labels.write("/robot1", BARE)
-        await history.labels.write("/robot2", LEFT)
-        await history.labels.write("/robot3", RIGHT)
-        await history.labels.write("/robot3", None)
-        await history.labels.write("/never", None)
+        await labels_of(history).write("/robot1", LEFT)
+        await labels_of(history).write("/robot1", BARE)
+        await labels_of(history).write("/robot2", LEFT)
+        await labels_of(history).write("/robot3", RIGHT)
+        await labels_of(history).write("/robot3", None)
+        await labels_of(history).write("/never", None)
         assert await labels_in(history) == {"/robot1": BARE, "/robot2": LEFT}
-        assert await history.acknowledgements.read() == {}
+        assert await history.documents("acknowledgement", Acknowledgement).read() == {}
 
 
 class Lamp(BaseModel):
@@ -114,11 +118,12 @@ async def test_decisions_and_deliveries_are_what_they_were(place: str, tmp_path:
     sent = Delivery("a", EventType.RAISED, DeliveryState.DELIVERED, "id", AT, body, 2, AT, AT, 204, "why")
     new = Delivery("b", EventType.TEST, DeliveryState.PENDING, None, AT, b"{}", 0, None, None, None, None)
     async with opened(place, tmp_path) as history:
+        decision_log, outbox = history.documents("decision", Decision), history.documents("delivery", Delivery)
         for identity, decision in (("a", bare), ("a", decided), ("b", bare)):
-            await history.automation_decisions.write(identity, decision)
+            await decision_log.write(identity, decision)
         for identity, delivery in (("1", new), ("1", sent), ("2", new)):
-            await history.webhook_deliveries.write(identity, delivery)
-        decisions, deliveries = await history.automation_decisions.read(), await history.webhook_deliveries.read()
+            await outbox.write(identity, delivery)
+        decisions, deliveries = await decision_log.read(), await outbox.read()
         assert decisions == {"a": decided, "b": bare}
         assert deliveries == {"1": sent, "2": new}
         assert isinstance(decisions["a"].outcome, Outcome)
@@ -129,17 +134,17 @@ async def test_decisions_and_deliveries_are_what_they_were(place: str, tmp_path:
 @pytest.mark.usefixtures("patient")
 async def test_a_label_that_is_refused_is_not_stored(place: str, tmp_path: Path) -> None:
     async with opened(place, tmp_path) as history:
-        await history.labels.write("/robot1", LEFT, is_free("Left forklift"))
+        await labels_of(history).write("/robot1", LEFT, is_free("Left forklift"))
         with pytest.raises(Conflict):
-            await history.labels.write("/robot2", LEFT, is_free("Left forklift"))
-        await history.labels.write("/robot2", RIGHT, is_free("anything else"))
+            await labels_of(history).write("/robot2", LEFT, is_free("Left forklift"))
+        await labels_of(history).write("/robot2", RIGHT, is_free("anything else"))
         assert await labels_in(history) == {"/robot1": LEFT, "/robot2": RIGHT}
 
 
 @pytest.mark.usefixtures("patient")
 async def test_they_outlive_a_restart(database_url: str, tmp_path: Path) -> None:
     async with opened(database_url, tmp_path) as history:
-        await history.labels.write("/robot1", LEFT)
+        await labels_of(history).write("/robot1", LEFT)
     async with opened(database_url, tmp_path) as history:
         assert await labels_in(history) == {"/robot1": LEFT}
 
@@ -151,8 +156,8 @@ async def test_of_two_gateways_at_the_same_time_one_gets_the_name(database_url: 
             label = RobotLabel(f"Forklift {number}", ())
             check = is_free(f"Forklift {number}")
             ends = await asyncio.gather(
-                one.labels.write(f"/a{number}", label, check),
-                other.labels.write(f"/b{number}", label, check),
+                labels_of(one).write(f"/a{number}", label, check),
+                labels_of(other).write(f"/b{number}", label, check),
                 return_exceptions=True,
             )
             assert sorted(type(end) for end in ends if end is not None) == [Conflict]
@@ -162,21 +167,21 @@ async def test_of_two_gateways_at_the_same_time_one_gets_the_name(database_url: 
 
 async def test_a_database_that_is_locked_takes_none(sqlite_url: str, tmp_path: Path) -> None:
     async with opened(sqlite_url, tmp_path) as history:
-        await history.labels.write("/robot1", LEFT)
+        await labels_of(history).write("/robot1", LEFT)
         with locked(sqlite_url.removeprefix("sqlite:///")):
             with pytest.raises(Unavailable) as refused:
-                await history.labels.write("/robot1", RIGHT)
+                await labels_of(history).write("/robot1", RIGHT)
             assert refused.value.code == "history_unavailable"
         assert await labels_in(history) == {"/robot1": LEFT}
 
 
 async def test_after_the_file_was_deleted_they_can_be_set_again(sqlite_url: str, tmp_path: Path) -> None:
     async with opened(sqlite_url, tmp_path) as history:
-        await history.labels.write("/robot1", LEFT)
+        await labels_of(history).write("/robot1", LEFT)
         (tmp_path / "history.db").unlink()
         with pytest.raises(Unavailable):
-            await history.labels.write("/robot1", RIGHT)
+            await labels_of(history).write("/robot1", RIGHT)
         await until(lambda: history.incident is not None and history.stats().database_reachable)
         assert await labels_in(history) == {}
-        await history.labels.write("/robot1", RIGHT)
+        await labels_of(history).write("/robot1", RIGHT)
         assert await labels_in(history) == {"/robot1": RIGHT}

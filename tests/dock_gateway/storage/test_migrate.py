@@ -16,16 +16,18 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from dock_gateway.automation.rule import BatteryCondition, RuleEntry, Schedule
-from dock_gateway.core.access import Token
+from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.automation import Mode
+from dock_gateway.core.automation import Decision, Mode, Outcome
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import Role
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.http.schema import RobotSelection
+from dock_gateway.storage import Acknowledgement, RobotLabel
 from dock_gateway.storage.migrate import HEAD, MIGRATIONS, migrate
 from dock_gateway.storage.rows import goal_row
 from dock_gateway.storage.sql import open_database
-from dock_gateway.storage.tables import goals, metadata, prepare_for, users
+from dock_gateway.storage.tables import goals, metadata, prepare_for
 from dock_gateway.webhooks.webhook import WebhookEntry
 from tests.support.history import NOW, make_goal, open_at, written
 from tests.support.waiting import until
@@ -33,6 +35,10 @@ from tests.support.waiting import until
 T = TypeVar("T")
 
 EARLY_REVISION = "0012"
+USER = """
+INSERT INTO users (name, role, robots, actions, topics, password, era, disabled, created_at)
+VALUES ('ada', 'admin', '["/robot1","/hall_a/*"]', '[]', '[]', 'p', 'e', false, '2026-01-01 12:00:00.123456')
+"""
 PROGRAM = [sys.executable, "-m", "tests.support.history"]
 
 
@@ -70,14 +76,18 @@ def make_early_tables(connection: sa.Connection) -> None:
     make_earlier_tables(connection)
     set_revision(connection, EARLY_REVISION)
     insert(connection, make_goal(1), without=())
-    person = {"name": "ada", "role": "admin", "robots": (), "actions": (), "topics": (), "password": "p", "era": "e"}
-    connection.execute(sa.insert(users).values(**person, disabled=False, created_at=NOW))
+    connection.exec_driver_sql(USER)
 
 
 def contents(connection: sa.Connection) -> tuple[str | None, list[str], list[str]]:
     """The revision, the goals and the users of a database."""
     revision = connection.scalar(sa.text("SELECT version_num FROM alembic_version"))
-    return revision, [*connection.scalars(sa.select(goals.c.goal_id))], [*connection.scalars(sa.select(users.c.name))]
+    users = sa.text(
+        "SELECT name FROM users"
+        if sa.inspect(connection).has_table("users")
+        else "SELECT key FROM documents WHERE kind = 'user'"
+    )
+    return revision, [*connection.scalars(sa.select(goals.c.goal_id))], [*connection.scalars(users)]
 
 
 def insert(connection: sa.Connection, goal: Goal, *, without: tuple[str, ...]) -> None:
@@ -120,9 +130,11 @@ async def test_the_database_of_the_baseline_is_upgraded(database_url: str, tmp_p
         goal = await history.get("goal-0001")
         assert goal is not None
         assert (goal.goal, goal.status) == (b'{"order":5}', GoalStatus.SUCCEEDED)
-        assert (await history.users.read())["ada"].password == "p"
+        assert (await history.documents("user", User).read())["ada"].password == "p"
         await history.add(make_goal(2))
-        await history.tokens.write("t", Token("name", Role.OPERATOR, (), (), (), "digest", None, NOW, None, None))
+        await history.documents("token", Token).write(
+            "t", Token("name", Role.OPERATOR, (), (), (), "digest", None, NOW, None, None)
+        )
         entry = AuditEntry("e", NOW, None, None, None, None, None, "login", None, None, None, None, 200, None)
         assert [row.sequence for row in await history.audit.append([entry])] == [1]
         assert await history._database.read(contents) == (HEAD, ["goal-0001", "goal-0002"], ["ada"])
@@ -169,6 +181,61 @@ async def test_rules_and_webhooks_of_the_baseline_become_documents(database_url:
     async with open_at(database_url, tmp_path) as history:
         assert await history.documents("rule", RuleEntry).read() == {"low": low, "night": night}
         assert await history.documents("webhook", WebhookEntry).read() == {"a": office, "b": hook}
+
+
+ROWS = (
+    USER
+    + """;
+INSERT INTO acknowledgements VALUES ('alert', 'Zoë', '2026-01-01 12:00:00.123456');
+INSERT INTO robot_labels VALUES ('/robot1', 'Left', '["hall 1"]');
+INSERT INTO robot_labels VALUES ('/robot2', NULL, '[]');
+INSERT INTO automation_decisions VALUES ('d', 'low', 'Löw', '/robot1', '2026-01-01 12:00:00.123456', 'sent', 0.1,
+    '2026-01-01 12:00:00.123456', NULL, 'goal', NULL, 'why', true);
+INSERT INTO webhook_deliveries VALUES ('w', 'hook', 'alert.raised', 'pending', 'alert', '2026-01-01 12:00:00.123456',
+    '{"text":"ü","n":1.0}', 2, '2026-01-01 12:00:00.123456', NULL, 204, NULL);
+INSERT INTO tokens (token_id, name, role, robots, actions, topics, digest, created_at)
+    VALUES ('t', 'script', 'operator', '["/robot1"]', '["/dock"]', '["/map"]', 'dd', '2026-01-01 12:00:00.123456');
+INSERT INTO sessions (session_id, user_name, era, digest, created_at, expires_at, used_at)
+    VALUES ('s', 'ada', 'e', 'ds', '2026-01-01 12:00:00.123456', '2026-01-01 12:00:00.123456',
+    '2026-01-01 12:00:00.123456');
+INSERT INTO person_sessions (session_id, person, issuer, subject, role, robots, actions, topics, digest, attempt,
+    created_at, expires_at, used_at) VALUES ('p', 'oidc:bob', 'https://x', '1', 'viewer', '[]', '[]', '[]', 'dp', 'a',
+    '2026-01-01 12:00:00.123456', '2026-01-01 12:00:00.123456', '2026-01-01 12:00:00.123456')
+"""
+)
+
+
+async def test_the_other_small_tables_of_the_baseline_become_documents(database_url: str, tmp_path: Path) -> None:
+    def make_tables(connection: sa.Connection) -> None:
+        make_earlier_tables(connection)
+        if connection.dialect.name == "postgresql":
+            connection.execute(sa.text("SET LOCAL timezone = 'UTC'"))
+        for statement in ROWS.split(";"):
+            connection.exec_driver_sql(statement)
+
+    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+    body = '{"text":"ü","n":1.0}'.encode()
+    raised, pending = EventType.RAISED, DeliveryState.PENDING
+    expected: dict[tuple[str, type[Any]], dict[str, Any]] = {
+        ("acknowledgement", Acknowledgement): {"alert": Acknowledgement("Zoë", at)},
+        ("label", RobotLabel): {"/robot1": RobotLabel("Left", ("hall 1",)), "/robot2": RobotLabel(None, ())},
+        ("decision", Decision): {
+            "d": Decision("low", "Löw", "/robot1", at, Outcome.SENT, 0.1, at, None, "goal", None, "why", open=True)
+        },
+        ("delivery", Delivery): {"w": Delivery("hook", raised, pending, "alert", at, body, 2, at, None, 204, None)},
+        ("token", Token): {
+            "t": Token("script", Role.OPERATOR, ("/robot1",), ("/dock",), ("/map",), "dd", None, at, None, None)
+        },
+        ("user", User): {"ada": User(Role.ADMIN, ("/robot1", "/hall_a/*"), (), (), "p", "e", False, None, at, None)},
+        ("session", Session): {"s": Session("ada", "e", "ds", at, at, at)},
+        ("person_session", PersonSession): {
+            "p": PersonSession("oidc:bob", "https://x", "1", Role.VIEWER, (), (), (), "dp", "a", at, at, at)
+        },
+    }
+    await carry_out(database_url, make_tables)
+    async with open_at(database_url, tmp_path) as history:
+        for (kind, model), entries in expected.items():
+            assert await history.documents(kind, model).read() == entries
 
 
 async def test_a_sqlite_file_of_before_the_first_release_is_set_aside(

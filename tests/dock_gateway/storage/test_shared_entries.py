@@ -22,7 +22,10 @@ ADA, BOB = Acknowledgement("Ada", NOON), Acknowledgement("Bo\u0308b", NOON)
 async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path) -> None:
     async with open_at(database_url, tmp_path / "a") as first, open_at(database_url, tmp_path / "b") as second:
         await until(lambda: second.stats().database_reachable)
-        here, there = SharedEntries(first.acknowledgements), SharedEntries(second.acknowledgements)
+        here, there = (
+            SharedEntries(first.documents("acknowledgement", Acknowledgement)),
+            SharedEntries(second.documents("acknowledgement", Acknowledgement)),
+        )
         here.put("a", BOB)
         here.put("a", ADA)
         here.put("b", BOB)
@@ -35,7 +38,7 @@ async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path
         assert await here.sync()
         assert here.keys() == {"a"}
     async with open_at(database_url, tmp_path / "c") as later:
-        again = SharedEntries(later.acknowledgements)
+        again = SharedEntries(later.documents("acknowledgement", Acknowledgement))
         assert await again.sync()
         assert again.get("a") == ADA
 
@@ -110,7 +113,10 @@ async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
 
 async def test_a_history_in_memory_keeps_them_too() -> None:
     history = MemoryHistory(10)
-    here, again = SharedEntries(history.acknowledgements), SharedEntries(history.acknowledgements)
+    here, again = (
+        SharedEntries(history.documents("acknowledgement", Acknowledgement)),
+        SharedEntries(history.documents("acknowledgement", Acknowledgement)),
+    )
     here.put("a", ADA)
     assert await here.sync()
     assert await again.sync()

@@ -9,6 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
+from dock_gateway.core.webhook import Delivery
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
@@ -40,7 +41,7 @@ class Client:
                 cast("Any", SimpleNamespace(documents=list, on_change=[])),
                 cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
                 webhooks=webhooks,
-                outbox=Outbox(webhooks, SharedEntries(history.webhook_deliveries)),
+                outbox=Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery))),
             )
             parts.add(Notifier, notifier)
             yield {"parts": parts}
