@@ -34,23 +34,23 @@ def create_context(args: Sequence[str] | None = None, *, domain_id: int | None =
 
 
 class SecondParticipant:
-    """Another participant beside that of a node, for what one alone cannot have: a topic with two types.
+    """A second DDS participant next to that of a node, for what one alone cannot have: a topic with two types.
 
     Attributes:
         node: A node on it, which only publishes.
     """
 
-    def __init__(self, beside: Node, name: str) -> None:
+    def __init__(self, node: Node, name: str) -> None:
         """Join the graph.
 
         Args:
-            beside: The node whose domain and namespace are used.
+            node: The node whose domain and namespace are used.
             name: Name of the node.
         """
-        self._context = create_context([], domain_id=beside.context.get_domain_id())
+        self._context = create_context([], domain_id=node.context.get_domain_id())
         self.node = Node(
             name,
-            namespace=beside.get_namespace(),
+            namespace=node.get_namespace(),
             context=self._context,
             enable_rosout=False,
             start_parameter_services=False,

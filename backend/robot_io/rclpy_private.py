@@ -53,7 +53,7 @@ def _library(name: str) -> ctypes.CDLL | None:
 
 _rcl, _rcutils = _library("librcl.so"), _library("librcutils.so")
 
-# What is looked up in an object, by the name that an error shows for it.
+# The attributes that are looked up in an object, by the name that an error shows for it.
 _NEEDED: tuple[tuple[str, Callable[[], object], tuple[str, ...]], ...] = (
     ("rclpy", lambda: _rclpy, ("RCLError", "InvalidHandle", "UnknownROSArgsError", "RCLInvalidROSArgsError")),
     ("rclpy's Context", lambda: getattr(_rclpy, "Context", None), ("__enter__", "pointer")),
@@ -82,7 +82,7 @@ def require_supported() -> None:
     """Check that all private parts that we use are there.
 
     Raises:
-        UnsupportedRclpyError: The message names the version of rclpy and what is missing.
+        UnsupportedRclpyError: The message names the version of rclpy and the missing part.
     """
     missing = [
         f"{name} of {owner}" for owner, look_up, names in _NEEDED for name in names if not hasattr(look_up(), name)
@@ -172,7 +172,7 @@ def take_bool(subscription: Subscription) -> Taken | None:
 
 
 class Buffer:
-    """Takes encoded messages, one at a time, and copies only what is asked for. For one thread.
+    """Takes encoded messages, one at a time, and copies only the bytes that are asked for. For one thread.
 
     Attributes:
         info: About the message: its `source_timestamp` in ns, and its `publisher`, an `endpoint_gid`.

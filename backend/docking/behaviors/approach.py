@@ -41,7 +41,7 @@ def sure_enough(settings: ApproachSettings) -> Spread:
 class Approach:
     """From the staging pose onto the dock.
 
-    It is done when the robot has come as far as it can get; whether that is any good, the battery will tell.
+    Done when the robot cannot get any farther; the battery then shows whether it is docked.
     """
 
     def __init__(
@@ -123,7 +123,7 @@ class Approach:
         return None
 
     def _is_straight(self, off: Pose, times: float = 1.0) -> bool:
-        """Whether a pose, as seen from the docked one, is within so many times the tolerances."""
+        """Whether a pose, relative to the docked pose, is within `times` the tolerances."""
         settings = self._settings
         return (
             abs(off.y) <= times * settings.docking_lateral_tolerance

@@ -67,7 +67,7 @@ class KeepInSight:
             dt: Seconds since the last look.
 
         Returns:
-            What is wrong if the dock is lost, else None.
+            The error if the dock is lost, else None.
         """
         self._unseen = self._unseen + dt if self._aim.seen_at == self._seen_at else 0.0
         self._seen_at = self._aim.seen_at

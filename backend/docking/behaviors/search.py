@@ -16,7 +16,7 @@ The dock is more often ahead than behind, and where detections are rare it may h
 """
 
 CENTERED = math.radians(15.0)
-"""How far from straight ahead what is in view may stay, in rad."""
+"""How far from straight ahead a dock in view may stay, in rad."""
 
 
 class Search:
@@ -83,7 +83,7 @@ class Search:
         return Velocity(0.0, self._speed if self._leftwards else -self._speed)
 
     def _look(self, robot: Pose) -> Velocity:
-        """Turn what is in view to the middle."""
+        """Turn until the dock is in the middle of the view."""
         bearing = self._bearing(robot)
         if bearing is None or abs(normalize_angle(bearing)) < CENTERED:
             return STANDSTILL

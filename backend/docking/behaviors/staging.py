@@ -12,10 +12,10 @@ from docking.parameters import Dock, MotionLimits
 
 REACHED = 0.03
 """How near the robot must get to its staging pose, in m, before it turns to the dock."""
-ASIDE = 0.05
-"""How far aside of it the robot may be once it has turned and seen the dock from near, in m."""
+LATERAL = 0.05
+"""Largest lateral error of the robot at the staging pose once it has turned and seen the dock from near, in m."""
 AHEAD = 0.12
-"""The same to the front and to the back."""
+"""Largest error to the front and to the back, in m."""
 STRAIGHT = math.radians(3.0)
 """How straight it must look at the dock, in rad."""
 SURE = Spread(0.01, math.radians(2.0))
@@ -31,7 +31,7 @@ class ToStaging:
     """
 
     def __init__(self, aim: DockTarget, dock: Dock, motion: MotionLimits, sure: Spread = SURE) -> None:
-        """Plan nothing yet: the way follows what is known of the dock at each step.
+        """Plan nothing yet: each step uses the latest estimate of the dock.
 
         Args:
             aim: Where the dock is.
@@ -59,7 +59,7 @@ class ToStaging:
         off = robot.relative_to(staging)
         if abs(off.theta) > STRAIGHT:
             return turn(normalize_angle(-off.theta), self._motion)
-        if abs(off.y) > ASIDE or abs(off.x) > AHEAD:
+        if abs(off.y) > LATERAL or abs(off.x) > AHEAD:
             self._driving = True
             return STANDSTILL
         if not self._aim.spread.within(self._sure) and self._looked < LONGEST_LOOK:

@@ -9,9 +9,9 @@ from docking.goal.behavior import Failed
 from docking.goal.plan import DockTarget
 
 MOVED = 0.03
-"""How far the wheels may turn, in m, without being told to."""
+"""How far the wheels may turn, in m, without a command."""
 PUSHED = 0.06
-"""How far from the docked pose, in m, a robot is no longer docked."""
+"""Distance from the docked pose, in m, beyond which a robot is no longer docked."""
 TURNED = math.radians(12.0)
 """The same for both, in rad."""
 

@@ -17,7 +17,7 @@ class ExitCode(enum.IntEnum):
 
 
 class Request(enum.Enum):
-    """What is to be sent to the server now."""
+    """The next request to the server."""
 
     PING = "ping"
     SEND_GOAL = "send_goal"

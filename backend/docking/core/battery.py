@@ -33,7 +33,7 @@ def describe_absence(topic: str, types: Iterable[str], others: Iterable[str]) ->
 
     Args:
         topic: Where they are expected.
-        types: What is published there.
+        types: The types that are published there.
         others: Other topics with battery messages.
     """
     wrong, found = sorted(set(types) - {BATTERY_TYPE}), sorted(others)
@@ -60,7 +60,7 @@ class BatteryReading:
         status: `power_supply_status` as it came, which need not be a known one.
         received_at: When it reached this process, in seconds of the monotonic clock.
         message: The sensor_msgs/BatteryState itself, which nothing here looks into.
-        percentage: What is in it, from 0 to 1; NaN where it is not measured.
+        percentage: State of charge, from 0 to 1; NaN if it is not measured.
         current: In A; drivers differ in which direction is positive. NaN where it is not measured.
     """
 
@@ -102,7 +102,7 @@ class Battery:
 
     Attributes:
         latest: None until the first message has come.
-        on_connected: Called with each reading of a connected charger, so that nobody has to wait for it.
+        on_connected: Called at once with each reading of a connected charger.
     """
 
     def __init__(self) -> None:

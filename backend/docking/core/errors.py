@@ -88,7 +88,7 @@ class ErrorCode(enum.StrEnum):
     INFRARED_LOST = "INFRARED_LOST", 963
     """Aborted: the dock's infrared beacon was seen, and then no longer, or the receivers are silent."""
     BLOCKED = "BLOCKED", 970
-    """Aborted: the robot was told to move and did not, or not as it was told."""
+    """Aborted: the robot did not move as commanded, or not at all."""
     PUSHED_OFF = "PUSHED_OFF", 971
     """Aborted: the robot was on the dock, and was moved away from it."""
     ODOMETRY_LOST = "ODOMETRY_LOST", 964
@@ -184,7 +184,7 @@ class Obstructed(DockingError):
 
 
 class Blocked(DockingError):
-    """The robot was told to move and did not, or not as it was told."""
+    """The robot did not move as commanded, or not at all."""
 
     error_code = ErrorCode.BLOCKED
 

@@ -34,7 +34,7 @@ def _accept(_value: object) -> None:
 
 @dataclass(frozen=True)
 class Parameter:
-    """What is known of a parameter beside its value.
+    """The declaration of a parameter: everything but its value.
 
     Attributes:
         name: Its ROS name.
@@ -44,7 +44,7 @@ class Parameter:
         minimum: The least value of a number.
         maximum: The greatest value of a number.
         form: How a string or an array is written, where it has a form.
-        read: Reads a string or an array; raises ValueError with a sentence's second half.
+        read: Reads a string or an array; raises ValueError with a text that follows the parameter's name.
         elements: The type of an array's elements; None where it is not an array.
         read_only: Whether it cannot be changed while the node runs.
         opens: Reads the file that a string names.
@@ -68,7 +68,11 @@ class Parameter:
         return tuple(type(self.default)) if isinstance(self.default, StrEnum) else ()
 
     def find_misfit(self, value: object) -> str | None:
-        """What is wrong with the type or the range of a value, as a sentence's second half; None if nothing is."""
+        """Check the type and the range of a value.
+
+        Returns:
+            The fault, as a text that follows the parameter's name; None if there is none.
+        """
         if self.elements is not None:
             if isinstance(value, tuple) and all(type(one) is self.elements for one in value):
                 return None
@@ -85,7 +89,7 @@ class Parameter:
         return None
 
     def find_fault(self, value: object) -> str | None:
-        """What is wrong with a value of the right type and in range; None where nothing is."""
+        """Check a value of the right type and in range; return the fault as a sentence, None if there is none."""
         if self.choices and value not in self.choices:
             return f"{self.name} is {value!r}, but must be one of: {', '.join(self.choices)}"
         try:
@@ -256,7 +260,7 @@ def named_parameters_of(kind: type[Any], values: Mapping[str, Any]) -> Iterator[
 
 
 def from_values(kind: type[T], values: Mapping[str, Any], prefix: str = "") -> T:
-    """The dataclass with the values of its parameters; what is no parameter keeps its default.
+    """The dataclass with the values of its parameters; other fields keep their defaults.
 
     Args:
         kind: The dataclass.

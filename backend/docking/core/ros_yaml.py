@@ -63,7 +63,7 @@ def entries(node: yaml.Node | None) -> dict[str, yaml.Node]:
             raise ValueError("has a key that is no text")
         if key.tag == MERGE:
             for base in value.value if isinstance(value, yaml.SequenceNode) else [value]:
-                # Of a mapping that merges another one, only its own keys: what is merged may contain itself.
+                # Of a mapping that merges another one, only its own keys: the merged mapping may contain itself.
                 merged = {name.value: one for name, one in getattr(base, "value", ()) if name.tag != MERGE} | merged
         elif key.value in own:
             raise ValueError(f"has the key {key.value!r} twice")

@@ -26,7 +26,7 @@ SAME = 0.08
 """How much distances may differ that agree, in m."""
 
 RANGE_GATE = 0.1
-"""Beyond 4 standard deviations of the estimate, in m: what is farther off is no distance to the beacon."""
+"""Beyond 4 standard deviations of the estimate, in m: a reading farther off is no distance to the beacon."""
 BEARING_NOISE = 0.012
 """Standard deviation of the direction of the edge of a receiver's view, in rad."""
 BEARING_GATE = 0.15
@@ -57,7 +57,7 @@ class BeaconFilter:
     ceases to see it, and roughly everywhere else. Together with the distances this also shows how wrong odometry is:
     wheels that slip or differ.
 
-    How far the robot is off the dock's axis cannot be told from the beacon alone: it looks the same from all sides.
+    The lateral error to the dock's axis cannot be measured from the beacon alone: it looks the same from all sides.
     But it shines only so far to each side. Where the robot crosses an edge of its light, the axis is known.
 
     Readings that fit neither the estimate nor each other (ghosts) are ignored; `AGREEING` that fit each other, but not
@@ -87,7 +87,7 @@ class BeaconFilter:
         self._off = 0  # readings in a row whose distance is another one than expected
         self._clear_sights()
 
-    # What is known.
+    # The estimate.
 
     @property
     def known(self) -> bool:
@@ -237,13 +237,13 @@ class BeaconFilter:
     def _seen(self, state: BeaconState, ranges: tuple[float, float, float], view: View) -> list[bool | None]:
         """Which receivers see the beacon; None if they see something else, so that nothing is known of the beacon."""
         far = RANGE_GATE + 4.0 * state.deviation(view.of_distance())
-        aside = self.receivers.half + BEARING_GATE + 3.0 * state.deviation(view.of_bearing())
+        widest = self.receivers.half + BEARING_GATE + 3.0 * state.deviation(view.of_bearing())
         seen: list[bool | None] = []
         for distance, direction in zip(ranges, self.receivers.directions, strict=True):
             if distance == math.inf:
                 seen.append(False)
             elif abs(distance - view.distance) <= far and (
-                view.distance < NEAREST or abs(normalize_angle(view.bearing - direction)) <= aside
+                view.distance < NEAREST or abs(normalize_angle(view.bearing - direction)) <= widest
             ):
                 seen.append(True)
             else:
@@ -266,7 +266,7 @@ class BeaconFilter:
         state.correct_distance(view, distance, pushed=off if self._off >= AGREEING else 0.0)
 
     def _correct_edge(self, state: BeaconState, direction: float, change: Change) -> None:
-        """A receiver has begun or ceased to see the beacon: its bearing was that of an edge of the receiver's view."""
+        """Correct by a change of a receiver: when it starts or stops seeing the beacon, that is at its edge of view."""
         view = self._view(state, change.stamp)
         half = self.receivers.half
         error = normalize_angle(view.bearing - direction)

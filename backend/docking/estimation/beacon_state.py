@@ -14,7 +14,7 @@ from docking.parameters import Receivers
 Vector = npt.NDArray[np.float64]
 
 GATE = 16.0
-"""Squared, in standard deviations: what is less likely is not believed."""
+"""Squared, in standard deviations: measurements beyond are rejected."""
 ANGLE_NOISE = 0.02
 """Standard deviation of infrared_beacon_angle, in rad."""
 EDGE_NOISE = 0.012
@@ -55,8 +55,8 @@ class BeaconState:
         self._covariance: Vector = np.diag([0.0, 0.0, 0.0, scale, scale, curve, 0.0, 0.0]) ** 2
         along = np.array([math.cos(direction), math.sin(direction)])
         across = np.array([-along[1], along[0]])
-        near, aside = receivers.infrared_range_noise**2, (distance * deviation) ** 2
-        self._covariance[:2, :2] = near * np.outer(along, along) + aside * np.outer(across, across)
+        radial, lateral = receivers.infrared_range_noise**2, (distance * deviation) ** 2
+        self._covariance[:2, :2] = radial * np.outer(along, along) + lateral * np.outer(across, across)
         self.forget_axis()
 
     @property
@@ -120,13 +120,13 @@ class BeaconState:
         self._covariance[THETA, THETA] += DRIVING_NOISE**2 * driven + TURNING_NOISE**2 * turned
 
     def correct(self, gradient: Vector, innovation: float, variance: float, gate: float = GATE) -> bool:
-        """Take over a measurement, unless it is too unlikely; says whether it was believed.
+        """Correct the state by a measurement, unless it is too unlikely; return whether it was accepted.
 
         Args:
-            gradient: Of what is measured.
-            innovation: By how much the measurement is greater than expected.
-            variance: Of the measurement.
-            gate: What is too unlikely, as `GATE`.
+            gradient: Gradient of the measured quantity with respect to the state.
+            innovation: Measured minus expected value.
+            variance: Variance of the measurement.
+            gate: Squared, in standard deviations: measurements beyond are rejected.
         """
         spread = self._covariance @ gradient
         total = float(gradient @ spread) + variance
@@ -138,11 +138,11 @@ class BeaconState:
         return True
 
     def correct_distance(self, view: "View", distance: float, pushed: float = 0.0) -> None:
-        """Take over a distance to the beacon.
+        """Correct the state by a distance to the beacon.
 
         Args:
             view: The beacon as it is seen now.
-            distance: To it, in m.
+            distance: Distance to the beacon, in m.
             pushed: How far someone may have pushed the robot towards or away from it, in m.
         """
         gradient = view.of_distance()
@@ -150,13 +150,13 @@ class BeaconState:
         self.correct(gradient, distance - view.distance, self._receivers.infrared_range_noise**2, gate=math.inf)
 
     def correct_axis(self, view: "View", side: int, line_of_sight: float, gate: float = GATE) -> bool:
-        """Take over an edge of the light; says whether it was believed.
+        """Correct the state by an edge of the light; return whether it was accepted.
 
         Args:
             view: The beacon as it is seen now.
-            side: Of the edge: 1 is the right one, as seen from a robot that looks at the dock, -1 the left one.
+            side: Side of the edge: 1 is the right one, as seen from a robot that looks at the dock, -1 the left one.
             line_of_sight: The direction to the beacon at the edge, in rad.
-            gate: What is too unlikely, as `GATE`.
+            gate: Squared, in standard deviations: measurements beyond are rejected.
         """
         gradient = view.of_line_of_sight()
         gradient[AXIS] -= 1.0

@@ -68,7 +68,7 @@ class DockCalibration:
         """Add an observation.
 
         Args:
-            observation: What is known now.
+            observation: Current sensor readings.
 
         Returns:
             The result; None while the measurement goes on.

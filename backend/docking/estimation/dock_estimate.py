@@ -156,7 +156,7 @@ class DockEstimate:
         return Spread(math.sqrt(max(0.0, float(across @ p @ across))), math.sqrt(p[THETA, THETA]))
 
     def update(self, observation: Observation) -> None:
-        """Take over what is new: the way since the last time, and a detection."""
+        """Update with the motion since the last time, and with a detection."""
         odometry = observation.odometry
         if odometry is None or not odometry.pose.finite:
             return

@@ -10,8 +10,8 @@ SAME_PER_METRE = 0.03
 """How much it grows, in m, for each m between robot and marker."""
 NEAR = 0.35
 """A marker so near (m) to where it is expected is the dock's; others only after the robot has looked all around."""
-TOLD = 0.1
-"""The part of all detections that must be of another marker to be told: fewer are mistakes of the detector."""
+REPORTED = 0.1
+"""The share of detections from which another marker is reported: fewer are mistakes of the detector."""
 FARTHEST_PUSH = 0.4
 """How far (m) a marker that was expected may seem to move while it is followed, as when the robot is pushed."""
 TURNS = 3
@@ -83,7 +83,7 @@ class MarkerSelection:
         """Where the other marker is that is detected most often, in odom."""
         all_of_them = sum(place.count for place in self._places)
         most = max(self._places, key=lambda place: place.count * (place.turns >= TURNS), default=None)
-        known = most is not None and most.turns >= TURNS and most.count >= max(ENOUGH, TOLD * all_of_them)
+        known = most is not None and most.turns >= TURNS and most.count >= max(ENOUGH, REPORTED * all_of_them)
         return most.middle if known and most is not None else None
 
     @property

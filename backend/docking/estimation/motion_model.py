@@ -14,7 +14,7 @@ from docking.core.observation import STANDSTILL, Velocity
 LAGS = tuple(0.05 * number for number in range(13))
 """What the lag may be, in s: from a command until odometry shows the motion."""
 USUAL_LAG = 0.05
-"""In s; what is assumed as long as nothing else is known."""
+"""In s; assumed until the lag is learned."""
 DOUBT = 1e-3
 """How much an unusual lag must explain better, in m² for each s² that it is away from the usual one."""
 LEVER = 0.15
@@ -22,7 +22,7 @@ LEVER = 0.15
 FORGETTING = 0.99
 """The weight of a step in the next one."""
 PAUSE = 0.4
-"""After a longer time without a look, in s, nobody knows what the base did: it stops when commands stay away."""
+"""In s; after a longer time without a look, the motion is unknown: a base stops when commands stay away."""
 WINDOW = 0.15
 """Seconds over which a velocity is measured."""
 STUCK = 0.3
@@ -62,11 +62,11 @@ class Motion:
     turn_to_and_fro: float = 0.0
 
     def plus(self, way: float, turn: float) -> "Motion":
-        """One step more."""
+        """The motion with one more step."""
         return Motion(self.way + way, self.turn + turn, self.to_and_fro + abs(way), self.turn_to_and_fro + abs(turn))
 
     def since(self, before: "Motion") -> "Motion":
-        """What is new."""
+        """The motion from `before` to now."""
         return Motion(
             self.way - before.way,
             self.turn - before.turn,
@@ -75,7 +75,7 @@ class Motion:
         )
 
     def towards(self, after: "Motion", share: float) -> "Motion":
-        """In between."""
+        """The motion at a share of the way to `after`: a linear interpolation."""
         return Motion(
             self.way + share * (after.way - self.way),
             self.turn + share * (after.turn - self.turn),
@@ -95,7 +95,7 @@ class MotionModel:
         lag: Seconds from a command until odometry shows the motion.
         dead_zone: Commands below do not move the base, as far as is known.
         moves_at: The lowest speed that was commanded and driven, in m/s; infinite before.
-        sure_zone: What is known of the dead zone, in m/s, of a base that was seen to drive beyond it.
+        sure_zone: The dead zone, in m/s, as far as it is confirmed by a base that was seen to drive beyond it.
         learns: Whether a base that does not move may have a dead zone; else something is in its way.
         stands: Whether the base, commanded to drive, did not for longer than it may take to begin, and has not since.
         known_since: Since when there was no pause, in s.
@@ -179,7 +179,7 @@ class MotionModel:
         before, after = times[index - 1], times[index]
         return history[index - 1].towards(history[index], (at - before) / (after - before))
 
-    # What is derived from it.
+    # Derived values.
 
     @property
     def velocity(self) -> Velocity:
@@ -276,9 +276,9 @@ class MotionModel:
         began = self._times[-2]
         zone = [self.dead_zone.linear_x, self.dead_zone.angular_z]
         most = (DEAD_ZONE_MAX.linear_x, DEAD_ZONE_MAX.angular_z)
-        told = (abs(self.commanded.linear_x), abs(self.commanded.angular_z))
+        speeds = (abs(self.commanded.linear_x), abs(self.commanded.angular_z))
         if self._obeys(commanded.way, began) and now - self._obeys_since > OBEYED_FOR + self.lag:
-            self.moves_at = min(self.moves_at, told[0])
+            self.moves_at = min(self.moves_at, speeds[0])
             self.sure_zone = self._zone_before[0] = zone[0] = min(zone[0], self.moves_at)
         for axis, (command, way) in enumerate(((commanded.way, measured.way), (commanded.turn, measured.turn))):
             if command == 0.0 or abs(way) > STILL * abs(command):
@@ -295,10 +295,10 @@ class MotionModel:
                 self._stood_since[axis], self._zone_before[axis] = began, zone[axis]
             self.stands |= axis == 0 and now - self._still_since[0] > STUCK + self.lag
             stood_for = now - max(self._still_since[axis], self._raised_at[axis])
-            # Before the base has ever moved, nobody knows how late it is.
+            # Before the base has ever moved, its lag is unknown.
             late = STUCK + self.lag if self._moves or axis == 1 or zone[0] > 0.0 else LAGS[-1]
-            if self.learns and stood_for > late and (axis == 1 or told[0] < self.moves_at):
-                zone[axis] = min(most[axis], max(zone[axis], RAISE * told[axis]))
+            if self.learns and stood_for > late and (axis == 1 or speeds[0] < self.moves_at):
+                zone[axis] = min(most[axis], max(zone[axis], RAISE * speeds[axis]))
                 self._raised_at[axis] = now
         self.dead_zone = Velocity(min(zone[0], self.moves_at), zone[1])
 
@@ -307,15 +307,15 @@ class MotionModel:
 
         Where it was commanded to be faster before, it may be about to stop; a base that begins is only not to scale.
         """
-        told = self.commanded.linear_x
-        if told == 0.0 and abs(self.velocity.linear_x) < AT_REST:
+        commanded = self.commanded.linear_x
+        if commanded == 0.0 and abs(self.velocity.linear_x) < AT_REST:
             self._fastest = 0.0
-        self._fastest = max(self._fastest, abs(told))
-        most = OBEYED[1] if self._fastest > (1.0 + STEADY) * abs(told) else math.inf
-        steady = abs(told - self._held) <= STEADY * abs(told)
+        self._fastest = max(self._fastest, abs(commanded))
+        most = OBEYED[1] if self._fastest > (1.0 + STEADY) * abs(commanded) else math.inf
+        steady = abs(commanded - self._held) <= STEADY * abs(commanded)
         if not steady or command == 0.0:
-            self._held = told
-        elif OBEYED[0] <= self.velocity.linear_x / told <= most:
+            self._held = commanded
+        elif OBEYED[0] <= self.velocity.linear_x / commanded <= most:
             self._obeys_since = min(self._obeys_since, began)
             return True
         self._obeys_since = math.inf

@@ -8,7 +8,7 @@ from docking.core.observation import InfraredReading
 from docking.parameters import Receivers
 
 CONFIRMED = 2
-"""Readings in a row that must agree before a change of what is seen counts."""
+"""Readings in a row that must agree before a receiver counts as seeing the beacon, or as not seeing it."""
 FARTHEST = 100.0
 """In m; no beacon shines farther."""
 

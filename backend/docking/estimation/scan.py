@@ -22,7 +22,7 @@ def points_of(
     range_min: float,
     range_max: float,
 ) -> Points:
-    """The points of a sensor_msgs/LaserScan in the scanner's frame; what is not within the range limits is no point.
+    """The points of a sensor_msgs/LaserScan in the scanner's frame; readings outside of the range limits are left out.
 
     Raises:
         ValueError: The scan makes no sense; the error is a sentence's second half.

@@ -37,7 +37,7 @@ class Track:
         return self._samples[-1][0] if self._samples else math.nan
 
     def add(self, measured_at: float, odometry: Odometry) -> None:
-        """Take over a newer measurement; where it is older, time has begun anew.
+        """Add a newer measurement. An older one means that time was reset: the history is cleared.
 
         One of the same moment replaces the other: where no stamp is ever set, or a clock stands still, one is kept. But
         the same message again is none where stamps went on before: it says nothing of now.

@@ -74,7 +74,7 @@ class TransformTree:
         self._links: dict[str, _Link] = {}
 
     def add(self, parent: str, child: str, measured_at: float, transform: Transform, *, fixed: bool = False) -> None:
-        """Take over a transform. A frame has one parent, the last that was told.
+        """Add a transform. A frame has one parent, the last one that was published.
 
         Args:
             parent: The parent frame.
@@ -98,7 +98,7 @@ class TransformTree:
         link.add(measured_at, transform)
 
     def forget_moving(self) -> None:
-        """Forget everything but what is fixed."""
+        """Forget all transforms except fixed ones."""
         self._links = {child: link for child, link in self._links.items() if link.fixed}
 
     def path(self, frame: str, target: str) -> list[str]:

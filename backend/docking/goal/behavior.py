@@ -27,13 +27,13 @@ Step = Velocity | Done | Failed
 
 
 class Behavior(Protocol):
-    """Anything that can say how to move now; a new one is made for each attempt."""
+    """Computes the next velocity; a new one is made for each attempt."""
 
     def step(self, observation: Observation, dt: float) -> Step:
-        """What to do until the next step.
+        """Return the velocity until the next step, or the end of the behavior.
 
         Args:
-            observation: What is known now.
+            observation: Current sensor readings.
             dt: Seconds since the last step; 0 at the first one.
         """
 
@@ -45,5 +45,5 @@ class Fail:
         self._failed = Failed(error)
 
     def step(self, observation: Observation, dt: float) -> Failed:
-        """Say why."""
+        """Return the error."""
         return self._failed

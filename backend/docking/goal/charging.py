@@ -10,7 +10,7 @@ from docking.parameters import ChargingSettings, ChargingSource
 MOVING, TURNING = 0.06, 0.1
 """In m/s and rad/s: faster than robots drive onto the last centimetres, with the contacts at the charger's."""
 FLICKERS = 3
-"""A charge that has broken off so often flickers."""
+"""Number of interruptions from which a charge counts as flickering."""
 
 
 def tells_charging(battery: BatteryReading, settings: ChargingSettings, velocity: Velocity = STANDSTILL) -> bool:

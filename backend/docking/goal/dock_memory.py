@@ -51,7 +51,7 @@ class DockMemory:
             self.staging, self.dock_type = staging, dock_type
 
     def moves(self) -> None:
-        """A goal moves the robot: what is known without a pose is known no longer."""
+        """Forget what was known without a pose: a goal moves the robot."""
         if self.at is None:
             self.docked = None
 

@@ -1,4 +1,4 @@
-"""A goal from its acceptance to its end: a state machine that is given the time and what is known then."""
+"""A goal from its acceptance to its end: a state machine that is stepped with the time and the sensor readings."""
 
 from dataclasses import replace
 
@@ -81,7 +81,7 @@ class Goal:
         is fresh. Where the clock jumps back, nothing tells how old anything is any more, so that the goal is aborted.
 
         Args:
-            observation: What is known now.
+            observation: Current sensor readings.
         """
         if self.outcome is not None:
             return self.outcome
@@ -203,8 +203,8 @@ class Goal:
             raise FailedToControl(f"the controller gave {step}")
         if self._pace is None or self._watch is None or observation.odometry is None:
             return step
-        wish = step if self._obstacles is None else self._obstacles.slow_down(step)
-        velocity = self._pace.next(wish, dt, observation.odometry.pose, self._plan.poses, self._watch.model)
+        desired = step if self._obstacles is None else self._obstacles.slow_down(step)
+        velocity = self._pace.next(desired, dt, observation.odometry.pose, self._plan.poses, self._watch.model)
         return self._rest() if self._obstacles is not None and self._obstacles.stops(velocity) else velocity
 
     # A stage is done, or something has failed.
@@ -267,7 +267,7 @@ class Goal:
             self.outcome = outcome
         return self.outcome
 
-    # What the robot is told.
+    # Commands to the robot.
 
     def pause(self) -> None:
         """The robot stands still, as time does; the next step goes on from there."""

@@ -13,13 +13,13 @@ DELAY = 0.3
 REPORTED_AFTER = 1.0
 """Seconds without odometry after which a goal says that it waits: discovery or a busy processor takes a moment."""
 FARTHEST = 1e6
-"""In m from where odometry began; what is farther is no pose."""
+"""In m from where odometry began; a pose farther away is implausible."""
 LAGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-"""How late, in s, the base may do what it is told: commands and odometry take time, and wheels speed up slowly."""
+"""Lags, in s, with which the base may carry out a command: messages take time, and wheels speed up slowly."""
 LEAST_MOTION = 0.3
-"""The part of the commanded motion that there must be: many bases drive slower than they are told, and wheels slip."""
+"""Least share of the commanded motion: many bases drive slower than commanded, and wheels slip."""
 MOST_MOTION = 1.35
-"""How many times the commanded motion, forward and backward, there may be."""
+"""Largest multiple of the commanded motion, forward and backward."""
 WEAKEST = 0.1
 """In m/s²; a base whose velocity changes more slowly towards the command is blocked."""
 LEAST_WAY = 0.04
@@ -89,7 +89,7 @@ class MotionWatch:
         """Whether the robot knows where it is, so that it may move.
 
         Args:
-            observation: What is known now; since the last one, `commanded` held.
+            observation: Current sensor readings. `commanded` applied since the previous ones.
 
         Raises:
             OdometryLost: Odometry has been silent for too long.
@@ -115,7 +115,7 @@ class MotionWatch:
         """The odometry, also while nav2 drives; None while it is late, so that the robot must not move.
 
         Args:
-            observation: What is known now.
+            observation: Current sensor readings.
 
         Raises:
             OdometryLost: Odometry has been silent for too long.
@@ -153,14 +153,14 @@ class MotionWatch:
         if not self._has_velocity and age > DOUBTED_FOR:
             return False
         if not self._repeats and age > REPEATED:
-            told, before = odometry.velocity, self.model.velocity_at(first.stamp)
+            reported, before = odometry.velocity, self.model.velocity_at(first.stamp)
             unseen = self.model.expected(first.stamp, now)
             self._repeats = (
-                (not self._has_velocity or abs(told.linear_x) > MOVING.linear_x)
+                (not self._has_velocity or abs(reported.linear_x) > MOVING.linear_x)
                 and abs(before.linear_x) > MOVING.linear_x
                 and unseen.to_and_fro > UNSEEN.linear_x
             ) or (
-                (not self._has_velocity or abs(told.angular_z) > MOVING.angular_z)
+                (not self._has_velocity or abs(reported.angular_z) > MOVING.angular_z)
                 and abs(before.angular_z) > MOVING.angular_z
                 and unseen.turn_to_and_fro > UNSEEN.angular_z
             )

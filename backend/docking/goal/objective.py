@@ -1,4 +1,4 @@
-"""What a goal is for: when it is reached, what its stages may take, and what is remembered of it."""
+"""The objective of a goal: when it is reached, how long its stages may take, and the memory of the dock."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Objective(ABC):
     Attributes:
         timeouts: The time limits of every goal.
         max_retries: How often to back off and try again.
-        memory: What is remembered of the dock from goal to goal.
+        memory: Knowledge of the dock that is kept from goal to goal.
         docks: Whether the robot is docked when the goal is reached.
         slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
     """
@@ -65,7 +65,7 @@ class Objective(ABC):
 
         Args:
             timeouts: The time limits.
-            memory: What is known from earlier goals; None is nothing.
+            memory: Knowledge from earlier goals; None without any.
             charging: What tells that the battery charges; None is its status.
         """
         self.timeouts = timeouts
@@ -77,7 +77,7 @@ class Objective(ABC):
         """The success test; called at each step.
 
         Args:
-            observation: What is known now.
+            observation: Current sensor readings.
             battery: The latest reading, None where it is stale.
             progress: How far the plan has come.
 

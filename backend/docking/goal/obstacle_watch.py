@@ -54,7 +54,7 @@ class ObstacleWatch:
         """Take in the scan, and say whether the robot may move.
 
         Args:
-            observation: What is known, with the robot where it will be when a command takes effect.
+            observation: Sensor readings, with the robot where it will be when a command takes effect.
             docked: Where base_link stands when docked, in odom; None where that is not known.
             dt: Seconds since the last look.
 

@@ -13,7 +13,7 @@ class Command:
     """The goal goes on.
 
     Attributes:
-        stage: What is being done.
+        stage: The current stage.
         velocity: What the wheels have to do until the next step.
         error_code: NONE, or why the goal waits or tries again.
         error_msg: The same as a sentence.
@@ -22,7 +22,7 @@ class Command:
         filtered_dock_pose: The same by all detections.
         staging_pose: Of base_link in front of the dock.
         yields: Whether another server drives the robot, so that no velocity is to be published.
-        note: What is odd about the detections of the dock, as a sentence; empty where nothing is.
+        note: A remark about unusual detections of the dock, as a sentence; empty without one.
     """
 
     stage: Stage

@@ -44,23 +44,23 @@ class Pace:
         self._stands = True
         self._beginning = False
 
-    def next(self, wish: Velocity, dt: float, robot: Pose, poses: KnownPoses, model: MotionModel) -> Velocity:
-        """The velocity that comes next to a wish. Where it cannot get slow in time, the robot stops.
+    def next(self, desired: Velocity, dt: float, robot: Pose, poses: KnownPoses, model: MotionModel) -> Velocity:
+        """Return the next velocity on the way to a desired one. If the robot cannot slow down in time, it stops.
 
         Args:
-            wish: What a controller wants.
+            desired: What a controller wants.
             dt: Seconds since the last velocity.
             robot: base_link by the last odometry, in odom.
-            poses: Where the dock is.
+            poses: Poses of the dock.
             model: How the base carries out commands.
         """
-        left = self._distance(robot, poses, model, wish.linear_x)
+        left = self._distance(robot, poses, model, desired.linear_x)
         model.learns = left > NEAR
-        begins = self._begins(wish, poses, model)
+        begins = self._begins(desired, poses, model)
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf
         most = min(first, self._near_dock(left, sure))
-        velocity = self._limiter.limit(_slowed(wish, most), dt, model.dead_zone)
+        velocity = self._limiter.limit(_slowed(desired, most), dt, model.dead_zone)
         most = min(first, self._near_dock(self._distance(robot, poses, model, velocity.linear_x), sure))
         if abs(velocity.linear_x) > most + ROUNDING:
             return self.stop()
@@ -72,12 +72,12 @@ class Pace:
         self._stands = True
         return self._limiter.stop()
 
-    def _begins(self, wish: Velocity, poses: KnownPoses, model: MotionModel) -> bool:
+    def _begins(self, desired: Velocity, poses: KnownPoses, model: MotionModel) -> bool:
         """Whether the robot begins to drive, and it is not known whether it does so at its slowest.
 
         Each start finds out again, away from the dock: the base may have stood before since it was held.
         """
-        if wish.linear_x == 0.0 or poses.filtered_dock is None:
+        if desired.linear_x == 0.0 or poses.filtered_dock is None:
             self._beginning = False
         elif self._stands and abs(model.velocity.linear_x) < AT_REST and not self._beginning:
             self._beginning = model.moves_at > self._limits.v_linear_min + ROUNDING
@@ -121,7 +121,7 @@ def _slowed(velocity: Velocity, most: float) -> Velocity:
 
 
 class Limiter:
-    """Bends a wish into what the robot may do next; remembers what it said last."""
+    """Limits a desired velocity to what the robot may do next, starting from the previous command."""
 
     def __init__(self, limits: MotionLimits) -> None:
         self.limits = limits
@@ -129,19 +129,19 @@ class Limiter:
         self._owed = 0.0  # rad that were to be turned, and too slowly for the base
         self._pulsing = False
 
-    def limit(self, wish: Velocity, dt: float, dead_zone: Velocity = STANDSTILL) -> Velocity:
-        """The velocity next to a wish that keeps all limits.
+    def limit(self, desired: Velocity, dt: float, dead_zone: Velocity = STANDSTILL) -> Velocity:
+        """Return the velocity closest to the desired one that keeps all limits.
 
-        Where the base does not turn as slowly as it is to, it turns on and off, and the mean is right.
+        If the base cannot turn as slowly as desired, it turns in pulses, so that the mean is right.
 
         Args:
-            wish: What a controller wants.
+            desired: What a controller wants.
             dt: Seconds since the last velocity.
             dead_zone: Smaller velocities do not move the base, as far as is known.
         """
         limits, dt = self.limits, min(dt, LONGEST_STEP)
         slowest = max(limits.v_linear_min, dead_zone.linear_x)
-        linear, angular = wish.linear_x, self._pulse(wish.angular_z, max(limits.v_angular_min, dead_zone.angular_z), dt)
+        linear, angular = desired.linear_x, self._pulse(desired.angular_z, max(limits.v_angular_min, dead_zone.angular_z), dt)
         if 0.0 < abs(linear) < slowest:
             linear = math.copysign(slowest, linear)
         self._last = Velocity(
@@ -150,11 +150,11 @@ class Limiter:
         )
         return self._last
 
-    def _pulse(self, wish: float, slowest: float, dt: float) -> float:
-        if abs(wish) >= slowest:
+    def _pulse(self, desired: float, slowest: float, dt: float) -> float:
+        if abs(desired) >= slowest:
             self._owed, self._pulsing = 0.0, False
-            return wish
-        self._owed += wish * dt
+            return desired
+        self._owed += desired * dt
         if not self._pulsing:
             self._pulsing = abs(self._owed) >= PULSE * slowest
             return 0.0
@@ -170,6 +170,6 @@ class Limiter:
         return STANDSTILL
 
 
-def _towards(last: float, wish: float, most: float, change: float) -> float:
+def _towards(last: float, desired: float, most: float, change: float) -> float:
     lowest, highest = max(-most, last - change), min(most, last + change)
-    return min(max(wish, lowest), highest)
+    return min(max(desired, lowest), highest)

@@ -20,7 +20,7 @@ class KnownPoses:
         dock: Of base_link when docked, by the last detection alone.
         filtered_dock: The same by all detections.
         staging: Of base_link in front of the dock.
-        note: What is odd about the detections, as a sentence; empty where nothing is.
+        note: A remark about unusual detections, as a sentence; empty without one.
         explores: Whether the robot drives about to find the dock: the plan itself limits the time of that.
         turn: How far the marker is taken to be turned on its dock, in rad.
     """
@@ -74,7 +74,7 @@ class Plan(Protocol):
         stages: In their order. After the last one the robot stands still until the battery charges.
         motion: What the robot may do; None leaves velocities as they are and needs no odometry.
         lost: What has happened when the dock cannot be found again after it was seen.
-        poses: What is known of the dock now.
+        poses: Current estimate of the dock.
     """
 
     @property

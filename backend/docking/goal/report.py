@@ -1,4 +1,4 @@
-"""What is told on /diagnostics: one report at a time, as REP-107 wants it."""
+"""The status on /diagnostics: one report at a time, as REP-107 demands."""
 
 import enum
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ class Report:
     """The state of docking, or the fate of one goal.
 
     Attributes:
-        stage: What is being done, or how the goal ended.
-        error_code: NONE, or what is wrong.
+        stage: The current stage, or how the goal ended.
+        error_code: The error, or NONE.
         error_msg: The same as a sentence, empty with NONE.
         goal_id: The goal it is about as a canonical UUID; empty before the first goal.
-        retries: How often the goal has begun anew.
+        retries: Number of retries.
     """
 
     stage: Stage = Stage.IDLE
@@ -46,7 +46,7 @@ class Report:
 
     @property
     def level(self) -> Level:
-        """How bad it is."""
+        """The severity."""
         return LEVELS[self.stage]
 
     @property
@@ -67,7 +67,7 @@ class Report:
 
 
 def report_on(event: Command | Outcome | Rejection, goal_id: str) -> Report:
-    """The report on what has become of a goal."""
+    """Return the report on a step, an outcome or a rejection of a goal."""
     if isinstance(event, Rejection):
         return Report(Stage.REJECTED, event.error_code, event.error_msg, goal_id)
     stage = event.stage if isinstance(event, Command) else event.end.stage

@@ -30,7 +30,7 @@ class Undocking(Objective):
 
         Args:
             timeouts: The time limits.
-            memory: What is known from earlier goals.
+            memory: Knowledge from earlier goals.
             charging: What tells that the battery charges; None is its status.
             assume_docked: What counts where nothing tells: that it is docked.
         """

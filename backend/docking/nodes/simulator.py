@@ -56,7 +56,7 @@ RECEIVERS = ("left", "center", "right")
 
 
 class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
-    """Drives by `cmd_vel`; publishes what the sensors of the robot measure, and what is true.
+    """Drives by `cmd_vel`; publishes the sensor readings of the robot, and the ground truth.
 
     Everything here runs in the one thread that spins the node.
     """
@@ -100,7 +100,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._scan = publisher(LaserScan, "scan")
         self._battery = publisher(BatteryState, "battery_status")
         self._dock = publisher(PoseStamped, "true_dock_pose", LATCHED)
-        # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
+        # Absolute, as REP-107 has it: one topic for all robots; the name of the status says which one.
         self._diagnostics = publisher(DiagnosticArray, "/diagnostics")
         self._dock.publish(stamped_pose(Pose(), WORLD, self._now()))
         self._frames = SimulatorFrames(
@@ -135,7 +135,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._stops = StopListener(self, self._obey_stop)
         self._stops.listen_to(read_topics(self._settings.stop_topics))
 
-    # What is said to the robot.
+    # Commands to the robot.
 
     def _drive(self, message: Twist) -> None:
         self._simulation.robot.command(Velocity(message.linear.x, message.angular.z))

@@ -45,7 +45,7 @@ class CollisionSettings:
         "Time to the contact with an obstacle from which the robot drives more slowly; at half of it, it stops. Longer "
         "for a base that brakes slowly.",
     )
-    obstacle_margin: float = number(0.05, 0.0, 1.0, "m", "What is kept free around the robot's outline.")
+    obstacle_margin: float = number(0.05, 0.0, 1.0, "m", "Clearance kept around the robot's outline.")
     obstacle_timeout: float = number(
         30.0,
         0.0,
@@ -59,8 +59,8 @@ class CollisionSettings:
         0.0,
         2.0,
         "m",
-        "Distance to the docked pose from which what is beside the docked robot, such as guide rails, is no obstacle. "
-        "What is beyond its front is the dock, at any distance.",
+        "Distance to the docked pose within which points at the sides of the docked robot, such as guide rails, are "
+        "ignored. Points beyond its front are the dock, at any distance.",
     )
     scan_from_tf: bool = switch(
         False, "Whether tf says where the laser scanner is; else scan_x, scan_y and scan_yaw do."

@@ -14,11 +14,11 @@ RESPONSE = 2.5
 
 
 def braked(error: float, acceleration: float) -> float:
-    """The speed with which what is left of a way can be ended with a standstill.
+    """Return the highest speed from which the robot can still brake to a standstill within a distance.
 
     Args:
-        error: What is left, in m or rad.
-        acceleration: The highest there is, in m/s² or rad/s².
+        error: Remaining distance, in m or rad.
+        acceleration: Maximum acceleration, in m/s² or rad/s².
     """
     most = min(math.sqrt(2.0 * RESERVE * acceleration * abs(error)), RESPONSE * abs(error))
     return math.copysign(most, error)

@@ -1,4 +1,4 @@
-"""Reads the parameters that nav2's docking server has under other names, or that say what is different here."""
+"""Reads the parameters that have other names in nav2's docking server, or other meanings here."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -64,7 +64,7 @@ def _value(meanings: Meanings, given: Mapping[str, Value], name: str) -> Value |
 
 
 def _names(given: Mapping[str, Value], name: str) -> tuple[str, ...]:
-    """The names of types or docks; none if the value is wrong, which is told where it is declared."""
+    """The names of types or docks; none if the value is wrong, which is reported where it is declared."""
     names = given.get(name, ())
     return tuple(map(str, names)) if isinstance(names, (tuple, list)) else ()
 

@@ -83,7 +83,7 @@ class ServerSettings(NodeSettings):
     frame_prefix: str = string(
         "",
         "robot1/",
-        "Set before the names of frames that do not begin with it, in what is heard and published.",
+        "Prefix of frame names in all messages, received and published. Names that have it already are left as they are.",
     )
     outline: Outline = group(Outline)
     collision: CollisionSettings = group(CollisionSettings)

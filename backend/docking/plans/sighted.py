@@ -32,7 +32,7 @@ class SightedPlan(DockTarget):
         """Begin without knowing where the dock is.
 
         Args:
-            settings: What the robot may do, and where it stands when docked, as seen from what is detected.
+            settings: The robot's limits, and its docked pose relative to the detection.
         """
         self.motion = settings.motion
         self.dock = settings.dock
@@ -65,7 +65,7 @@ class SightedPlan(DockTarget):
 
     @property
     def _is_certain(self) -> bool:
-        """Whether what is expected is more than where the robot docked some time ago: odometry drifts."""
+        """Whether the expected pose is more than where the robot docked some time ago: odometry drifts."""
         return self.docked is not None or self._in_database is not None
 
     @property

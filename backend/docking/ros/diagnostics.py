@@ -22,7 +22,7 @@ class Diagnostics:
         self._node = node
         self._prefix = f"{node.get_fully_qualified_name()[1:]}: "
         self._name = name
-        # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
+        # Absolute, as REP-107 has it: one topic for all robots; the name of the status says which one.
         self._publisher = node.create_publisher(
             DiagnosticArray, "/diagnostics", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
         )
@@ -32,7 +32,7 @@ class Diagnostics:
 
         Args:
             report: On goals.
-            errors: What is wrong on the sensors' topics that goals cannot do without, as sentences.
+            errors: Faults of the sensors that goals need, as sentences.
             warnings: The same that goals can do without.
         """
         level = Level.ERROR if errors else Level.WARN if warnings else Level.OK

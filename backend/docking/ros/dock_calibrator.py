@@ -29,7 +29,7 @@ PARAMETERS = (
     "external_detection_translation_y",
     "external_detection_rotation_yaw",
 )
-"""What is measured: x, y and theta of the docked robot in the marker's frame."""
+"""The measured parameters: x, y and theta of the docked robot in the marker's frame."""
 TILT = ("external_detection_rotation_roll", "external_detection_rotation_pitch")
 DIGITS = 4
 PERIOD = 0.05

@@ -61,11 +61,11 @@ class Section:
 
 @dataclass
 class Given:
-    """What is given to the nodes of one context.
+    """The parameters that are given to the nodes of one context.
 
     Attributes:
         sections: In their order: later ones count more.
-        aliases: Full names that a node answers to beside its own, by its full name.
+        aliases: Another full name of a node, by its full name.
         notes: What became of parameters, by the full name of the node: a sentence, empty if it is honored.
     """
 
@@ -82,13 +82,13 @@ class Given:
         """Say once for each parameter that it has no effect, and for each file which of its nodes are not there."""
         if not nodes:
             return
-        told: set[str] = set()
+        reported: set[str] = set()
         for section in self.sections:
             for name in section.values:
-                if name in told:
+                if name in reported:
                     continue
                 if sentence := self._judge(section, name, nodes):
-                    told.add(name)
+                    reported.add(name)
                     nodes[0].get_logger().warning(sentence)
         for source in [section.source for section in self.sections if section.nodes == NOWHERE]:
             nodes[0].get_logger().warning(
@@ -163,7 +163,7 @@ _given: "WeakKeyDictionary[Context, Given]" = WeakKeyDictionary()
 
 
 def given_to(context: Context) -> Given:
-    """What is given to the nodes of a context."""
+    """Return the parameters that are given to the nodes of a context."""
     return _given.setdefault(context, Given())
 
 

@@ -59,7 +59,7 @@ class GoalReporter:
         self._diagnostics = Diagnostics(node, action_name)
         self._report = Report()
         self._stage = Stage.IDLE
-        self._note = ""  # what is odd about the detections
+        self._note = ""  # about unusual detections
 
     def reject(self, rejection: Rejection, goal_id: str, *, running: bool) -> None:
         """Report a rejection, but only once if a goal runs, which stays the subject."""
@@ -111,11 +111,11 @@ class GoalReporter:
         self.repeat()
 
     def repeat(self) -> None:
-        """Publish the last report again, with what is wrong now."""
+        """Publish the last report again, with the current faults."""
         self._publish(self._report)
 
     def _explained(self, event: Event) -> Event:
-        """With what may be the cause: what is wrong with the sensors, who drives along, or why there is no battery."""
+        """Add possible causes to an error: faults of sensors, other nodes that drive, or why there is no battery."""
         if event.error_code in (ErrorCode.BATTERY_STALE, ErrorCode.BATTERY_LOST) and self._battery.latest is None:
             return replace(event, error_msg=f"{event.error_msg}; {self._battery_search.describe()}")
         faults: list[str] = list(self._sensors.faults.values()) if event.error_code in SENSED else []

@@ -130,7 +130,7 @@ class _Ride:
         try:
             self._handle.cancel_goal_async().add_done_callback(self._take_cancellation)
         except Exception:  # noqa: BLE001 - whatever it is, the docking goal must still end
-            self._logger.error(f"{self._name} cannot be told to cancel its goal: {traceback.format_exc()}")
+            self._logger.error(f"Cannot cancel the goal of {self._name}: {traceback.format_exc()}")
 
     def _take_feedback(self, _: Any) -> None:
         self.feedback += 1

@@ -102,7 +102,7 @@ class _Defaults:
         """Add what a file says; it counts least.
 
         Returns:
-            What is ignored of it, as sentences.
+            Notes on ignored parts, as sentences.
         """
         self.values = {name: (value, f"{path}: {name}") for name, value in contents.values.items()} | self.values
         return [f"{path}: {name} has no effect{suggest(name, contents.known)}" for name in contents.unknown]
@@ -137,7 +137,7 @@ def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None]
         node: The node they belong to.
         kind: The dataclass; see `core.parameter`.
         on_change: Called with all of them, now and after each change.
-        alias: Another name of the node: what is given to a node of that name in the same namespace is given to it.
+        alias: Another name of the node: it also takes the parameters of a node of that name in its namespace.
 
     Raises:
         rclpy.exceptions.ParameterException: A value from the command line or a file is of the wrong type, out of range
@@ -179,7 +179,7 @@ def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None]
 
 
 def _keep_notes(node: Node, meanings: Meanings) -> None:
-    """Say what is to be said, and keep which of the given parameters are honored, and why others are not."""
+    """Log the remarks; note which of the given parameters are honored, and why others are not."""
     for remark in meanings.remarks:
         node.get_logger().warning(remark)
     notes = given_to(node.context).notes.setdefault(node.get_fully_qualified_name(), {})

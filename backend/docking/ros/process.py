@@ -170,7 +170,7 @@ class Spinner:
 
 
 def run_process(body: Callable[[Sequence[str] | None], int], args: Sequence[str] | None) -> int:
-    """Run the body of a `main` and say in one line what is wrong with its command line or parameters.
+    """Run the body of a `main`; report a wrong command line or parameter in one line.
 
     Returns:
         The exit code.

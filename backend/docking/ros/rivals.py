@@ -23,7 +23,7 @@ DRIVEN = frozenset(
         ErrorCode.TIMEOUT,
     }
 )
-"""What rivals may be the cause of, beside what a sensor's fault may be."""
+"""Errors that rivals may cause, in addition to those that a sensor's fault may cause."""
 
 
 class Rivals:
@@ -32,7 +32,7 @@ class Rivals:
     A base is a node that subscribes to `cmd_vel` and publishes odometry, under whatever name.
 
     Attributes:
-        faults: What is wrong on each topic that has too many nodes, as sentences.
+        faults: Topics with too many nodes: a sentence each.
     """
 
     def __init__(self, node: Node) -> None:

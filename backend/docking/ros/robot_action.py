@@ -23,8 +23,8 @@ class RobotAction(ABC, Generic[S]):
         action_type: Its type.
         purpose: What its goals may ask for.
         settings_type: The dataclass of the node's parameters.
-        progress: A stage, and what is logged once a second at it.
-        success: What is logged at the end.
+        progress: A stage, and the log line that it repeats once a second.
+        success: Log lines at the end.
         ends_with_charge: Whether a message of a charging battery is looked at as soon as it comes.
         shows_footprint: Whether the robot's footprint is published.
     """
@@ -45,7 +45,7 @@ class RobotAction(ABC, Generic[S]):
 
     @abstractmethod
     def make_goal(self, settings: S, memory: DockMemory, started_at: float) -> Goal:
-        """A goal that begins at a moment, with what is remembered of the dock."""
+        """Return a goal that starts at a moment, with the knowledge of the dock from earlier goals."""
 
     def uses_frames(self, settings: S) -> bool:
         """Whether goals may need the transforms between frames."""

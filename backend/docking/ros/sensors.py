@@ -28,7 +28,7 @@ from robot_io.qos import LATEST, volatile
 
 MARKER_TOPIC = "detected_dock_pose"
 RECEIVERS = ("left", "center", "right")
-# ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry or
+# Seconds. ROS finds the publishers of topics one after the other: a marker may be received this long before odometry or
 # the transforms that it needs.
 DISCOVERY = 1.0
 MOST_MARKERS = 8
@@ -50,7 +50,7 @@ class Sensors:
     Attributes:
         odometry_frame: The frame that odometry is given in; empty before the first message.
         scanner: Where the laser scanner is, in base_link; None where tf says it.
-        faults: What is wrong with the last message on each topic that has one, as sentences.
+        faults: The fault of the last message on each topic that has one, as sentences.
         place: Where the database has the goal's dock; None where it does not.
         marker_tilt: The marker's frame, x into the dock and z up, as seen from that of its detections.
     """
@@ -234,7 +234,7 @@ class Sensors:
         arrival = self._track.arrival(seconds_of(message.header.stamp), received)
         self._ranges[receiver] = max(measured, message.min_range, 0.0), arrival
 
-    # What is known now.
+    # Current readings.
 
     def observe(self, battery: BatteryReading | None) -> Observation:
         """All that is known now.

@@ -1,4 +1,4 @@
-"""What the simulator publishes, as messages. Those that are sent often are made once and filled anew."""
+"""The simulator's messages. Those that are sent often are reused."""
 
 from collections.abc import Mapping
 

@@ -106,13 +106,13 @@ class Drive:
 
 
 class Watchdog:
-    """Calls a function once each time that nobody has fed it for too long."""
+    """Calls a function once each time that it was not fed within a timeout."""
 
     def __init__(self, timeout: float, on_silence: Callable[[], None]) -> None:
         """Start the thread, with the watchdog asleep.
 
         Args:
-            timeout: How long it bears to be left alone, in seconds.
+            timeout: Seconds without a feed.
             on_silence: Called in the watchdog's thread; it must not raise.
         """
         self._timeout = timeout
@@ -124,14 +124,14 @@ class Watchdog:
         self._thread.start()
 
     def feed(self) -> None:
-        """All is well until the time-out, counted from now."""
+        """Restart the timeout."""
         with self._changed:
             asleep, self._deadline = self._deadline is None, time.monotonic() + self._timeout
             if asleep:
                 self._changed.notify()
 
     def sleep(self) -> None:
-        """Nobody needs to feed it until somebody does again."""
+        """Suspend the timeout until the next feed."""
         with self._changed:
             self._deadline = None
 
@@ -147,7 +147,7 @@ class Watchdog:
             self._on_silence()
 
     def _wait(self) -> bool:
-        """Wait for a silence that is too long; whether it was one, and not the end."""
+        """Wait for the timeout or for `close`; return whether it was the timeout."""
         with self._changed:
             while not self._closed:
                 if self._deadline is None:

@@ -22,9 +22,9 @@ def choose_types(mode: StampedCmdVel, subscribed: AbstractSet[str], published: A
     """The types to publish.
 
     Args:
-        mode: What is asked for.
+        mode: The configured mode.
         subscribed: The types that others subscribe to.
-        published: The types that are published now, which stay as they are while nobody subscribes.
+        published: The types that are published now, which are kept while there is no subscriber.
     """
     if mode is not StampedCmdVel.AUTO:
         return frozenset({STAMPED if mode is StampedCmdVel.TRUE else PLAIN})
@@ -65,7 +65,7 @@ class VelocityPublisher:
             self._publishers = {**self._publishers, name: self._make(name)}
 
     def drop_unwanted(self) -> bool:
-        """Take back the types that nobody wants, while the robot stands; return whether there were any.
+        """Stop publishing types without subscribers, while the robot stands; return whether there were any.
 
         Where servers share a DDS participant, all must have dropped a type before one of them can add the other.
         """

@@ -109,7 +109,7 @@ class BatteryPack:
 
     @property
     def percentage(self) -> float:
-        """What is left, 0…1."""
+        """State of charge, 0…1."""
         return 1.0 - self._taken / self._curve.capacity
 
     @property

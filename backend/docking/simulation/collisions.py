@@ -1,4 +1,4 @@
-"""What the robot runs into: it is kept out of what is solid, and each contact with the dock is recorded."""
+"""Collisions: keeps the robot out of solid objects, and records each contact with the dock."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Touch:
     Attributes:
         time: Simulated seconds.
         speed: Of the wheels just before, in m/s.
-        on_contacts: Whether the robot came onto the dock's contacts; else it ran into the dock beside them.
+        on_contacts: Whether the robot came onto the dock's contacts; otherwise it hit another part of the dock.
     """
 
     time: float
@@ -58,7 +58,7 @@ class Collisions:
 
         Args:
             robot: Where it has got to.
-            obstacles: What stands around beside the dock.
+            obstacles: Obstacles other than the dock.
             now: Simulated seconds.
             driven: Whether it drove there; else it was set down.
         """
@@ -87,7 +87,7 @@ class Collisions:
         self._at_dock = touches or (self._at_dock and distance < APART)
 
     def connected(self, now: float, *, flickers: bool) -> bool:
-        """Whether current can flow: the contacts bounce at first, or flicker for ever.
+        """Whether current can flow: the contacts bounce at first, or flicker forever.
 
         Args:
             now: Simulated seconds.

@@ -1,4 +1,4 @@
-"""What is on its way: commands and measurements that arrive some time after they were sent."""
+"""Delays: commands and measurements that arrive some time after they were sent."""
 
 from collections import deque
 from typing import Generic, TypeVar

@@ -27,7 +27,7 @@ class Fault(enum.StrEnum):
     DEAD_CHARGER = "dead_charger"
     """The dock gives no power: contact without charge."""
     FLICKERING_CHARGE = "flickering_charge"
-    """The contacts are dirty: the charging current is 0.4 s on, then 0.3 s off, for ever."""
+    """The contacts are dirty: the charging current is 0.4 s on, then 0.3 s off, forever."""
     OCCLUDED_MARKER = "occluded_marker"
     """Something stands before the marker: the camera does not see it."""
     STUCK_WHEEL = "stuck_wheel"

@@ -16,7 +16,7 @@ class InfraredSettings:
 
     Attributes:
         rate: Readings a second.
-        minimum: The shortest distance that is told, in m.
+        minimum: The shortest distance that is reported, in m.
         field_of_view: Of each receiver, from edge to edge, in rad.
         beacon_angle: How far to each side the beacon shines, in rad.
         receiver_x: Where the receivers are, x in base_link, in m.

@@ -24,7 +24,7 @@ class LaserSettings:
 
     Attributes:
         rays: Of a scan, all around.
-        minimum: What is nearer, in m, is not seen.
+        minimum: Minimum range, in m.
     """
 
     rate: float = number(10.0, 0.1, 50.0, "Hz", "Scans per second; none are made while nothing subscribes to them.")

@@ -11,7 +11,7 @@ class Obstruction:
     Attributes:
         x: Of its centre, in world.
         y: The same.
-        normal_x: The direction away from what is solid, of length 1.
+        normal_x: The direction away from the surface, of length 1.
         normal_y: The same.
     """
 

@@ -115,7 +115,7 @@ class Repeater:
     def pass_on(
         self, stamp: float, reading: Odometry, now: float, settings: OdometrySettings
     ) -> tuple[float, Odometry]:
-        """What is sent now: the stamp, and what odometry says.
+        """Return the message to send now: its stamp, and the odometry.
 
         Args:
             stamp: As it is right.

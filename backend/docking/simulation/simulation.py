@@ -55,8 +55,8 @@ class Simulation:
         odometry: The robot's own reckoning.
         battery: Its battery.
         dock: The dock.
-        faults: What is broken now; switch with `set_fault`.
-        halted: Whether the robot must not move, whatever it is told.
+        faults: The active faults; switch with `set_fault`.
+        halted: Whether the robot stands still and ignores commands.
         track: Odometry as it arrived, by its stamps.
         reading: The last odometry that arrived, after its stamp in simulated seconds.
         detections: The last of a marker that arrived: stamp, and marker in base_link; two if there is a second marker.
@@ -112,7 +112,7 @@ class Simulation:
         self._feed(INSTANT)
         self._sense()
 
-    # What is done to it.
+    # Inputs.
 
     def step(self, dt: float = STEP, command: Velocity | None = None) -> None:
         """Let time pass.
@@ -153,7 +153,7 @@ class Simulation:
     def place(self, pose: Pose) -> None:
         """Lift the robot and set it down elsewhere, standing still. Odometry does not notice.
 
-        A robot that is placed inside the dock ends up beside it.
+        A robot that is placed inside the dock ends up next to it.
 
         Args:
             pose: base_link in world.
@@ -173,7 +173,7 @@ class Simulation:
         """Switch a fault on or off."""
         self.faults = self.faults | {fault} if active else self.faults - {fault}
 
-    # What is known of it.
+    # Outputs.
 
     @property
     def charging(self) -> bool:

@@ -8,10 +8,10 @@ from docking.simulation.simulation import Simulation
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """The state of the simulation, as it is told on /diagnostics.
+    """The state of the simulation, as published on /diagnostics.
 
     Attributes:
-        faults: What is broken.
+        faults: The active faults.
         contact: Whether robot and dock touch with their contacts.
         docked: Whether the charger gives power over them.
         halted: Whether a stop is latched.
