@@ -144,7 +144,7 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
         )
     app.add_middleware(AuditTrail)
     app.add_middleware(OriginGuard, settings=settings)
-    install_problems(app, allowed)  # what is added last is the outermost
+    install_problems(app, allowed)  # the last middleware added is the outermost
     app.state.requests = RequestMetrics()
     app.add_middleware(RequestMeter, metrics=app.state.requests)
     return app

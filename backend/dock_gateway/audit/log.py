@@ -34,10 +34,10 @@ class AuditLimits:
         waiting: Entries in memory; more are lost, and counted.
         batch_interval: Time to collect a batch, unless an answer waits for it.
         answer_timeout: How long an answer waits until its entry is stored.
-        period: In such a time, of each user and of all clients without a valid login so many entries are recorded; more
-            are counted, so that they neither fill a disk nor displace what was recorded earlier.
-        of_user: Entries of one user in a period.
-        unknown: Entries of all clients without a valid login in a period.
+        period: The time over which the two limits below apply. Entries beyond are only counted, so that they neither
+            fill a disk nor displace earlier entries.
+        of_user: Maximum entries of one user in a period.
+        unknown: Maximum entries of all clients without a valid login together in a period.
     """
 
     waiting: int = 10_000
@@ -244,7 +244,7 @@ class AuditLog:
             log.info("all spooled entries are stored")
 
     async def close(self) -> None:
-        """Store what waits, for one second at most; what is left goes to the spool."""
+        """Store the waiting entries, for one second at most; the rest goes to the spool."""
         await self._tasks.close()
         self._end_period()
         with suppress(TimeoutError):
@@ -264,10 +264,10 @@ class AuditLog:
 
 def _remark(what: str, subject: str, status: int, code: str) -> AuditEntry:
     """Return an entry of the gateway itself."""
-    nobody = dict.fromkeys(
+    no_request = dict.fromkeys(
         ("principal", "role", "token_id", "client", "request_id", "robot", "action_name", "goal_id"), None
     )
-    return AuditEntry(uuid.uuid4().hex, utc_now(), what=what, subject=subject, status=status, code=code, **nobody)
+    return AuditEntry(uuid.uuid4().hex, utc_now(), what=what, subject=subject, status=status, code=code, **no_request)
 
 
 def _text(entry: AuditEntry | AuditRow) -> str:

@@ -75,7 +75,7 @@ class Subjects:
         if goal_id is not None and GOAL_ID.fullmatch(goal_id):
             goal_id = read_goal_id(goal_id)
             action_name = action_name or self._action_of(goal_id)
-        if action_name is not None:  # a command may name another robot beside an absolute name
+        if action_name is not None:  # a command may name another robot in addition to an absolute name
             robot = parent_of(self._catalog.place_of(action_name))
         if robot is not None and len(robot) > MAX_ROBOTS:
             # There is room for every robot, but not for any number of names that are none.

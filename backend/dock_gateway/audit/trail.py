@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 
 class Trail:
-    """What is known of a request or a command before it is recorded, once.
+    """The facts about a request or a command, which is recorded once.
 
     Args:
         scope: The scope of the request, or of the WebSocket.
@@ -34,8 +34,8 @@ class Trail:
         operation: What it needs.
 
     Attributes:
-        at: When the request had arrived. The entry has that, or when the request acted, if it was authorized.
-        fields: Of the entry: `robot`, `action_name`, `goal_id`, `subject`.
+        at: When the request arrived, or when it acted if it was authorized: the time of the entry.
+        fields: Fields of the entry: `robot`, `action_name`, `goal_id`, `subject`.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Trail:
         self._recorded = False
 
     async def record(self, status: int, code: str | None = None) -> None:
-        """Record what came of it, unless that is recorded already. Some entries are stored on return."""
+        """Record the result, unless it is recorded already. Some entries are stored on return."""
         what = self._what or _name(self._scope, status)
         if what is None or self._recorded:
             return
@@ -94,7 +94,7 @@ class Trail:
 
 
 class AuditTrail:
-    """ASGI middleware that records each request that changes something, and what is `Audit.ALWAYS`."""
+    """ASGI middleware that records each request that changes something, and each operation with `Audit.ALWAYS`."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -31,7 +31,7 @@ def check_installed(setting: str, action_type: str) -> None:
 
 
 def check_exposure(settings: Settings) -> None:
-    """Refuse to let everyone on a network move the robots, unless that is what is wanted.
+    """Refuse to let everyone on a network move the robots, unless `insecure_open` allows it.
 
     Raises:
         click.UsageError: The message says what can be set instead.

@@ -94,8 +94,8 @@ def _end(parts: Sequence[Part]) -> None:
 
 
 def _find(name: str) -> str:
-    beside = Path(sys.executable).parent / name
-    found = str(beside) if beside.exists() else shutil.which(name)
+    installed = Path(sys.executable).parent / name
+    found = str(installed) if installed.exists() else shutil.which(name)
     if found is None:
         raise click.ClickException(f"{name} is not installed")
     return found

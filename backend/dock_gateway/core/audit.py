@@ -131,11 +131,11 @@ def extend(last: Link, entries: Iterable[AuditEntry]) -> Iterator[AuditRow]:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a check of the chain has found.
+    """The result of a check of the chain.
 
     Attributes:
         intact: Number of rows before the first fault.
-        last: The last intact row, or what is before the first.
+        last: The last intact row, or the anchor if there is none.
         fault: The first fault; None if there is none.
     """
 
@@ -149,7 +149,7 @@ def verify(rows: Iterable[AuditRow], anchor: Link, head: Link, expected: str | N
 
     Args:
         rows: All rows in the order of their numbers.
-        anchor: What is before the first row: the last row that was deleted for its age.
+        anchor: The link before the first row: the last row that was deleted for its age.
         head: The last row that was written.
         expected: A digest that was copied earlier, and has to be the anchor's or that of a row.
     """

@@ -72,7 +72,7 @@ class Doubt(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """What is wrong, and what may help."""
+        """The fault, and advice, if there is any."""
         value = f"{self.value:.10g}" if isinstance(self.value, int | float) else self.value
         return f"{self.field} is {value}, but should be {self.expected}.{self.advice and ' '}{self.advice}"
 

@@ -57,11 +57,11 @@ class Discovery:
     async def take_up(
         self, names: Iterable[str], known: Collection[object], take_up: Callable[[str], Awaitable[object]]
     ) -> bool:
-        """Register what is new, for at most one turn.
+        """Register new names, for at most one turn.
 
         Args:
             names: Names on the graph that are not registered yet.
-            known: What is registered.
+            known: What is already registered.
             take_up: Registers one. An exception means that it cannot be used, and says why.
 
         Returns:

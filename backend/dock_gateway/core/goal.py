@@ -73,7 +73,7 @@ class GoalError:
 class ResultAnswer:
     """The response to a result request; `status` is None if the server does not know the goal.
 
-    `remark` is what is wrong around the robot: added to the reason if the goal was aborted.
+    `remark` names faults around the robot; it is added to the reason if the goal was aborted.
     """
 
     status: GoalStatus | None = None

@@ -17,20 +17,20 @@ DISCOVERY_SERVER_HINT = (
 
 
 class Finding(NamedTuple):
-    """What is wrong, as a sentence without a full stop, and whether nothing can work with it."""
+    """A fault, as a sentence without a full stop, and whether it is fatal: nothing can work with it."""
 
     sentence: str
     fatal: bool = False
 
 
 def sees_part_of_graph(environment: Mapping[str, str]) -> bool:
-    """Return whether the node is a client of a discovery server that tells it only of what it subscribes to."""
+    """Return whether the node is a client of a discovery server that reports only the topics it subscribes to."""
     client = environment.get("ROS_SUPER_CLIENT", "") in TRUE
     return bool(environment.get("ROS_DISCOVERY_SERVER", "").strip("; ")) and not client
 
 
 def check(environment: Mapping[str, str]) -> list[Finding]:
-    """Return what is wrong with the variables of ROS and DDS."""
+    """Return the faults of the variables of ROS and DDS."""
     return [*_domain(environment), *_range(environment), *_files(environment), *_security(environment)]
 
 

@@ -11,7 +11,7 @@ def choose_types(
 ) -> tuple[tuple[str, ...], str | None]:
     """Choose the types to publish: what bases subscribe to, else what others publish, else as before.
 
-    A node that publishes on the topic is no base, but for example another gateway. If nobody but gateways uses the
+    A node that publishes on the topic is no base, but for example another gateway. If only gateways use the
     topic with either type, and others use it with another one, it is not a topic of velocity: there is no type then.
 
     Args:

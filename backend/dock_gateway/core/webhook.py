@@ -1,4 +1,4 @@
-"""What is sent to webhooks. Plain data; `webhooks/webhook.py` has the webhooks."""
+"""Deliveries to webhooks. Plain data; `webhooks/webhook.py` has the webhooks."""
 
 from dataclasses import dataclass
 from datetime import datetime
@@ -30,11 +30,11 @@ class Delivery:
     Attributes:
         webhook_id: The webhook.
         event_type: What happened.
-        state: What came of it.
+        state: Whether it was delivered.
         alert_id: The alert; None for a test.
         at: When it happened.
-        body: What is sent.
-        attempts: How often it was sent.
+        body: The body of the request.
+        attempts: Number of attempts.
         next_at: When it is sent next; None unless it is pending.
         tried_at: When it was sent last.
         status_code: The HTTP status of the last answer, if there was one.

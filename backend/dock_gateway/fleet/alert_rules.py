@@ -57,7 +57,7 @@ class AlertKind(StrEnum):
         return self not in WARNINGS
 
 
-# What is wrong on the ROS graph.
+# Faults on the ROS graph.
 ON_GRAPH = frozenset(map(AlertKind, (*FindingKind, AlertKind.DUPLICATE_ACTION_SERVER, AlertKind.SPLIT_ROBOT)))
 WARNINGS = frozenset(
     {
@@ -157,7 +157,7 @@ class AlertRules:
             incident: The incident of the history, if there is one.
             duplicates: By robot, the actions that have more than one server.
             given_up: By robot, the decisions of automatic docking to give up.
-            findings: What is wrong on the ROS graph, once for each kind and robot.
+            findings: Faults on the ROS graph, once for each kind and robot.
             split: Robots that are probably in two namespaces.
         """
         alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]

@@ -36,7 +36,7 @@ class AlertBoard:
         low_battery: Charge (0 to 1) below which a battery is low.
         incident: Returns the incident of the history, or None.
         given_up: Returns, by robot, the decisions of automatic docking to give up.
-        findings: Returns what is wrong on the ROS graph, once for each kind and robot.
+        findings: Returns the faults on the ROS graph, once for each kind and robot.
         sync_interval: Seconds between two reads of what other gateways have acknowledged.
         settled_after: See `SETTLED_AFTER`.
     """
@@ -110,7 +110,7 @@ class AlertBoard:
         return [self._document(alert) for alert in self._alerts.values() if grant.covers_alert(alert.robot)]
 
     def of_graph(self, robot: str) -> list[Alert]:
-        """Return the alerts about what is wrong on the ROS graph of a robot, or of the gateway."""
+        """Return the alerts about faults on the ROS graph, of a robot or of the gateway."""
         return [alert for alert in self._alerts.values() if alert.kind in ON_GRAPH and alert.robot in (robot, None)]
 
     def get(self, alert_id: str, grant: Grant = UNLIMITED) -> Alert:

@@ -1,4 +1,4 @@
-"""What is wrong on the ROS graph around the robots, as alerts show it. Pure: what was seen in, the words out."""
+"""Faults on the ROS graph around the robots, as alerts show them. Pure: observations in, texts out."""
 
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping
@@ -49,7 +49,7 @@ def wrong_type(robot: str | None, topic: Topic, expected: Expected, gateways: It
     Args:
         robot: The robot whose topic it is.
         topic: The topic.
-        expected: What is expected of it.
+        expected: The expected types.
         gateways: Nodes that do not count.
     """
     ours = frozenset(gateways)

@@ -1,4 +1,4 @@
-"""Watches the ROS graph for what is wrong around the robots: topics of another type than expected, and the like."""
+"""Watches the ROS graph for faults around the robots, such as topics of another type than expected."""
 
 import time
 from collections import defaultdict
@@ -28,7 +28,7 @@ from dock_gateway.settings import Settings
 from robot_io.velocity_types import TYPES as VELOCITY_TYPES
 
 DIAGNOSTICS_TYPE = "diagnostic_msgs/msg/DiagnosticArray"
-UNHEARD = "What is said there does not stop the robot."
+UNHEARD = "Messages there do not stop the robot."
 # Seconds after which topics are read again although their types are the same.
 READ_AGAIN_AFTER = 5.0
 # Seconds after which a node counts as there: while a base restarts, the old one may still be on the graph.
@@ -44,7 +44,7 @@ Suspect = tuple[str | None, str, Expected]
 
 
 class GraphWatch:
-    """Finds what is wrong on the graph.
+    """Finds faults on the graph.
 
     Args:
         settings: Names.
@@ -53,7 +53,7 @@ class GraphWatch:
         actions: The docking actions.
 
     Attributes:
-        findings: What is wrong now.
+        findings: The current faults.
         shared: The robots whose docking action is served by a node that serves that of another robot, too.
     """
 
@@ -84,7 +84,7 @@ class GraphWatch:
         self.findings = list(merge([*found, *self._doubles]))
 
     def remark(self, action_name: str) -> str:
-        """Return what is wrong around the robot of an action, if its goals cannot succeed because of it."""
+        """Return the faults around the robot of an action that keep its goals from succeeding."""
         owner = self._robots.owner(action_name)
         return " ".join(
             each.detail
@@ -188,7 +188,7 @@ class GraphWatch:
             yield robot, settings.battery_of(robot), battery
 
     def _expect(self, robot: str | None) -> dict[str, Expected]:
-        """Return what is expected of a robot's topics, or of those of the gateway."""
+        """Return the expected types of a robot's topics, or of those of the gateway."""
         settings = self._settings
         if robot is None:
             return {settings.diagnostics_topic: Expected((DIAGNOSTICS_TYPE,), "DOCK_GATEWAY_DIAGNOSTICS_TOPIC")}

@@ -115,7 +115,7 @@ def _check_size(value: object, path: tuple[str, ...] = ()) -> None:
 
 
 def expected(what: str, detail: str | None = None, path: str = "") -> PydanticCustomError:
-    """Return the error of a validator: what is expected, what was received instead, and at which path below."""
+    """Return the error of a validator: the expected value, the received one, and the path below the field."""
     return PydanticCustomError("expected", "{expected}", {"expected": what, "detail": detail, "path": path})
 
 

@@ -45,10 +45,10 @@ def install_dashboard(app: FastAPI, settings: Settings) -> None:
     if (folder / "assets").is_dir():
         app.mount("/assets", CompressedFiles(folder / "assets", ASSET_HEADERS))
 
-    beside = CompressedFiles(folder, FILE_HEADERS)
+    files = CompressedFiles(folder, FILE_HEADERS)
 
     async def file(request: Request) -> Response:
-        return await beside.get_response(request.url.path.removeprefix("/"), request.scope)
+        return await files.get_response(request.url.path.removeprefix("/"), request.scope)
 
     for path in folder.iterdir():  # files next to the page, such as its icon
         if "." in path.name and path.is_file() and not is_compressed(path.name):

@@ -103,7 +103,7 @@ def _build(app: FastAPI, unions: list[Union], further: Models, *, authentication
     _add_message(
         schemas,
         "BatteryStateInput",
-        "What is left out is NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).",
+        "Fields left out are NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).",
         complete=False,
     )
     for unused in ("HTTPValidationError", "ValidationError"):

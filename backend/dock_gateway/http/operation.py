@@ -41,13 +41,13 @@ class Audit(Enum):
 
 @dataclass(frozen=True)
 class Operation:
-    """What a request or a command needs.
+    """The requirements of a request or a command.
 
     Attributes:
         role: The role; None if it needs no login.
         scope: What it is about.
         audit: Whether the audit log has it.
-        sends_goal: Whether it sends a goal, of which each user may send so many a minute.
+        sends_goal: Whether it sends a goal, which counts towards the user's goals per minute.
         reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
     """
 

@@ -13,7 +13,7 @@ MINUTE = 60.0
 
 
 class Quotas:
-    """Counts what each user takes. Where the gateway does not ask who it is, nobody is limited.
+    """Counts the goals, streams and exports of each user. Without authentication there are no limits.
 
     A stop is never counted.
 

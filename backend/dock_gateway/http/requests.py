@@ -1,4 +1,4 @@
-"""Read requests: size-limited bodies, headers and parameters. What is unknown is refused, not ignored."""
+"""Read requests: size-limited bodies, headers and parameters. Unknown parameters are refused, not ignored."""
 
 import asyncio
 import re

@@ -14,7 +14,7 @@ from starlette.responses import FileResponse, Response
 from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import Scope
 
-# Best first. The build writes `index.html.br` beside `index.html`.
+# Best first. The build writes `index.html.br` next to `index.html`.
 _SUFFIXES = {"br": ".br", "gzip": ".gz"}
 _CODING = re.compile(r"\s*([a-z*]+)\s*(?:;\s*q=(0(?:\.\d{0,3})?|1(?:\.0{0,3})?)\s*)?", re.ASCII | re.IGNORECASE)
 
@@ -24,7 +24,7 @@ def choose_encoding(accept_encoding: str, available: Iterable[str]) -> str:
 
     Args:
         accept_encoding: The header; empty if the request has none. Unknown codings and invalid weights are ignored.
-        available: The codings that the file has beside `identity`, best first.
+        available: The codings of the file except `identity`, best first.
 
     Returns:
         The coding with the highest weight, the first of equal ones; `identity` if none is accepted.
@@ -41,7 +41,7 @@ def is_compressed(path: str) -> bool:
 
 
 class CompressedFiles(StaticFiles):
-    """Serves a folder whose files may have a compressed form beside them."""
+    """Serves a folder whose files may have a compressed form next to them."""
 
     def __init__(self, directory: Path, headers: dict[str, str]) -> None:
         super().__init__(directory=directory)

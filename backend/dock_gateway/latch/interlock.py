@@ -230,7 +230,7 @@ class Interlock:
         return True
 
     def _stopped_at(self, namespace: str) -> str | None:
-        """Return the namespace nearest to the root whose stop by a gateway holds for a robot: what is published."""
+        """Return the namespace nearest to the root whose stop by a gateway holds for a robot: the one to publish."""
         return self._latches.over(namespace, self._held_by_others)
 
     def _below(self, namespace: str) -> list[str]:
@@ -358,7 +358,7 @@ class Interlock:
                 self._hub.publish(system_event("stop", document, now, robot=namespace))
 
     async def close(self) -> None:
-        """Store what is not stored yet, unless the disk hangs."""
+        """Store unsaved changes, unless the disk hangs."""
         self._closing = True
         await cancel(*self._echoes.values())
         await self._writer.close()

@@ -20,8 +20,8 @@ class Health(Schema):
 class HistoryState(Schema):
     """The state of the history of goals and events.
 
-    `waiting` (in memory) and `spooled` (on disk) count what is not in the database yet; `dropped` counts the feedback
-    and battery events that were discarded.
+    `waiting` (in memory) and `spooled` (on disk) count the entries that are not in the database yet; `dropped` counts
+    the feedback and battery events that were discarded.
     """
 
     waiting: int
@@ -35,7 +35,7 @@ class Readiness(Schema):
     """Whether the docking server of a robot is available and answers, with the state of the history and of the stop.
 
     `robot` is the robot. `robots` are all that were found on the graph, `hint` says what to do if this one has no
-    docking server, `settings` are lines for that, and `problems` says what is wrong on the graph. They are empty for
+    docking server, `settings` are lines for that, and `problems` lists faults on the graph. They are empty for
     users with limits.
     """
 

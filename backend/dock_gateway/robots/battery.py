@@ -28,7 +28,7 @@ NOTHING: Mapping[str, Any] = {}
 
 @dataclass
 class Publisher:
-    """What is being published, at which rate, and the number of messages published."""
+    """The state that is being published, its rate, and the number of messages published."""
 
     active: bool = False
     state: Any = None
@@ -101,7 +101,7 @@ class Battery:
         return {"percentage": reading.percentage, "implausible": [doubt.document() for doubt in reading.doubts]}
 
     def lasting(self) -> dict[str, Any]:
-        """Return the state, what is believed of it, whether it is stale and the limits, without the age."""
+        """Return the state, its plausible values, whether it is stale and the limits, without the age."""
         age = self.age
         return {
             "state": fragment(self._state),
@@ -136,7 +136,7 @@ class BatteryPublisher:
         return self._publisher.active
 
     def document(self) -> dict[str, Any]:
-        """Return what is being published, ready for `orjson`."""
+        """Return the publisher's state, ready for `orjson`."""
         return dict(vars(self._publisher))
 
     async def publish(self, value: object, path: str = "") -> Json:

@@ -54,7 +54,7 @@ class Plausibility:
         self._moves = False  # whether the stamp moves with the clock, apart from that
 
     def judge(self, state: Mapping[str, Any], now: float, wall: float) -> Reading:
-        """Return what is believed of a state.
+        """Return the plausible values of a state.
 
         Args:
             state: A BatteryState as JSON. An infinity is a text, such as `inf`.

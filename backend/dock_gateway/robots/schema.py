@@ -28,7 +28,7 @@ class Battery(Schema):
     """The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
 
     `state` is as it was sent. `percentage` is its charge (0 to 1) as the gateway uses it; null if it is not measured
-    or is `implausible`. What is `implausible` stays so until it has been right for 10 seconds.
+    or is `implausible`. A field stays `implausible` until its values have been right for 10 seconds.
     """
 
     state: BatteryState | None

@@ -53,12 +53,12 @@ class Publisher:
     Attributes:
         since: When each of them was first seen, in seconds on the monotonic clock.
         checked_at: When goals that no longer count were last removed.
-        told: Whether it was reported.
+        reported: Whether it was reported to `on_excess`.
     """
 
     since: dict[bytes, float] = field(default_factory=dict)
     checked_at: float = float("-inf")
-    told: bool = False
+    reported: bool = False
 
     def is_idle(self, now: float) -> bool:
         """Return whether it has brought up no goal for a while."""
@@ -120,8 +120,8 @@ class Admission:
                 return True
             self.ignored += 1
             self._ignored_at = now
-            told, found.told = found.told, True
-        if not told:
+            reported, found.reported = found.reported, True
+        if not reported:
             self._on_excess(publisher)
         return False
 

@@ -1,4 +1,4 @@
-"""Hears all goals on one action, through any number of links: decodes what is needed, on ROS's threads."""
+"""Receives all goals on one action, through any number of links; decodes only the needed fields, on ROS's threads."""
 
 import logging
 import time

@@ -96,7 +96,7 @@ class ScenePort:
             listen(Range, f"infrared/{name}", self._hear_range(name), LATEST)
 
     def _reader(self, hear: OnOdometry) -> Callable[..., None]:
-        """Return what is called with each message of odometry."""
+        """Return the function that is called with each message of odometry."""
         return hear
 
     def close(self) -> None:

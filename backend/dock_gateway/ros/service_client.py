@@ -26,7 +26,7 @@ async def until_found(bridge: Bridge, holds: Callable[[], Any]) -> None:
         Unavailable: The ROS thread is down.
     """
     async with asyncio.timeout(FIND_WITHIN):
-        while not await bridge.call(holds):  # noqa: ASYNC110 - DDS tells nobody
+        while not await bridge.call(holds):  # noqa: ASYNC110 - DDS has no event for that
             await asyncio.sleep(0.02)
 
 

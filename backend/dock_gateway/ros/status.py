@@ -66,10 +66,10 @@ class StatusReader:
             if not (known and status.terminal):
                 rank = KNOWN if known else 1 if status.terminal else 0
                 news.append((rank, -accepted_ns, index, goal_id, status))
-        told = heapq.nsmallest(self._max_reports, news) if len(news) > self._max_reports else sorted(news)
+        reported = heapq.nsmallest(self._max_reports, news) if len(news) > self._max_reports else sorted(news)
         reports: dict[int, StatusReport] = {}
         self._is_news = False
-        for rank, age, index, goal_id, status in told:
+        for rank, age, index, goal_id, status in reported:
             if rank == KNOWN:
                 reports[index] = self._reports[goal_id]
             elif self._admits(goal_id):

@@ -1,4 +1,4 @@
-"""The velocity topics of robots, `cmd_vel`: zero out, what is commanded in.
+"""The velocity topics of robots, `cmd_vel`: publishes zero, receives the commanded velocity.
 
 A base subscribes to geometry_msgs/Twist or geometry_msgs/TwistStamped; one is deaf to the other. A DDS participant has
 one type for each topic, so this one follows the bases, and a branch has the other type if there are both.

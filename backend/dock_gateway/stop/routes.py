@@ -170,8 +170,8 @@ async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = No
 
     `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
 
-    A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
-    ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
+    A malformed request still stops the robot, unless it is unclear which robot is meant. Unreadable parts are
+    ignored, and `warning` names the error. `warning` also says if a restart of the gateway would lose the stop.
     If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
     """
     value: Any = {}

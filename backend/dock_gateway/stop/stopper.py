@@ -173,8 +173,8 @@ class Stopper:
         """Publish zero velocity, cancel every goal on every action of the robots, publish zero velocity again.
 
         All requests are sent before it waits: less than 100 ms for action servers and the disk, unless `wait` is
-        longer. A request for a stop that has just begun joins it, and the stop is repeated. A robot that is not known
-        does not keep the others from being stopped.
+        longer. A request for a stop that has just started joins it, and the stop is repeated. An unknown robot does not
+        keep the others from being stopped.
 
         Args:
             namespaces: The robots; none means the configured one. Robots in namespaces below them are stopped, too.
@@ -226,7 +226,7 @@ class Stopper:
         return outermost, [_not_known(robot, error) for robot, error in refused.items()]
 
     def _halt(self, name: str) -> Halt:
-        """Begin a stop, or join one that has just begun."""
+        """Start a stop, or join one that has just started."""
         if (halt := self._halts.get(name)) is None:
             return self._begin(name)
         self._join(name, halt)

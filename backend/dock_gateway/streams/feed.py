@@ -81,7 +81,7 @@ async def feed(
         parts: The parts of the gateway.
         subscriber: The reader's place in the hub.
         after: Id of the last event that the reader has seen. First come `resumed`, the missed events, and the current
-            state of what is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
+            state of all that is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
         max_rate: Maximum messages per second of each goal's feedback, of battery and of velocity.
     """
     async for event in begin(parts, subscriber, after):

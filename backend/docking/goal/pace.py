@@ -141,7 +141,8 @@ class Limiter:
         """
         limits, dt = self.limits, min(dt, LONGEST_STEP)
         slowest = max(limits.v_linear_min, dead_zone.linear_x)
-        linear, angular = desired.linear_x, self._pulse(desired.angular_z, max(limits.v_angular_min, dead_zone.angular_z), dt)
+        linear = desired.linear_x
+        angular = self._pulse(desired.angular_z, max(limits.v_angular_min, dead_zone.angular_z), dt)
         if 0.0 < abs(linear) < slowest:
             linear = math.copysign(slowest, linear)
         self._last = Velocity(

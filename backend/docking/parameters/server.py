@@ -83,7 +83,7 @@ class ServerSettings(NodeSettings):
     frame_prefix: str = string(
         "",
         "robot1/",
-        "Prefix of frame names in all messages, received and published. Names that have it already are left as they are.",
+        "Prefix of frame names in all messages, received and published; not added to names that have it already.",
     )
     outline: Outline = group(Outline)
     collision: CollisionSettings = group(CollisionSettings)

@@ -180,8 +180,8 @@ export interface paths {
          *
          *     `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
          *
-         *     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
-         *     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
+         *     A malformed request still stops the robot, unless it is unclear which robot is meant. Unreadable parts are
+         *     ignored, and `warning` names the error. `warning` also says if a restart of the gateway would lose the stop.
          *     If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
          */
         post: operations["stop"];
@@ -1929,7 +1929,7 @@ export interface components {
          * @description The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
          *
          *     `state` is as it was sent. `percentage` is its charge (0 to 1) as the gateway uses it; null if it is not measured
-         *     or is `implausible`. What is `implausible` stays so until it has been right for 10 seconds.
+         *     or is `implausible`. A field stays `implausible` until its values have been right for 10 seconds.
          */
         Battery: {
             state: components["schemas"]["BatteryState"] | null;
@@ -2111,7 +2111,7 @@ export interface components {
         };
         /**
          * BatteryStateInput
-         * @description sensor_msgs/BatteryState. What is left out is NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).
+         * @description sensor_msgs/BatteryState. Fields left out are NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).
          */
         BatteryStateInput: {
             header?: components["schemas"]["std_msgs.msg.HeaderInput"];
@@ -3101,8 +3101,8 @@ export interface components {
          * HistoryState
          * @description The state of the history of goals and events.
          *
-         *     `waiting` (in memory) and `spooled` (on disk) count what is not in the database yet; `dropped` counts the feedback
-         *     and battery events that were discarded.
+         *     `waiting` (in memory) and `spooled` (on disk) count the entries that are not in the database yet; `dropped` counts
+         *     the feedback and battery events that were discarded.
          */
         HistoryState: {
             /** Waiting */
@@ -3596,7 +3596,7 @@ export interface components {
          * @description Whether the docking server of a robot is available and answers, with the state of the history and of the stop.
          *
          *     `robot` is the robot. `robots` are all that were found on the graph, `hint` says what to do if this one has no
-         *     docking server, `settings` are lines for that, and `problems` says what is wrong on the graph. They are empty for
+         *     docking server, `settings` are lines for that, and `problems` lists faults on the graph. They are empty for
          *     users with limits.
          */
         Readiness: {

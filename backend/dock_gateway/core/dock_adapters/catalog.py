@@ -132,7 +132,7 @@ class DockingCatalog:
                         yield verb, candidate
 
     def may_be_robot(self, namespace: str) -> bool:
-        """Return whether what is in a namespace may be a robot: whether the namespace is not hidden, or configured."""
+        """Return whether a namespace may hold a robot: it is not hidden, or it is configured."""
         return not is_hidden(namespace, self._configured_namespace)
 
     def preferred(self, verb: Verb, namespace: str | None = None) -> Candidate:

@@ -23,7 +23,7 @@ class ConnectToChargingDock(DockAdapter):
     def goal(self, request: Fields, default_dock: str = "", path: str = "") -> Fields:
         """Name the dock in `desired_battery_state.location`."""
         desired = request.get(DESIRED, CHARGING if DOCK_ID in request else {})
-        if not isinstance(desired, dict):  # the codec says what is wrong with it
+        if not isinstance(desired, dict):  # the codec reports the error
             return request
         dock = choose_dock(request, desired.get("location"), path) or default_dock
         if not dock:

@@ -22,7 +22,7 @@ MAX_REPORTED = 20
 
 
 class ForwardedHeaders:
-    """ASGI middleware that believes `X-Forwarded-For` and `X-Forwarded-Proto` of trusted proxies, and of nobody else.
+    """ASGI middleware that believes `X-Forwarded-For` and `X-Forwarded-Proto` only of trusted proxies.
 
     Args:
         app: The application.

@@ -34,7 +34,7 @@ class StrictConnection(h11.Connection):
         super().__init__(h11.SERVER, max_head)
         self.host = b""
         self._chunked = False  # the body that is being read
-        self._last = b""  # the two bytes before what is read next, unless they are of the body
+        self._last = b""  # the two bytes before the next ones, unless they are of the body
 
     def next_event(self) -> Any:
         """Return the next event, as h11 does.
