@@ -5,38 +5,36 @@ import os
 import re
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
-from ipaddress import ip_network
 from pathlib import Path
-from typing import Annotated, Literal, Self
-from urllib.parse import urlsplit
+from typing import Literal, Self
 
 import platformdirs
-from pydantic import Field, SecretStr, field_validator, model_validator
-from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+from pydantic import Field, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
 
-LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
-
-# What ROS takes for the name of a node, for that of a topic or an action, for a namespace, and for an action's type.
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-# Characters that the whole of it may have on the ROS graph.
-LONGEST_NAME = 255
-TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
-NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
-# A namespace in which `*` stands for any text.
-ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
-ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
-
-# Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
-SIGNATURES = frozenset(
-    {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
+from dock_gateway.setting_types import (
+    LOOPBACK_HOSTS,
+    ActionType,
+    Algorithms,
+    Days,
+    Issuer,
+    LowerTexts,
+    Megabytes,
+    Namespace,
+    Networks,
+    NodeName,
+    OptionalFile,
+    OptionalSecret,
+    OptionalText,
+    OptionalTopic,
+    OwnNames,
+    Robots,
+    RoleNames,
+    Seconds,
+    Topic,
+    Topics,
+    own_names,
 )
-ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
-
-Seconds = Annotated[float, Field(gt=0, le=3600)]
-# 1000 years. The beginning of a much longer time would lie before the first date that there is.
-Days = Annotated[float, Field(ge=1, le=365_000)]
-Megabytes = Annotated[int, Field(ge=1, le=1_000_000_000)]
-
 
 PREFIX = "DOCK_GATEWAY_"
 # Variables of the commands that are HTTP clients.
@@ -84,12 +82,12 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")
-    allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+    allowed_hosts: LowerTexts = Field(
         (),
         description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "
         "for any. Loopback names and IP addresses are always allowed.",
     )
-    allowed_origins: Annotated[tuple[str, ...], NoDecode] = Field(
+    allowed_origins: LowerTexts = Field(
         (),
         description="Origins of web pages that may use the gateway besides its own dashboard, "
         "separated by commas (`https://ops.example.com`); `*` for any.",
@@ -117,30 +115,32 @@ class Settings(BaseSettings):
         description="In a container: the address of the host on which its port is published. It takes the place of "
         "`HOST` in deciding whether the gateway is open to a network.",
     )
-    tls_cert: Path | None = Field(
+    tls_cert: OptionalFile = Field(
         None,
         description="PEM file with the gateway's certificate and its intermediates. With it, the gateway speaks only "
         "TLS: [deployment.md](deployment.md#tls).",
     )
-    tls_key: Path | None = Field(None, description="PEM file with the private key of `TLS_CERT`, without a passphrase.")
-    tls_client_ca: Path | None = Field(
+    tls_key: OptionalFile = Field(
+        None, description="PEM file with the private key of `TLS_CERT`, without a passphrase."
+    )
+    tls_client_ca: OptionalFile = Field(
         None,
         description="PEM file with certificate authorities. Only clients with a certificate of theirs can connect.",
     )
-    oidc_issuer: str | None = Field(
+    oidc_issuer: Issuer = Field(
         None,
         description="Issuer of the OpenID Connect provider where people log in, such as "
         "`https://login.example.com/realms/site`: [access.md](access.md#an-identity-provider).",
     )
-    oidc_client_id: str | None = Field(
+    oidc_client_id: OptionalText = Field(
         None,
         description="The gateway's client id at the provider, for people who use the dashboard. Empty: only services.",
     )
-    oidc_client_secret: SecretStr | None = Field(
+    oidc_client_secret: OptionalSecret = Field(
         None,
         description="The secret of that client; empty for a public client. Options can be seen by others.",
     )
-    oidc_audience: str | None = Field(
+    oidc_audience: OptionalText = Field(
         None,
         description="The audience (`aud`) of JWT access tokens for this gateway, such as `https://robots.example.com`. "
         "Empty: none are accepted.",
@@ -153,7 +153,7 @@ class Settings(BaseSettings):
         pattern="^[!#-\\[\\]-~]+( [!#-\\[\\]-~]+)*$",
         description="What the dashboard asks the provider for, separated by spaces; `openid` is needed.",
     )
-    oidc_algorithms: Annotated[tuple[str, ...], NoDecode] = Field(
+    oidc_algorithms: Algorithms = Field(
         ("RS256", "PS256", "ES256", "EdDSA", "Ed25519"),
         description="Algorithms of signatures that are accepted from the provider, separated by commas.",
     )
@@ -168,22 +168,22 @@ class Settings(BaseSettings):
         min_length=1,
         description="The claim with roles or groups: a text or a list. `realm_access.roles` is a claim in a claim.",
     )
-    oidc_roles: Annotated[tuple[str, ...], NoDecode] = Field(
+    oidc_roles: RoleNames = Field(
         (),
         description="The role of each value of that claim: `robot-ops=operator,robot-admins=admin`. The highest "
         "counts; who has none of the values has no access.",
     )
-    oidc_robots_claim: str | None = Field(
+    oidc_robots_claim: OptionalText = Field(
         None,
         description="The claim with the robots of a person or a service: a list of namespaces such as `/hall_a/*`. "
         "Without a valid one there is no access, but for admins. Empty: every robot.",
     )
-    oidc_actions_claim: str | None = Field(None, description="The claim with the actions, likewise.")
-    oidc_topics_claim: str | None = Field(None, description="The claim with the topics, likewise.")
+    oidc_actions_claim: OptionalText = Field(None, description="The claim with the actions, likewise.")
+    oidc_topics_claim: OptionalText = Field(None, description="The claim with the topics, likewise.")
     oidc_session_hours: float = Field(
         12.0, gt=0, le=720, description="Hours after which a login with the provider ends at the latest."
     )
-    trusted_proxies: Annotated[tuple[str, ...], NoDecode] = Field(
+    trusted_proxies: Networks = Field(
         (),
         description="IP addresses and networks (`10.0.0.0/8`) of reverse proxies, separated by commas: "
         "`127.0.0.1,::1` for one on this machine. Only their `X-Forwarded-Proto` and `X-Forwarded-For` are believed.",
@@ -193,27 +193,25 @@ class Settings(BaseSettings):
         description="Folder of the built dashboard. Empty: the installed one, or `frontend/dist` in a checkout.",
     )
 
-    node_name: str = Field("dock_gateway", description="Name of the gateway's ROS node.")
-    namespace: str = Field("", description="ROS namespace of the robot, such as `/robot1`.")
-    dock_action: str = Field(
+    node_name: NodeName = Field("dock_gateway", description="Name of the gateway's ROS node.")
+    namespace: Namespace = Field("", description="ROS namespace of the robot, such as `/robot1`.")
+    dock_action: OptionalTopic = Field(
         "",
         description="The action behind `/dock`, relative to the namespace. Empty: picked for each robot by what is on "
         "the ROS graph ([nav2.md](nav2.md)).",
     )
-    dock_action_type: str = Field("", description="The type of that action. Empty: as on the ROS graph.")
-    undock_action: str = Field(
+    dock_action_type: ActionType = Field("", description="The type of that action. Empty: as on the ROS graph.")
+    undock_action: OptionalTopic = Field(
         "", description="The action behind `/undock`, relative to the namespace. Empty: as for `DOCK_ACTION`."
     )
-    undock_action_type: str = Field("", description="The type of that action. Empty: as on the ROS graph.")
-    dock_actions: Annotated[tuple[str, ...], NoDecode] = Field(
+    undock_action_type: ActionType = Field("", description="The type of that action. Empty: as on the ROS graph.")
+    dock_actions: OwnNames = Field(
         (),
         description="Docking actions of single robots, separated by commas: `/robot1=/docking/dock_robot`. For docking "
         "servers that are not in the namespace of their robot: [nav2.md](nav2.md#other-namespaces).",
     )
-    undock_actions: Annotated[tuple[str, ...], NoDecode] = Field(
-        (), description="Undocking actions of single robots, likewise."
-    )
-    battery_topics: Annotated[tuple[str, ...], NoDecode] = Field(
+    undock_actions: OwnNames = Field((), description="Undocking actions of single robots, likewise.")
+    battery_topics: OwnNames = Field(
         (), description="Battery topics of single robots, likewise: `/robot1=/power/battery_status`."
     )
     default_dock: str = Field(
@@ -222,19 +220,19 @@ class Settings(BaseSettings):
         description="The dock that a `POST /dock` without `dock_id` means, for action servers that know docks by name "
         "([nav2.md](nav2.md)).",
     )
-    battery_topic: str = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
-    cmd_vel_topic: str = Field(
+    battery_topic: Topic = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
+    cmd_vel_topic: Topic = Field(
         "cmd_vel",
         description="Topic of `geometry_msgs/Twist` or `TwistStamped`, whichever the robot's base subscribes to. "
         "`/stop` publishes zero velocity on it.",
     )
-    stop_topic: str = Field("stop_latched", description="Topic of `std_msgs/Bool`: whether a stop is latched.")
-    stop_topics: Annotated[tuple[str, ...], NoDecode] = Field(
+    stop_topic: Topic = Field("stop_latched", description="Topic of `std_msgs/Bool`: whether a stop is latched.")
+    stop_topics: Topics = Field(
         (),
         description="More topics of `std_msgs/Bool`, separated by commas, such as that of an emergency stop: `true` on "
         "one of them stops the robot.",
     )
-    diagnostics_topic: str = Field(
+    diagnostics_topic: Topic = Field(
         "/diagnostics",
         description="Topic of `diagnostic_msgs/DiagnosticArray`, on which action servers report why a goal ended.",
     )
@@ -285,12 +283,12 @@ class Settings(BaseSettings):
         lt=1,
         description="Charge (0 to 1) below which a robot that is not charging raises an alert; 0: never.",
     )
-    percentage_0_to_100: Annotated[tuple[str, ...], NoDecode] = Field(
+    percentage_0_to_100: Robots = Field(
         (),
         description="Robots whose battery driver counts `percentage` from 0 to 100, not to 1: namespaces such as "
         "`/robot1` or `/hall_a/*`, separated by commas; `*` for all.",
     )
-    charging_current_negative: Annotated[tuple[str, ...], NoDecode] = Field(
+    charging_current_negative: Robots = Field(
         (),
         description="Robots whose battery driver counts a charging `current` as negative; as for "
         "`PERCENTAGE_0_TO_100`. It counts where `power_supply_status` is UNKNOWN.",
@@ -423,143 +421,6 @@ class Settings(BaseSettings):
     )
     heartbeat_interval: Seconds = Field(5.0, description="Seconds between heartbeats on a stream.")
 
-    @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", mode="before")
-    @classmethod
-    def _split_lower(cls, value: object) -> object:
-        parts = _split(value)
-        if not isinstance(parts, tuple):
-            return value
-        return tuple(part.lower() if isinstance(part, str) else part for part in parts)
-
-    @field_validator(
-        "stop_topics",
-        "oidc_algorithms",
-        "oidc_roles",
-        "percentage_0_to_100",
-        "charging_current_negative",
-        "dock_actions",
-        "undock_actions",
-        "battery_topics",
-        mode="before",
-    )
-    @classmethod
-    def _split_exactly(cls, value: object) -> object:
-        return _split(value)
-
-    @field_validator("oidc_algorithms")
-    @classmethod
-    def _check_algorithms(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        if not value or not SIGNATURES.issuperset(value):
-            raise ValueError(f"choose from {', '.join(sorted(SIGNATURES))}, separated by commas")
-        return value
-
-    @field_validator("oidc_roles")
-    @classmethod
-    def _check_roles(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for part in value:
-            claimed, _, role = part.rpartition("=")
-            if not claimed.strip() or role.strip() not in ROLES:
-                raise ValueError(
-                    f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, operator, supervisor and admin"
-                )
-        return value
-
-    @field_validator("oidc_issuer")
-    @classmethod
-    def _check_issuer(cls, value: str | None) -> str | None:
-        if value is not None and not (is_safe_address(value) and "?" not in value):
-            raise ValueError(
-                f"{value[:100]!r} is not an address such as https://login.example.com/realms/site; only a provider on "
-                "this machine may be at http"
-            )
-        return value
-
-    @field_validator("trusted_proxies")
-    @classmethod
-    def _check_proxies(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for part in value:
-            ip_network(part)
-        return value
-
-    @field_validator(
-        "tls_cert",
-        "tls_key",
-        "tls_client_ca",
-        "oidc_issuer",
-        "oidc_client_id",
-        "oidc_client_secret",
-        "oidc_audience",
-        "oidc_robots_claim",
-        "oidc_actions_claim",
-        "oidc_topics_claim",
-        mode="before",
-    )
-    @classmethod
-    def _read_empty(cls, value: object) -> object:
-        return value or None
-
-    @field_validator("node_name")
-    @classmethod
-    def _check_node_name(cls, value: str) -> str:
-        if not NAME.fullmatch(value):
-            raise ValueError(
-                f"{value[:100]!r} is not a ROS node name: letters, digits and _, not starting with a digit"
-            )
-        return value
-
-    @field_validator("namespace")
-    @classmethod
-    def _check_namespace(cls, value: str) -> str:
-        if not NAMESPACE.fullmatch(value):
-            raise ValueError(f"{value[:100]!r} is not a ROS namespace such as /robot1: letters, digits, _ and /")
-        return value
-
-    @field_validator("battery_topic", "cmd_vel_topic", "stop_topic", "diagnostics_topic")
-    @classmethod
-    def _check_topic(cls, value: str) -> str:
-        if not TOPIC.fullmatch(value):
-            raise ValueError(f"{value[:100]!r} is not a ROS name such as dock or /hall/dock: letters, digits, _ and /")
-        return value
-
-    @field_validator("stop_topics")
-    @classmethod
-    def _check_topics(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(map(cls._check_topic, value))
-
-    @field_validator("percentage_0_to_100", "charging_current_negative")
-    @classmethod
-    def _check_robots(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for part in value:
-            if not ROBOTS.fullmatch(part):
-                raise ValueError(f"{part[:100]!r} is not a namespace such as /robot1 or /hall_a/*, and not * for all")
-        return value
-
-    @field_validator("dock_action", "undock_action")
-    @classmethod
-    def _check_action(cls, value: str) -> str:
-        return value and cls._check_topic(value)
-
-    @field_validator("dock_actions", "undock_actions", "battery_topics")
-    @classmethod
-    def _check_own_names(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for part in value:
-            robot, _, name = part.partition("=")
-            if len(part) > 2 * LONGEST_NAME or not (
-                robot.startswith("/") and NAMESPACE.fullmatch(robot) and name[:1] == "/" and TOPIC.fullmatch(name)
-            ):
-                raise ValueError(f"{part[:100]!r} is not like /robot1=/docking/dock_robot, with absolute names")
-        pairs = own_names(value)
-        if len(pairs) < len(value) or len(set(pairs.values())) < len(value):
-            raise ValueError("each robot has one name, and no two robots have the same")
-        return value
-
-    @field_validator("dock_action_type", "undock_action_type")
-    @classmethod
-    def _check_action_type(cls, value: str) -> str:
-        if value and not ACTION_TYPE.fullmatch(value):
-            raise ValueError(f"{value[:100]!r} is not an action type such as some_package/action/Dock")
-        return value
-
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.stalled_after <= self.ping_interval:
@@ -646,30 +507,3 @@ class Settings(BaseSettings):
 def _named(namespace: str, patterns: tuple[str, ...]) -> bool:
     """Return whether a robot is one of those that a setting names."""
     return any(fnmatchcase(namespace, f"/{pattern.strip('/')}") for pattern in patterns)
-
-
-def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
-    """Return the names that single robots have, by namespace, from a setting such as `dock_actions`."""
-    parts = (pair.partition("=") for pair in pairs)
-    return {f"/{robot.strip('/')}": name for robot, _, name in parts}
-
-
-def _split(value: object) -> object:
-    """Return the parts of a setting that are separated by commas."""
-    parts = value.split(",") if isinstance(value, str) else value
-    if not isinstance(parts, list | tuple):
-        return value
-    stripped = (part.strip() if isinstance(part, str) else part for part in parts)
-    return tuple(part for part in stripped if part)
-
-
-def is_safe_address(value: str) -> bool:
-    """Return whether a text is an address that can be asked safely: over TLS, or on this machine."""
-    try:
-        address = urlsplit(value)
-        host = address.hostname
-        _ = address.port
-    except ValueError:
-        return False
-    safe = address.scheme == "https" or (address.scheme == "http" and host in LOOPBACK_HOSTS)
-    return bool(safe and host and value.isprintable() and not re.search(r"[ #@\\]", value))

@@ -16,7 +16,8 @@ from dock_gateway import __version__
 from dock_gateway.access.jwt import Keys, read_keys
 from dock_gateway.core.errors import NotAuthenticated, Unavailable
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.settings import Settings, is_safe_address
+from dock_gateway.setting_types import is_safe_address
+from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 

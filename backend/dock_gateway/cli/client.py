@@ -15,7 +15,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from websockets.sync.client import connect
 
 from dock_gateway.core.log_config import printable
-from dock_gateway.settings import LOOPBACK_HOSTS
+from dock_gateway.setting_types import LOOPBACK_HOSTS
 
 TIMEOUT = 15.0
 TERMINAL = ("succeeded", "canceled", "aborted", "rejected", "lost")

@@ -3,7 +3,7 @@
 import re
 
 from dock_gateway.core.errors import FieldError, InvalidField
-from dock_gateway.settings import LONGEST_NAME, NAME
+from dock_gateway.setting_types import LONGEST_NAME, NAME
 
 NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
 

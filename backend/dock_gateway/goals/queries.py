@@ -13,7 +13,8 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import MAX_GROUP, MAX_TAG, NAME, ROBOT_PATTERN, StatusQuery
-from dock_gateway.settings import LONGEST_NAME, TOPIC, Settings
+from dock_gateway.setting_types import LONGEST_NAME, TOPIC
+from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 
 QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id", "tag", "group")

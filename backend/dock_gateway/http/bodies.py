@@ -14,7 +14,7 @@ from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.namespace import is_namespace, normalize_namespace
 from dock_gateway.http.principal import read_signed_json
 from dock_gateway.http.requests import MAX_GROUP, MAX_TAG, ROBOT_PATTERN, is_name, name_schema, read_json
-from dock_gateway.settings import LONGEST_NAME
+from dock_gateway.setting_types import LONGEST_NAME
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 MAX_ERRORS = 20

@@ -13,7 +13,8 @@ from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from dock_gateway.core.errors import NotAllowed
-from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+from dock_gateway.setting_types import LOOPBACK_HOSTS
+from dock_gateway.settings import Settings
 
 # Without OPTIONS: preflights of allowed pages are answered by CORS.
 SAFE_METHODS = frozenset({"GET", "HEAD"})

@@ -17,7 +17,7 @@ from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest,
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.namespace import NAMESPACE
 from dock_gateway.http.parts import parts_of
-from dock_gateway.settings import NAME as ROS_NAME
+from dock_gateway.setting_types import NAME as ROS_NAME
 from dock_gateway.settings import Settings
 
 # The default content type of `curl -d` is accepted as JSON, too. OriginGuard keeps other origins from exploiting it.

@@ -21,7 +21,8 @@ from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
-from dock_gateway.settings import Settings, own_names
+from dock_gateway.setting_types import own_names
+from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 

@@ -23,7 +23,7 @@ from dock_gateway.core.graph import (
     Service,
     Topic,
 )
-from dock_gateway.settings import NAME
+from dock_gateway.setting_types import NAME
 from robot_io.endpoints import node_name
 
 # Seconds of a survey step on the ROS thread.

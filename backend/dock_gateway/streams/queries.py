@@ -12,7 +12,8 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.queries import EVENT_ID
 from dock_gateway.http.requests import read_goal_id
 from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.settings import LONGEST_NAME, TOPIC, Settings
+from dock_gateway.setting_types import LONGEST_NAME, TOPIC
+from dock_gateway.settings import Settings
 
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
 INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")

@@ -9,7 +9,8 @@ from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.filters import is_hidden, is_under, parent_of
 from dock_gateway.core.goal import Verb
-from dock_gateway.settings import Settings, own_names
+from dock_gateway.setting_types import own_names
+from dock_gateway.settings import Settings
 
 # The preferred family first.
 ADAPTERS: dict[Verb, tuple[DockAdapter, ...]] = {

@@ -1,0 +1,154 @@
+"""The types of settings: how a value is read, and what it may be. A refusal is a sentence for the user."""
+
+import re
+from collections.abc import Callable
+from ipaddress import ip_network
+from pathlib import Path
+from typing import Annotated
+from urllib.parse import urlsplit
+
+from pydantic import AfterValidator, BeforeValidator, Field, SecretStr
+from pydantic_settings import NoDecode
+
+LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
+
+# What ROS accepts as the name of a node, of a topic or an action, as a namespace, and as the type of an action.
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+# Maximum number of characters of an absolute name on the ROS graph.
+LONGEST_NAME = 255
+TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
+NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
+# A namespace in which `*` stands for any text.
+ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
+ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
+
+# Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
+SIGNATURES = frozenset(
+    {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
+)
+ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
+
+
+def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
+    """Return the names that single robots have, by namespace, from a setting such as `dock_actions`."""
+    parts = (pair.partition("=") for pair in pairs)
+    return {f"/{robot.strip('/')}": name for robot, _, name in parts}
+
+
+def is_safe_address(value: str) -> bool:
+    """Return whether a text is an address that can be asked safely: over TLS, or on this machine."""
+    try:
+        address = urlsplit(value)
+        host = address.hostname
+        _ = address.port
+    except ValueError:
+        return False
+    safe = address.scheme == "https" or (address.scheme == "http" and host in LOOPBACK_HOSTS)
+    return bool(safe and host and value.isprintable() and not re.search(r"[ #@\\]", value))
+
+
+def _split(value: object) -> object:
+    """Return the parts of a setting that are separated by commas."""
+    parts = value.split(",") if isinstance(value, str) else value
+    if not isinstance(parts, list | tuple):
+        return value
+    stripped = (part.strip() if isinstance(part, str) else part for part in parts)
+    return tuple(part for part in stripped if part)
+
+
+def _matching(pattern: re.Pattern[str], what: str, *, or_empty: bool = False) -> Callable[[str], str]:
+    """Return a validator that refuses a text that does not match."""
+
+    def check(value: str) -> str:
+        if not (pattern.fullmatch(value) or (or_empty and not value)):
+            raise ValueError(f"{value[:100]!r} is not {what}")
+        return value
+
+    return check
+
+
+def _each(check: Callable[[str], str]) -> Callable[[tuple[str, ...]], tuple[str, ...]]:
+    return lambda parts: tuple(map(check, parts))
+
+
+def _check_proxies(parts: tuple[str, ...]) -> tuple[str, ...]:
+    for part in parts:
+        ip_network(part)
+    return parts
+
+
+def _check_own_names(parts: tuple[str, ...]) -> tuple[str, ...]:
+    for part in parts:
+        robot, _, name = part.partition("=")
+        if len(part) > 2 * LONGEST_NAME or not (
+            robot.startswith("/") and NAMESPACE.fullmatch(robot) and name[:1] == "/" and TOPIC.fullmatch(name)
+        ):
+            raise ValueError(f"{part[:100]!r} is not like /robot1=/docking/dock_robot, with absolute names")
+    pairs = own_names(parts)
+    if len(pairs) < len(parts) or len(set(pairs.values())) < len(parts):
+        raise ValueError("each robot has one name, and no two robots have the same")
+    return parts
+
+
+def _check_algorithms(parts: tuple[str, ...]) -> tuple[str, ...]:
+    if not parts or not SIGNATURES.issuperset(parts):
+        raise ValueError(f"choose from {', '.join(sorted(SIGNATURES))}, separated by commas")
+    return parts
+
+
+def _check_roles(parts: tuple[str, ...]) -> tuple[str, ...]:
+    for part in parts:
+        claimed, _, role = part.rpartition("=")
+        if not claimed.strip() or role.strip() not in ROLES:
+            raise ValueError(
+                f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, operator, supervisor and admin"
+            )
+    return parts
+
+
+def _check_issuer(value: str | None) -> str | None:
+    if value is not None and not (is_safe_address(value) and "?" not in value):
+        raise ValueError(
+            f"{value[:100]!r} is not an address such as https://login.example.com/realms/site; only a provider on this "
+            "machine may be at http"
+        )
+    return value
+
+
+Seconds = Annotated[float, Field(gt=0, le=3600)]
+# 1000 years. The beginning of a much longer time would lie before the first date that there is.
+Days = Annotated[float, Field(ge=1, le=365_000)]
+Megabytes = Annotated[int, Field(ge=1, le=1_000_000_000)]
+
+_EMPTY_AS_NONE = BeforeValidator(lambda value: value or None)
+OptionalText = Annotated[str | None, _EMPTY_AS_NONE]
+OptionalFile = Annotated[Path | None, _EMPTY_AS_NONE]
+OptionalSecret = Annotated[SecretStr | None, _EMPTY_AS_NONE]
+Issuer = Annotated[OptionalText, AfterValidator(_check_issuer)]
+
+_TOPIC = "a ROS name such as dock or /hall/dock: letters, digits, _ and /"
+Topic = Annotated[str, AfterValidator(_matching(TOPIC, _TOPIC))]
+OptionalTopic = Annotated[str, AfterValidator(_matching(TOPIC, _TOPIC, or_empty=True))]
+NodeName = Annotated[
+    str, AfterValidator(_matching(NAME, "a ROS node name: letters, digits and _, not starting with a digit"))
+]
+Namespace = Annotated[
+    str, AfterValidator(_matching(NAMESPACE, "a ROS namespace such as /robot1: letters, digits, _ and /"))
+]
+ActionType = Annotated[
+    str,
+    AfterValidator(_matching(ACTION_TYPE, "an action type such as some_package/action/Dock", or_empty=True)),
+]
+
+# Separated by commas.
+Texts = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_split)]
+LowerTexts = Annotated[Texts, AfterValidator(_each(str.lower))]
+Networks = Annotated[LowerTexts, AfterValidator(_check_proxies)]
+Topics = Annotated[Texts, AfterValidator(_each(_matching(TOPIC, _TOPIC)))]
+Robots = Annotated[
+    Texts,
+    AfterValidator(_each(_matching(ROBOTS, "a namespace such as /robot1 or /hall_a/*, and not * for all"))),
+]
+OwnNames = Annotated[Texts, AfterValidator(_check_own_names)]
+Algorithms = Annotated[Texts, AfterValidator(_check_algorithms)]
+RoleNames = Annotated[Texts, AfterValidator(_check_roles)]
