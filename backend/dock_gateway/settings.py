@@ -197,8 +197,8 @@ class Settings(BaseSettings):
     namespace: Namespace = Field("", description="ROS namespace of the robot, such as `/robot1`.")
     dock_action: OptionalTopic = Field(
         "",
-        description="The action behind `/dock`, relative to the namespace. Empty: picked for each robot by what is on "
-        "the ROS graph ([nav2.md](nav2.md)).",
+        description="The action behind `/dock`, relative to the namespace. Empty: picked for each robot from the ROS "
+        "graph ([nav2.md](nav2.md)).",
     )
     dock_action_type: ActionType = Field("", description="The type of that action. Empty: as on the ROS graph.")
     undock_action: OptionalTopic = Field(

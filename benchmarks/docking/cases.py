@@ -162,7 +162,7 @@ CASES = (
     Case("marker noise 2 cm, 3°", (DOCK_POSE,), _set("marker", noise=0.02, angle_noise=0.052)),
     Case("marker noise 5 cm, 8°", (DOCK_POSE,), _set("marker", noise=0.05, angle_noise=0.14)),
     Case(
-        "marker noise 2 cm more per m, 6° more per rad aside",
+        "marker noise +2 cm per m, +6° per rad off the axis",
         (DOCK_POSE,),
         _set("marker", noise_per_metre=0.02, noise_per_radian=0.1),
     ),
@@ -220,7 +220,7 @@ CASES = (
     Case("charge flickers", BOTH, _set("dock", flickers=True)),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0))),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0))),
-    Case("pushed 10 cm aside in the last 20 cm", BOTH, disturb=_push_once),
+    Case("pushed 10 cm sideways in the last 20 cm", BOTH, disturb=_push_once),
     Case("two tags on one topic", (DOCK_POSE,), _two_tags),
     Case("two tags on one topic, pose known", (DOCK_POSE,), _two_tags, known=True),
     Case("starts behind the dock", BOTH, region=BEHIND),

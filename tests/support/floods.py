@@ -169,10 +169,10 @@ FLOODS: dict[str, Flood] = {
     "unread commands": _websocket("/ws", b"", frame(TEXT, b'{"op":"ping"}') * 1_000, read=False),
     "tiny chunks": _request(CHUNKED, b"1\r\n \r\n" * 10_000),
     "bodies without end": _many(100, LARGE, b"x" * 20_000, pause=0.1),
-    "a body nobody wants": _request(ENDLESS, b"x" * 65_536),
+    "an unwanted body": _request(ENDLESS, b"x" * 65_536),
     "pipelined requests": _request(b"", (START + b"\r\n") * 100),
     "connections": _many(100, START + b"Connection: close\r\n\r\n", pause=0.0),
-    "answers nobody reads": _slow_readers("/openapi.json", 200),
+    "unread answers": _slow_readers("/openapi.json", 200),
     "slow event streams": _slow_websockets,
 }
 
