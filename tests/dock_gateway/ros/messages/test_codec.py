@@ -161,7 +161,7 @@ def test_any_message_to_cdr_and_back_within_its_schemas(message_class: type[Any]
     for validator in (takes, writes):
         validator.check_schema(validator.schema)
 
-    @settings(max_examples=20, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=8, suppress_health_check=list(HealthCheck))
     @given(documents(message_class))
     def round_trips(document: dict[str, Any]) -> None:
         takes.validate(document)
