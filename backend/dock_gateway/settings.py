@@ -1,4 +1,4 @@
-"""What can be set, each by an environment variable `DOCK_GATEWAY_…` or an option of the command line."""
+"""The settings, each an environment variable `DOCK_GATEWAY_…` or an option of the command line."""
 
 import difflib
 import os
@@ -461,7 +461,7 @@ class Settings(BaseSettings):
 
     @property
     def open_to(self) -> Literal["machine", "network"] | None:
-        """Who may do everything without a login: the programs of this machine, or all who reach it over a network."""
+        """The clients that need no login: the programs of this machine, or all clients on the network."""
         if self.authentication:
             return None
         return "machine" if (self.published_on or self.host) in LOOPBACK_HOSTS else "network"

@@ -1,1 +1,1 @@
-"""What the gateway and the docking nodes both need of ROS. It imports neither of them."""
+"""Code for ROS that the gateway and the docking nodes share. It imports neither of them."""

@@ -301,7 +301,7 @@ class SubscriptionWaitable(Waitable):  # type: ignore[misc] # rclpy has no types
         """Take a subscription.
 
         Args:
-            subscription: What to wait for.
+            subscription: The subscription to wait for.
             take: Called in the executor's thread when there are messages; takes them all.
         """
         super().__init__(ReentrantCallbackGroup())

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass
 class Vote:
-    """What one publisher said last.
+    """The last vote of a publisher.
 
     Attributes:
         latched: Whether it wants the robot to stand still.

@@ -10,6 +10,6 @@ def fitting_types(subscribed: AbstractSet[str], otherwise: AbstractSet[str]) -> 
 
     Args:
         subscribed: The types that bases subscribe to, of any kind.
-        otherwise: What to publish while no base subscribes to a velocity; `PLAIN` if it is empty.
+        otherwise: The types to publish while no base subscribes to a velocity; `PLAIN` if it is empty.
     """
     return frozenset(subscribed & set(TYPES) or otherwise or {PLAIN})

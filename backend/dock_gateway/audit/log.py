@@ -28,7 +28,7 @@ UNKNOWN = ""
 
 @dataclass(frozen=True)
 class AuditLimits:
-    """How much the audit log takes, and how long it waits. Times are in seconds.
+    """Limits and timeouts of the audit log. Times are in seconds.
 
     Attributes:
         waiting: Entries in memory; more are lost, and counted.

@@ -1,4 +1,4 @@
-"""What an entry of the audit log is about: the robot, the action and the goal of a request or a command."""
+"""The subject of an audit entry: the robot, the action and the goal of a request or a command."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any

@@ -31,7 +31,7 @@ class Trail:
         scope: The scope of the request, or of the WebSocket.
         what: The command; None for a request.
         command: Its fields.
-        operation: What it needs.
+        operation: Its requirements.
 
     Attributes:
         at: When the request arrived, or when it acted if it was authorized: the time of the entry.

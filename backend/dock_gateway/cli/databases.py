@@ -31,7 +31,7 @@ class Choice:
         """Say which database it was, and where a gateway may use another one. Goes to the standard error output.
 
         Args:
-            verb: What was done there, such as `stored`.
+            verb: The operation there, such as `stored`.
         """
         from dock_gateway.storage.database import display  # noqa: PLC0415 - takes a second
 

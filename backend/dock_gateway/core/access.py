@@ -1,4 +1,4 @@
-"""Who uses the gateway, and what they may do. Plain data."""
+"""Users of the gateway and their grants. Plain data."""
 
 import hashlib
 import json
@@ -13,7 +13,7 @@ IDLE = timedelta(days=7)
 
 
 class Kind(StrEnum):
-    """What shows who makes a request."""
+    """The credential of a request."""
 
     TOKEN = "token"  # noqa: S105 - it is not one
     USER = "user"
@@ -27,8 +27,8 @@ class Token:
     """A token that a script or a person shows, as it is stored: without its secret.
 
     Attributes:
-        name: Who uses it.
-        role: What they may do.
+        name: Its user.
+        role: Role of the user.
         robots, actions, topics: With what, as in `Grant`.
         digest: SHA-256 of the secret, in hexadecimal digits.
         created_by: Who created it, if known.
@@ -50,7 +50,7 @@ class Token:
 
     @property
     def grant(self) -> Grant:
-        """What its user may do."""
+        """The grant of its user."""
         return Grant(self.role, self.robots, self.actions, self.topics)
 
     def valid(self, now: datetime) -> bool:
@@ -86,7 +86,7 @@ class User:
 
     @property
     def grant(self) -> Grant:
-        """What they may do."""
+        """The grant of the user."""
         return Grant(self.role, self.robots, self.actions, self.topics)
 
 
@@ -153,7 +153,7 @@ class PersonSession:
 
     @property
     def grant(self) -> Grant:
-        """What the person may do."""
+        """The grant of the person."""
         return Grant(self.role, self.robots, self.actions, self.topics)
 
     def valid(self, issuer: str | None, now: datetime) -> bool:
@@ -168,12 +168,12 @@ class PersonSession:
 
 @dataclass(frozen=True)
 class Principal:
-    """Who makes a request.
+    """The user or program that makes a request.
 
     Attributes:
         name: Their name; None where the gateway does not ask who it is.
-        kind: What shows who it is.
-        grant: What they may do.
+        kind: The kind of credential.
+        grant: Their grant.
         credential: Id of the token or the session; None where the gateway does not ask for one.
         expires_at: Until when the access token of a service is valid.
         key: Thumbprint of the provider's key that has signed it.

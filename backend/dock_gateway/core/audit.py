@@ -16,7 +16,7 @@ MAX_TEXT, MAX_ROBOTS = 300, 10_000
 
 
 class Outcome(StrEnum):
-    """What came of a request or a command."""
+    """The outcome of a request or a command."""
 
     DONE = "done"
     REFUSED = "refused"
@@ -46,7 +46,7 @@ class AuditEntry:
         robot: Namespace of the robot; several are separated by commas.
         action_name: The action.
         goal_id: The goal.
-        subject: What else it was about, such as the name of a token or the id of a rule.
+        subject: Another subject, such as the name of a token or the id of a rule.
         status: The status code of the answer.
         code: Why it was refused or failed.
     """
@@ -74,7 +74,7 @@ class AuditEntry:
 
     @property
     def outcome(self) -> Outcome:
-        """What came of it."""
+        """The outcome."""
         return outcome_of(self.status)
 
 

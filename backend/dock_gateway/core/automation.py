@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Mode(StrEnum):
-    """What a rule does when its condition is met: nothing, record what it would do, or dock the robot."""
+    """The mode of a rule whose condition is met: do nothing, record what it would do, or dock the robot."""
 
     OFF = "off"
     DRY_RUN = "dry_run"
@@ -14,7 +14,7 @@ class Mode(StrEnum):
 
 
 class Outcome(StrEnum):
-    """What came of a decision.
+    """The outcome of a decision.
 
     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
     """
@@ -41,7 +41,7 @@ class Decision:
         rule_name: Its name at that time.
         robot: The namespace of the robot.
         at: When it was made.
-        outcome: What came of it.
+        outcome: Its outcome.
         battery: The charge that it went by (0 to 1), if measured.
         idle_since: Since when the robot was idle, and its battery low if that is the condition.
         scheduled_for: The time of day that it went by, if that is the condition.

@@ -58,8 +58,8 @@ class Doubt(NamedTuple):
 
     Attributes:
         field: The field's path, such as `cell_voltage.0`.
-        value: What it is; an infinity is a text, as JSON has no number for it.
-        expected: What it should be.
+        value: Its value; an infinity is a text, as JSON has no number for it.
+        expected: The expected values.
         advice: A sentence that says what may help; may be empty.
         grace: Seconds for which it is normal, as while a driver starts.
     """

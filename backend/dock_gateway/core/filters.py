@@ -56,7 +56,7 @@ class EventFilter:
         action_name: Only goals and servers of this action.
         namespace: Only goals and servers of actions in this namespace or below.
         robot: The namespace of the robot whose battery, velocity and scene are wanted.
-        grant: What the reader may see; None means everything.
+        grant: The reader's grant; None means everything.
         homed: Actions elsewhere that belong to robots in the namespace.
     """
 

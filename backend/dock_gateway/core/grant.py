@@ -1,4 +1,4 @@
-"""What someone may do, and with which robots, actions and topics. Plain data."""
+"""Grants: permitted operations, and the robots, actions and topics they cover. Plain data."""
 
 import re
 from collections.abc import Iterable
@@ -41,10 +41,10 @@ class Role(StrEnum):
 
 @dataclass(frozen=True)
 class Grant:
-    """What someone may do, and with what. Patterns are names, in which `*` stands for any text.
+    """The permissions of a user. Patterns are names, in which `*` stands for any text.
 
     Attributes:
-        role: What they may do.
+        role: Role of the user.
         robots: Patterns of the namespaces of their robots; empty means every robot. A namespace includes those below
             it, but `/` is only the robot without a namespace.
         actions: Patterns of the actions whose goals they see and send; empty means every action of their robots.

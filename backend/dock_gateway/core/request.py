@@ -23,7 +23,7 @@ Watch = Callable[[Callable[[], object]], AbstractContextManager[None]]
 
 @dataclass
 class Permit:
-    """What lets a request or a command act: its login was valid and sufficed when it was authorized.
+    """The authorization of a request or a command: its login was valid and sufficed when it was checked.
 
     Attributes:
         require: Raises an error if that is no longer true.

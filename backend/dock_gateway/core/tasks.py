@@ -24,7 +24,7 @@ class Tasks:
     """Background tasks of one owner. Their exceptions are logged.
 
     Args:
-        doing: What they do, for the log.
+        doing: Their purpose, for the log.
     """
 
     def __init__(self, doing: str) -> None:

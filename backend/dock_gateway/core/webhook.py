@@ -8,7 +8,7 @@ from dock_gateway.core.goal import Json
 
 
 class EventType(StrEnum):
-    """What happened."""
+    """The type of an event."""
 
     RAISED = "alert.raised"
     CLEARED = "alert.cleared"
@@ -29,7 +29,7 @@ class Delivery:
 
     Attributes:
         webhook_id: The webhook.
-        event_type: What happened.
+        event_type: The type of the event.
         state: Whether it was delivered.
         alert_id: The alert; None for a test.
         at: When it happened.

@@ -30,7 +30,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Expected:
-    """What the gateway expects of a topic.
+    """The expected types of a topic.
 
     Attributes:
         types: The types that it can use.

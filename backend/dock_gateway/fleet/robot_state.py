@@ -95,7 +95,7 @@ class RobotState:
 
         Args:
             grant: Only goals that it covers are shown.
-            join: What would give it a docking server.
+            join: The settings that would give it a docking server.
         """
         publisher = self.publisher.document()
         last = self.last_goal

@@ -34,7 +34,7 @@ class RobotPublisher(Schema):
 
 
 class RobotJoin(Schema):
-    """How a robot gets a docking server that is in another namespace: what to set, as lines and in words."""
+    """Settings that give a robot a docking server in another namespace, as lines and as a sentence."""
 
     detail: str
     settings: list[str]

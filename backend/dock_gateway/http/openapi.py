@@ -36,7 +36,7 @@ class Union:
         description: What they are.
         discriminator: The field that tells them apart, if one does.
         mode: Whether the gateway sends them (`serialization`) or reads them (`validation`).
-        operations: What each needs, by its value of the discriminator, if they are commands.
+        operations: The requirements of each, by its value of the discriminator, if they are commands.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What a request or a command of `/ws` needs, declared where it is written: role, scope, audit and quota."""
+"""The requirements of a request or a command of `/ws`, declared on its function: role, scope, audit and quota."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ F = TypeVar("F", bound=Callable[..., object])
 
 
 class Scope(Enum):
-    """What a request or a command is about, which the user's grant has to include."""
+    """The subject of a request or a command, which the user's grant has to include."""
 
     ANY = auto()  # nothing that a grant is limited to
     LISTED = auto()  # what the grant includes: the route leaves out the rest
@@ -45,7 +45,7 @@ class Operation:
 
     Attributes:
         role: The role; None if it needs no login.
-        scope: What it is about.
+        scope: Its subject, which the user's grant has to include.
         audit: Whether the audit log has it.
         sends_goal: Whether it sends a goal, which counts towards the user's goals per minute.
         reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
@@ -74,7 +74,7 @@ def operation(
 
     Args:
         role: The role that it needs.
-        scope: What it is about.
+        scope: Its subject, which the user's grant has to include.
         audit: Whether the audit log has it.
         sends_goal: Whether it sends a goal.
         reads_body: Whether the endpoint reads the body itself.

@@ -1,4 +1,4 @@
-"""Who makes a request: the secret that it shows, the cookies of a browser, and what the request is signed with."""
+"""The user of a request: the secret that identifies them, the cookies of a browser, and the name in `by`."""
 
 from collections.abc import Mapping
 from ipaddress import ip_address

@@ -1,4 +1,4 @@
-"""What one user may take, so that a script that runs wild leaves the gateway to the others."""
+"""Quotas of each user, so that a runaway script does not use up the gateway."""
 
 import time
 from collections import Counter, deque

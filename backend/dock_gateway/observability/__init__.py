@@ -1,4 +1,4 @@
-"""What the gateway measures of itself, for Prometheus: docs/metrics.md.
+"""Metrics of the gateway, for Prometheus: docs/metrics.md.
 
 What happens often is counted by the parts as plain integers, which `gateway_collector` reads when it is scraped.
 """

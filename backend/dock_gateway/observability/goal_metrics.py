@@ -1,4 +1,4 @@
-"""How goals end."""
+"""Metrics of ended goals."""
 
 from prometheus_client import CollectorRegistry, Counter, Histogram
 

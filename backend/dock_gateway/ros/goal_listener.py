@@ -69,7 +69,7 @@ class GoalListener:
 
     @property
     def excess(self) -> str | None:
-        """Who brings up too many unknown goals, without a full stop; None if no node does."""
+        """The node that reports too many unknown goals, without a full stop; None if there is none."""
         return self._excess if self.admission.exceeded else None
 
     def listen(self, link: ActionLink) -> None:

@@ -103,7 +103,7 @@ class Survey:
         piece: Seconds that one step takes.
 
     Attributes:
-        seen: What has been found so far.
+        seen: The results so far.
     """
 
     def __init__(self, node: Node, piece: float = PIECE) -> None:

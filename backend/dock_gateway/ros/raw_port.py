@@ -19,7 +19,7 @@ DEPTH = 200
 
 
 class Heard(NamedTuple):
-    """What was received on a topic: number of messages and bytes, and the newest with its source timestamp."""
+    """Counts of received messages and bytes of a topic, and the newest message with its source timestamp."""
 
     messages: int = 0
     size: int = 0
@@ -81,7 +81,7 @@ class EchoPort:
         reliable: Whether lost messages are requested again.
         latched: Whether earlier messages are requested.
         on_news: Called on the loop at the first message after each `tell_next`.
-        heard: What an earlier port received.
+        heard: Counts and newest message of an earlier port.
     """
 
     def __init__(

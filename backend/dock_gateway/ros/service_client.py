@@ -59,7 +59,7 @@ class ServiceClient:
         Args:
             request: The request.
             within: Seconds to wait for each answer, after the service has been found.
-            attempts: How often to send it.
+            attempts: Maximum number of attempts.
 
         Raises:
             TimeoutError: The service was not found, or did not answer.

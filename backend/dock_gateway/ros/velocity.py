@@ -92,7 +92,7 @@ class VelocityTopic:
         types: The types that are published and listened to: none while others use it with other types only.
         stop_topics: The topics that tell who is a gateway.
         fault: Why zero velocity reaches no base, if that is known.
-        listeners: What listens.
+        listeners: The subscriptions.
     """
 
     def __init__(self, bridge: Bridge, name: str) -> None:

@@ -79,7 +79,7 @@ async def stop_robots(
 
     Args:
         stopper: Stops them.
-        principal: Who stops them; whatever else cannot be read, their name is recorded if it is known.
+        principal: The user who stops them; recorded if known, even if the rest of the request cannot be read.
         robots: The robots; none is the configured one.
         value: The decoded body, or the fields of a command.
         wait: Seconds that action servers may take to answer.

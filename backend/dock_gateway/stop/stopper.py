@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class StopTiming:
-    """How a stop is answered within 100 ms. Times are in seconds.
+    """Timeouts that let a stop be answered within 100 ms. Times are in seconds.
 
     Publishing zero velocity to hundreds of robots blocks the loop for some 20 ms, too long to repeat for hundreds of
     stops per second: see `rest`.

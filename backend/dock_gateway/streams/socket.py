@@ -80,7 +80,7 @@ class Session:
     Args:
         websocket: The connection.
         parts: Carry out the commands.
-        principal: Who sends them.
+        principal: The user who sends them.
         max_commands: Maximum number of commands in progress; more are refused.
         max_stops: Stops in addition to them. They are never refused: beyond this, the socket is not read until one is
             answered.

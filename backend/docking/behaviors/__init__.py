@@ -1,1 +1,1 @@
-"""What moves the robot at one stage: search, staging, approach, back out. Plain Python."""
+"""Behaviors, one for each stage: search, staging, approach, back out. Plain Python."""

@@ -57,10 +57,10 @@ class Approach:
         """Begin at about the staging pose, looking at the dock.
 
         Args:
-            aim: Where the dock is.
-            motion: What the robot may do.
+            aim: The dock.
+            motion: Limits of the robot's motion.
             settings: How it drives.
-            lost: What has happened when the dock is out of sight for too long.
+            lost: The error if the dock is out of sight for too long.
             lost_after: How long that is, in s.
             until: How far before the docked pose to stop, in m; the default is at contact.
         """
@@ -92,7 +92,7 @@ class Approach:
         return self._drive(odometry.pose, docked, left)
 
     def _hold(self, left: float, dt: float) -> Velocity | None:
-        """What to do before the robot may drive on; None if it may."""
+        """Return the velocity while the robot must not drive on; None if it may."""
         if self._aim.disputed:
             self._sure = False
         held = self._sight.hold(left)

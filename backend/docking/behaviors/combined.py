@@ -19,7 +19,7 @@ class Sequence:
         self._current: Behavior | None = None
 
     def step(self, observation: Observation, dt: float) -> Step:
-        """What the one whose turn it is says; a standstill between two."""
+        """Return the step of the current behavior; a standstill between two."""
         if self._current is None:
             if not self._makers:
                 return Done()
@@ -38,7 +38,7 @@ class Reversed:
         self._behavior = behavior
 
     def step(self, observation: Observation, dt: float) -> Step:
-        """What the behavior would do with a robot that is turned round, the other way."""
+        """Return the step of the behavior for a robot that is turned round, reversed."""
         odometry = observation.odometry
         if odometry is not None:
             velocity = Velocity(-odometry.velocity.linear_x, odometry.velocity.angular_z)

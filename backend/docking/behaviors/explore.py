@@ -46,7 +46,7 @@ class Explore:
         Args:
             search: Makes what turns the robot at a place.
             places: Where to drive, in odom, one after another.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
             sees: Whether the dock is in view at a moment.
             timeout: How long this may take from the first drive on, in s.
             at_once: Whether to drive without looking around first.

@@ -1,4 +1,4 @@
-"""What a robot does on the last metre when it sees the dock no longer, or sees it somewhere else."""
+"""Handles a dock that goes out of sight on the last metre, or that is seen somewhere else."""
 
 import math
 
@@ -44,9 +44,9 @@ class KeepInSight:
 
         Args:
             aim: Where the dock is.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
             settings: How it drives. With an infinite blind_distance, it never needs to see the dock.
-            lost: What has happened when the dock is out of sight for too long.
+            lost: The error if the dock is out of sight for too long.
             lost_after: How long that is, in s.
         """
         self._aim = aim
@@ -82,7 +82,7 @@ class KeepInSight:
         return None
 
     def hold(self, left: float) -> Velocity | None:
-        """What to do instead of driving on; None: drive on.
+        """Return the velocity while the robot must not drive on; None if it may.
 
         Args:
             left: To the docked pose, in m.

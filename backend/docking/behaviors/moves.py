@@ -21,11 +21,11 @@ TURN_FIRST = math.radians(30.0)
 
 @dataclass(frozen=True, slots=True)
 class Steering:
-    """What the law says.
+    """The output of the control law.
 
     Attributes:
         curvature: Of the way, in 1/m; to the left is positive.
-        slowness: What to divide the highest speed by, at least 1.
+        slowness: Divisor of the highest speed, at least 1.
     """
 
     curvature: float
@@ -63,7 +63,7 @@ def drive_to(robot: Pose, target: Pose, motion: MotionLimits, *, forwards: bool 
     Args:
         robot: Where the robot is.
         target: Where it is to be, in the same frame; how it is turned there does not matter.
-        motion: What the robot may do.
+        motion: Limits of the robot's motion.
         forwards: Whether to drive forwards in any case.
     """
     direction = math.atan2(target.y - robot.y, target.x - robot.x)

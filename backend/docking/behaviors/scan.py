@@ -19,7 +19,7 @@ class Scan:
 
         Args:
             beacon: Where the beacon is, as far as is known.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
         """
         self._beacon = beacon
         self._speed = max(motion.v_angular_min, min(beacon.receivers.infrared_scan_speed, motion.v_angular_max))

@@ -35,7 +35,7 @@ class Search:
         """Begin where the robot is.
 
         Args:
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
             speed: How fast to turn, in rad/s.
             sees: Whether the dock is in view at a moment.
             knows: Whether it was seen well enough.

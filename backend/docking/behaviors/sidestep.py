@@ -44,7 +44,7 @@ class Sidestep:
 
         Args:
             beacon: Where the beacon is; the edge is noted there.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
             side: 1 to the right, looking at the dock, -1 to the left.
             lost_after: For how long the beacon may be out of sight elsewhere, in s.
         """

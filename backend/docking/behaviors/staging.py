@@ -36,7 +36,7 @@ class ToStaging:
         Args:
             aim: Where the dock is.
             dock: Where the staging pose lies from there.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
             sure: How well the docked pose must be known before it is done.
         """
         self._aim = aim

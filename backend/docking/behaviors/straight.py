@@ -22,7 +22,7 @@ class BackOut:
 
         Args:
             distance: How far, in m.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
         """
         self._distance = distance
         self._motion = motion
@@ -54,7 +54,7 @@ class GoTo:
 
         Args:
             place: Where base_link is to be, in odom.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
         """
         self._place = place
         self._motion = motion

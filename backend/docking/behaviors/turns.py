@@ -10,7 +10,7 @@ from docking.goal.plan import DockTarget
 from docking.parameters import MotionLimits
 
 COMPLETE = math.radians(3.0)
-"""What may be left of a full turn, in rad."""
+"""Largest remaining angle of a full turn, in rad."""
 STRAIGHT = math.radians(1.5)
 """How straight the robot must look along the dock's axis, in rad."""
 
@@ -33,7 +33,7 @@ class FullTurn:
         """Begin where the robot is.
 
         Args:
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
         """
         self._motion = motion
         self._left = math.tau
@@ -58,7 +58,7 @@ class TurnToDock:
 
         Args:
             aim: Where the dock is.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
         """
         self._aim = aim
         self._motion = motion

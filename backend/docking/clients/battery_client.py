@@ -1,4 +1,4 @@
-"""What the clients for docking and undocking have in common: goal, feedback and result hold a battery state each."""
+"""The common part of the clients for docking and undocking: goal, feedback and result hold a battery state each."""
 
 import argparse
 import math
@@ -15,8 +15,8 @@ class BatteryClient(GoalClient):
     """A client of such an action.
 
     Attributes:
-        status: What a goal asks for by default.
-        statuses: What it can ask for, for the help text.
+        status: Desired status of a goal by default.
+        statuses: Possible desired statuses, for the help text.
     """
 
     status: PowerSupplyStatus

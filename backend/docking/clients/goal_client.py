@@ -92,15 +92,15 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
 
     @abstractmethod
     def accepted_text(self) -> str:
-        """What to say when the goal is accepted."""
+        """Return the log line for an accepted goal."""
 
     @abstractmethod
     def feedback_text(self, feedback: Any) -> str:
-        """What to say of a feedback message."""
+        """Return the log line for a feedback message."""
 
     @abstractmethod
     def result_text(self, result: Any) -> str:
-        """What to say of a result."""
+        """Return the log line for a result."""
 
     def interrupt(self) -> None:
         """Cancel the goal, or leave if that was asked for before."""

@@ -1,4 +1,4 @@
-"""What a client of an action waits for, and how long: a state machine that is given the time."""
+"""The session of an action client: a state machine of its requests and their timeouts, stepped with the time."""
 
 import enum
 from dataclasses import dataclass
@@ -90,7 +90,7 @@ class Session:
         self._canceled_at: float | None = None
 
     def step(self, now: float) -> Request | None:
-        """What to send now, if anything; to be asked some ten times a second."""
+        """Return the request to send now, if any; call it about ten times a second."""
         if self.phase is Phase.SEARCHING:
             return self._search(now)
         if self.phase is Phase.SENT:

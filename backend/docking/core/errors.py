@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 
 class Stage(enum.StrEnum):
-    """What docking is doing, or how the last goal ended."""
+    """The current stage of docking, or how the last goal ended."""
 
     IDLE = "IDLE"
     """No goal has come yet."""

@@ -1,4 +1,4 @@
-"""What the robot knows at one moment: the input of controllers and of goals. Plain data, without ROS.
+"""The sensor readings of one moment: the input of controllers and of goals. Plain data, without ROS.
 
 Frames: `odom` is where the robot was when odometry began, and drifts; `base_link` is the robot (x forward, y left).
 All moments are seconds of the monotonic clock.
@@ -65,7 +65,7 @@ class MarkerDetection:
 
 @dataclass(frozen=True, slots=True)
 class InfraredReading:
-    """What the three receivers at the robot's front measure to the dock's beacon (sensor_msgs/Range).
+    """The distances from the three receivers at the robot's front to the dock's beacon (sensor_msgs/Range).
 
     Attributes:
         left: In m; infinite where nothing is seen (REP-117). The receiver that is turned to the left.
@@ -82,7 +82,7 @@ class InfraredReading:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
-    """What a laser scanner sees (sensor_msgs/LaserScan).
+    """A scan of a laser scanner (sensor_msgs/LaserScan).
 
     Attributes:
         points: In odom, in m; shape (n, 2).

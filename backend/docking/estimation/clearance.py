@@ -24,7 +24,7 @@ class Clearance:
 
         Args:
             outline: Of the robot, in base_link.
-            margin: What to keep free around it, in m.
+            margin: Clearance around it, in m.
         """
         corners = np.array(_convex(outline))
         edges = np.roll(corners, -1, axis=0) - corners

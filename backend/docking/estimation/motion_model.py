@@ -12,7 +12,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 
 LAGS = tuple(0.05 * number for number in range(13))
-"""What the lag may be, in s: from a command until odometry shows the motion."""
+"""Candidates for the lag, in s: the time from a command until odometry shows the motion."""
 USUAL_LAG = 0.05
 """In s; assumed until the lag is learned."""
 DOUBT = 1e-3
@@ -183,7 +183,7 @@ class MotionModel:
 
     @property
     def velocity(self) -> Velocity:
-        """As it was measured a moment ago: from poses, since not every odometry has a velocity."""
+        """The measured velocity: from poses, since not every odometry has a velocity."""
         if len(self._times) < 2:
             return STANDSTILL
         now = self._times[-1]
@@ -198,7 +198,7 @@ class MotionModel:
 
     @property
     def unseen(self) -> Motion:
-        """What was commanded since odometry measured another pose, and may have been carried out."""
+        """The motion that was commanded since odometry last changed, and may have been carried out."""
         if not self._times:
             return NOWHERE
         return self.commands(self._changed_at - self.lag, self._times[-1])
@@ -216,7 +216,7 @@ class MotionModel:
         return before.plus(self.commanded.linear_x * dt, self.commanded.angular_z * dt)
 
     def velocity_at(self, moment: float) -> Velocity:
-        """As it was measured over the moment before."""
+        """The velocity at a moment, measured over `WINDOW` before it."""
         if not self._times:
             return STANDSTILL
         moved = self.measured(moment - WINDOW, moment)

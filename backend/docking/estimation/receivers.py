@@ -1,4 +1,4 @@
-"""What the three infrared receivers see, out of readings of which single ones may be wrong or missing."""
+"""Filters the readings of the three infrared receivers: single ones may be wrong or missing."""
 
 import math
 from collections.abc import Sequence

@@ -9,10 +9,10 @@ from docking.parameters import GoalPolicy
 
 @dataclass(frozen=True)
 class Purpose:
-    """What the goals of an action are there for.
+    """The purpose of the goals of an action.
 
     Attributes:
-        statuses: What a goal may ask for; UNKNOWN is a field that was not set.
+        statuses: Allowed desired statuses; UNKNOWN is a field that was not set.
         explanation: The same as half a sentence.
     """
 
@@ -52,7 +52,7 @@ def admit(
 
     Args:
         desired_status: The goal's `desired_battery_state.power_supply_status`.
-        purpose: What goals of this action may ask for.
+        purpose: The purpose of this action's goals.
         active_goal_id: The goal that runs, if one does.
         policy: What to do in that case.
         stop_latched: Whether a stop is latched.

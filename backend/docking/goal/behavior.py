@@ -1,4 +1,4 @@
-"""What a controller is: something that says how to move now. Plain Python, without ROS."""
+"""The interface of behaviors, which compute the next velocity. Plain Python, without ROS."""
 
 from dataclasses import dataclass
 from typing import Protocol

@@ -18,7 +18,7 @@ def tells_charging(battery: BatteryReading, settings: ChargingSettings, velocity
 
     Args:
         battery: The message.
-        settings: What tells that the battery charges.
+        settings: How charging is detected.
         velocity: Of the robot. Who moves is on no charger: a current is then that of the motors, its sign set wrong.
     """
     if settings.charging_source is ChargingSource.STATUS:
@@ -35,7 +35,7 @@ def stands_docked(robot: Pose | None, docked: Pose | None, settings: ChargingSet
     Args:
         robot: base_link in odom; None if unknown.
         docked: The same when docked.
-        settings: What tells that the battery charges.
+        settings: How charging is detected.
         threshold: The most that both may differ by, in m.
     """
     if settings.charging_source is not ChargingSource.POSE or robot is None or docked is None:
@@ -88,7 +88,7 @@ class ChargeRecord:
 
         Args:
             now: The moment.
-            reading: What the battery says.
+            reading: The battery message.
             charges: Whether it charges by that.
         """
         self._status, self._current = reading.status, reading.current

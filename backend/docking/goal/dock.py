@@ -55,7 +55,7 @@ class Docking(Objective):
         Args:
             timeouts: The time limits.
             memory: Where it is noted that the robot is docked.
-            charging: What tells that the battery charges; None is its status.
+            charging: How charging is detected; None uses the battery's status.
             docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
             slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
             staging: Of the dock, to be remembered; None is the usual one.

@@ -48,9 +48,9 @@ class Goal:
 
         Args:
             plan: The stages and what moves the robot at each.
-            objective: What the goal is for.
+            objective: The objective of the goal.
             started_at: Seconds of the clock that observations have.
-            obstacles: What keeps the robot away from obstacles; None where nothing does.
+            obstacles: Collision detection; None without it.
         """
         self.outcome: Outcome | None = None
         self.retries = 0
@@ -75,7 +75,7 @@ class Goal:
     # A step: is the goal reached, is the battery heard, and what moves the robot?
 
     def step(self, observation: Observation) -> Command | Outcome:
-        """What to do now.
+        """Step the goal: return the next command, or the outcome.
 
         Only a battery reading that is not stale can end the goal well: one from before the goal counts as long as it
         is fresh. Where the clock jumps back, nothing tells how old anything is any more, so that the goal is aborted.

@@ -29,7 +29,7 @@ LEAST_TURN = 0.2
 REPEATED = 0.1
 """Seconds after which a pose that is the same again is repeated, where the robot moves."""
 UNSEEN = Velocity(0.01, 0.05)
-"""What must have been commanded meanwhile, in m and rad."""
+"""Least motion that must have been commanded meanwhile, in m and rad."""
 MOVING = Velocity(0.05, 0.1)
 """In m/s and rad/s: by its velocity, odometry moves, and faster than it may stall at the dock."""
 DOUBTED_FOR = 0.6
@@ -167,12 +167,12 @@ class MotionWatch:
         return self._repeats
 
     def _jump(self, now: float, since: float, pose: Pose) -> str:
-        """What odometry did that no robot can; empty where it did not.
+        """Describe a jump of odometry that no robot can make; empty without one.
 
         Args:
             now: The moment.
             since: Seconds since the last look.
-            pose: What odometry says.
+            pose: The pose by odometry.
         """
         last = self.model.last
         if last is None:

@@ -17,7 +17,7 @@ class CannotNavigate(Exception):
 
 
 class RideState(enum.Enum):
-    """What has become of a request."""
+    """The state of a request."""
 
     ASKED = enum.auto()
     DRIVING = enum.auto()
@@ -29,8 +29,8 @@ class Ride(Protocol):
     """One request to drive the robot to the staging pose.
 
     Attributes:
-        state: What has become of it.
-        reason: Why it has failed.
+        state: Its state.
+        reason: Why it failed.
         feedback: How many messages of feedback have come.
     """
 
@@ -48,7 +48,7 @@ class Ride(Protocol):
 
 
 class Navigator(Protocol):
-    """Who can drive the robot to the staging pose."""
+    """Drives the robot to the staging pose."""
 
     def distance(self) -> float:
         """Between the robot and the staging pose, in m.

@@ -18,7 +18,7 @@ class Deadline:
     Attributes:
         parameter: The name of the limit.
         seconds: The limit.
-        error: What has happened when it is over.
+        error: The error after the time limit.
         message: The same as half a sentence.
     """
 
@@ -66,7 +66,7 @@ class Objective(ABC):
         Args:
             timeouts: The time limits.
             memory: Knowledge from earlier goals; None without any.
-            charging: What tells that the battery charges; None is its status.
+            charging: How charging is detected; None uses the battery's status.
         """
         self.timeouts = timeouts
         self.memory = memory or DockMemory()
@@ -99,5 +99,5 @@ class Objective(ABC):
         return False
 
     def reword(self, failure: DockingError) -> DockingError:
-        """What a failure on the way means for this goal."""
+        """Return the consequence of a failure for this goal."""
         return failure

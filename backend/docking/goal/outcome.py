@@ -1,4 +1,4 @@
-"""What a step of a goal says: how it goes on, or how it has ended."""
+"""The result of a step of a goal: the next command, or the outcome."""
 
 import enum
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ class Command:
 
     Attributes:
         stage: The current stage.
-        velocity: What the wheels have to do until the next step.
+        velocity: The commanded velocity until the next step.
         error_code: NONE, or why the goal waits or tries again.
         error_msg: The same as a sentence.
         retries: Number of retries.

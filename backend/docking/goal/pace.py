@@ -35,7 +35,7 @@ class Pace:
         """Begin at a standstill.
 
         Args:
-            limits: What the robot may do.
+            limits: Limits of the robot's motion.
             slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
         """
         self._limits = limits
@@ -48,7 +48,7 @@ class Pace:
         """Return the next velocity on the way to a desired one. If the robot cannot slow down in time, it stops.
 
         Args:
-            desired: What a controller wants.
+            desired: The velocity that the controller asks for.
             dt: Seconds since the last velocity.
             robot: base_link by the last odometry, in odom.
             poses: Poses of the dock.
@@ -97,7 +97,7 @@ class Pace:
         Args:
             robot: By the last odometry.
             poses: Where the dock is.
-            model: What has been commanded since.
+            model: Motion commanded since then.
             linear: The velocity forward, in m/s.
         """
         docked, staging = poses.filtered_dock, poses.staging
@@ -135,7 +135,7 @@ class Limiter:
         If the base cannot turn as slowly as desired, it turns in pulses, so that the mean is right.
 
         Args:
-            desired: What a controller wants.
+            desired: The velocity that the controller asks for.
             dt: Seconds since the last velocity.
             dead_zone: Smaller velocities do not move the base, as far as is known.
         """

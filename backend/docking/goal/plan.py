@@ -1,4 +1,4 @@
-"""What a plan is: the stages of docking by one kind of sensor, and the controller of each."""
+"""The interface of plans: the stages of docking with one kind of sensor, and the behavior of each."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from docking.parameters import MotionLimits
 
 @dataclass(frozen=True, slots=True)
 class KnownPoses:
-    """What a plan knows of the dock, in the frame odom; None for what it does not know.
+    """Estimated poses of the dock, in the frame odom; None if unknown.
 
     Attributes:
         dock: Of base_link when docked, by the last detection alone.
@@ -34,7 +34,7 @@ class KnownPoses:
 
 
 class DockTarget(ABC):
-    """What the controllers of several stages drive by."""
+    """The dock as the target of the behaviors of several stages."""
 
     @property
     @abstractmethod
@@ -72,8 +72,8 @@ class Plan(Protocol):
 
     Attributes:
         stages: In their order. After the last one the robot stands still until the battery charges.
-        motion: What the robot may do; None leaves velocities as they are and needs no odometry.
-        lost: What has happened when the dock cannot be found again after it was seen.
+        motion: Limits of the robot's motion; None leaves velocities as they are and needs no odometry.
+        lost: The error if the dock cannot be found again after it was seen.
         poses: Current estimate of the dock.
     """
 

@@ -31,7 +31,7 @@ class Undocking(Objective):
         Args:
             timeouts: The time limits.
             memory: Knowledge from earlier goals.
-            charging: What tells that the battery charges; None is its status.
+            charging: How charging is detected; None uses the battery's status.
             assume_docked: What counts where nothing tells: that it is docked.
         """
         super().__init__(timeouts, memory, charging)

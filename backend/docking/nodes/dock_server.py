@@ -20,7 +20,7 @@ from docking.ros.server_process import serve
 
 
 def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
-    """What a docking goal is for, by the parameters."""
+    """Return the objective of a docking goal, from the parameters."""
     return Docking(
         settings.goal_timeouts,
         memory,

@@ -1,4 +1,4 @@
-"""What tells that the robot is connected to its charger."""
+"""How the connection to the charger is detected."""
 
 import enum
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from docking.core.parameter import choice, number, switch
 
 
 class ChargingSource(enum.StrEnum):
-    """What tells it."""
+    """The source that tells whether the battery charges."""
 
     STATUS = "status"
     """`power_supply_status` is CHARGING or FULL."""

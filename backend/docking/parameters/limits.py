@@ -26,7 +26,7 @@ def braked(error: float, acceleration: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class MotionLimits:
-    """What the robot may do. It stands still or moves between the minimum and the maximum velocities."""
+    """Limits of the robot's motion. It stands still or moves between the minimum and the maximum velocities."""
 
     v_linear_max: float = number(
         0.26, 0.01, 2.0, "m/s", "Maximum linear velocity, forwards and backwards (linear.x). Not below v_linear_min."

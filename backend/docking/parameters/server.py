@@ -1,4 +1,4 @@
-"""What both action servers have."""
+"""The common parameters of both action servers."""
 
 import enum
 import re
@@ -20,7 +20,7 @@ TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
 class GoalPolicy(enum.StrEnum):
-    """What happens to a goal that arrives while another one runs."""
+    """The policy for a goal that arrives while another one runs."""
 
     REJECT = "reject"
     PREEMPT = "preempt"

@@ -1,4 +1,4 @@
-"""What the plans that see the dock have in common: their stages, and the way back from the dock."""
+"""The common part of the plans that see the dock: their stages, and the way back from the dock."""
 
 import math
 from collections.abc import Callable, Iterator

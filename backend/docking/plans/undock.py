@@ -21,7 +21,7 @@ class UndockPlan:
 
         Args:
             distance: How far to back out, in m.
-            motion: What the robot may do.
+            motion: Limits of the robot's motion.
             forwards: Whether it docked backwards, so that it drives off forwards.
         """
         self._forwards = forwards

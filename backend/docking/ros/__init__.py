@@ -1,1 +1,1 @@
-"""What the nodes share of rclpy: processes, parameters, action servers and clients."""
+"""The nodes' common use of rclpy: processes, parameters, action servers and clients."""

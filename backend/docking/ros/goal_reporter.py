@@ -27,7 +27,7 @@ SENSED = frozenset(
         ErrorCode.SCAN_LOST,
     }
 )
-"""What a sensor's fault may be the cause of."""
+"""Errors that a sensor's fault may cause."""
 
 
 class GoalReporter:

@@ -1,4 +1,4 @@
-"""Who else takes part where there may be only one: two publishers of odometry, or two bases on one `cmd_vel`."""
+"""Finds nodes of which there must be only one: two publishers of odometry, or two bases on one `cmd_vel`."""
 
 from collections.abc import Iterable
 

@@ -1,4 +1,4 @@
-"""What a node hears of the robot's sensors, as the observation that goals and controllers want."""
+"""Subscribes to the robot's sensors, and returns their readings as the observation for goals and controllers."""
 
 import enum
 import math

@@ -56,7 +56,7 @@ class Drive:
         """Publish a velocity, but a standstill only once: while a goal waits, the wheels are left to others.
 
         Args:
-            velocity: What the wheels have to do until the next call.
+            velocity: The commanded velocity until the next call.
             decided_at: The moment of what it was decided on, in seconds of the monotonic clock. A decision that took
                 too long, or until after the robot was stopped, moves nothing any more.
         """

@@ -11,7 +11,7 @@ from docking.simulation.discharge import HHR650D, SECONDS_PER_HOUR, DischargeCur
 
 @dataclass(frozen=True, slots=True)
 class BatterySettings:
-    """What the battery and its charger are like.
+    """Properties of the battery and its charger.
 
     Attributes:
         cells: In series.
@@ -35,7 +35,7 @@ class BatterySettings:
 
 @dataclass(frozen=True, slots=True)
 class BatteryMeasurement:
-    """What the battery's driver tells, in the fields and units of sensor_msgs/BatteryState.
+    """The message of the battery's driver, in the fields and units of sensor_msgs/BatteryState.
 
     Attributes:
         voltage: At the poles, in V.
@@ -90,7 +90,7 @@ class BatteryPack:
         """Put the battery in.
 
         Args:
-            settings: What it is like.
+            settings: Its properties.
             random: Where the differences of its cells are drawn from.
         """
         cells = settings.cells
@@ -160,7 +160,7 @@ class BatteryPack:
         return (voltage - math.sqrt(max(0.0, root))) / (2.0 * self._resistance)
 
     def measure(self) -> BatteryMeasurement:
-        """What the battery's driver tells now."""
+        """The current message of the battery's driver."""
         voltage, percentage = self.voltage, self.percentage
         mean = voltage / self._settings.cells
         return BatteryMeasurement(

@@ -12,7 +12,7 @@ SECONDS_PER_HOUR = 3600.0
 
 @dataclass(frozen=True, slots=True)
 class DataSheet:
-    """What the maker prints about a cell: points of its discharge curve at one current.
+    """Data of a cell from its data sheet: points of its discharge curve at one current.
 
     Attributes:
         rated: Capacity that is promised, in Ah.

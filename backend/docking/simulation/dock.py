@@ -13,7 +13,7 @@ DOCKED = Pose(-0.2, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class DockSettings:
-    """What the dock is like.
+    """Properties of the dock.
 
     Attributes:
         front: x of the box's front in world, in m. It carries the contacts, whose springs give way by 1 cm beyond

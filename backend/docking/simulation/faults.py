@@ -1,4 +1,4 @@
-"""What can be made to go wrong in the simulation."""
+"""Faults that can be injected into the simulation."""
 
 import enum
 
@@ -16,9 +16,9 @@ GHOSTS = 0.1
 AHEAD = 0.5
 """How far the camera's clock is ahead with the fault `future_detections`, in s."""
 REPEATING = OdometrySettings(repeat_every=3.0, repeat_for=0.5)
-"""What odometry does with the fault `repeated_odometry`."""
+"""Behavior of odometry with the fault `repeated_odometry`."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
-"""What stands in front of the dock with the fault `obstacle`."""
+"""The obstacle in front of the dock with the fault `obstacle`."""
 
 
 class Fault(enum.StrEnum):

@@ -20,7 +20,7 @@ ANGLE_MIN = -math.pi
 
 @dataclass(frozen=True, slots=True)
 class LaserSettings:
-    """What the scanner is like and how it is mounted.
+    """Properties of the scanner and its mount.
 
     Attributes:
         rays: Of a scan, all around.
@@ -56,7 +56,7 @@ class LaserScanner:
         """Mount the scanner.
 
         Args:
-            settings: What it is like.
+            settings: Its properties.
             seed: Of its noise.
         """
         self.settings = settings
@@ -69,7 +69,7 @@ class LaserScanner:
         Args:
             robot: base_link in world.
             dock: The dock.
-            obstacles: What else there is.
+            obstacles: Other obstacles.
         """
         settings, scanner = self.settings, robot.compose(self.settings.mount)
         angles = self._angles + scanner.theta

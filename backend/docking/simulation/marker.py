@@ -104,7 +104,7 @@ class MarkerCamera:
 
         Args:
             robot: base_link in world.
-            obstacles: What may stand in between.
+            obstacles: Obstacles that may be in between.
         """
         settings, robot = self.settings, self._turned(robot)
         marker = robot.inverse()
@@ -126,7 +126,7 @@ class MarkerCamera:
         Args:
             robot: base_link in world.
             now: Seconds since the start.
-            obstacles: What may stand in between.
+            obstacles: Obstacles that may be in between.
             outliers: The part of the detections that are somewhere else, beyond that of the settings.
 
         Returns:

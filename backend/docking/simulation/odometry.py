@@ -82,7 +82,7 @@ class DriftingOdometry:
         """Forward and turning, as the wheels seem to do it.
 
         Args:
-            left: What the left wheel does, as a way in m or a speed in m/s.
+            left: Motion of the left wheel, as a distance in m or a speed in m/s.
             right: The same for the right one.
         """
         left, right = left * self._left, right * self._right
@@ -92,7 +92,7 @@ class DriftingOdometry:
         """As the wheels seem to turn.
 
         Args:
-            wheels: What they do.
+            wheels: Their motion.
         """
         half = 0.5 * self._separation * wheels.angular_z
         return Velocity(*self.measure(wheels.linear_x - half, wheels.linear_x + half))
@@ -119,7 +119,7 @@ class Repeater:
 
         Args:
             stamp: As it is right.
-            reading: What was measured.
+            reading: The measurement.
             now: Seconds since the start.
             settings: When to repeat what was sent before.
         """

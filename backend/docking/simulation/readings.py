@@ -1,4 +1,4 @@
-"""What the robot's sensors measured, with the odometry of that moment."""
+"""Readings of the robot's sensors, with the odometry of that moment."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaserScan:
-    """What the laser scanner measured.
+    """A reading of the laser scanner.
 
     Attributes:
         distances: By ray, in m; infinite where nothing is seen.

@@ -10,12 +10,12 @@ from docking.core.observation import STANDSTILL, Velocity
 from docking.core.parameter import number
 
 ROUNDING = 1e-9
-"""What sums of many steps may be wrong by, in s."""
+"""Rounding error of sums of many steps, in s."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotSettings:
-    """What the robot is like.
+    """Properties of the robot.
 
     Attributes:
         radius: Of its round body, whose centre is base_link, in m.
@@ -62,8 +62,8 @@ class Robot:
         x: In world, in m.
         y: In world, in m.
         theta: In world, in rad.
-        linear: What the wheels do, in m/s forward.
-        angular: What the wheels do, in rad/s counter-clockwise.
+        linear: Velocity by the wheels, in m/s forward.
+        angular: Velocity by the wheels, in rad/s counter-clockwise.
         left: The way that the left wheel has turned in the last step, in m.
         right: The same for the right one.
         stalled: Whether something kept a wheel from turning in the last step.
@@ -92,7 +92,7 @@ class Robot:
         """Set the robot down.
 
         Args:
-            settings: What it is like.
+            settings: Its properties.
             pose: In world.
             random: Where the noise comes from.
         """
@@ -110,7 +110,7 @@ class Robot:
 
     @property
     def velocity(self) -> Velocity:
-        """What the wheels do."""
+        """The velocity by the wheels."""
         return Velocity(self.linear, self.angular)
 
     @property

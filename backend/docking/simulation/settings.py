@@ -29,10 +29,10 @@ class Settings:
 
     Attributes:
         start: Where the robot stands at first, in world.
-        electronics_power: What the robot needs while it stands still, in W.
-        driving_power: What its motors need beyond that at 1 m/s, in W.
-        stall_power: What they need beyond that while a wheel is kept from turning, in W.
-        obstacles: What stands around.
+        electronics_power: Power of the robot while it stands still, in W.
+        driving_power: Additional power of its motors at 1 m/s, in W.
+        stall_power: Additional power of the motors while a wheel is kept from turning, in W.
+        obstacles: Obstacles other than the dock.
         robot: The robot.
         odometry: Its reckoning.
         marker: Its camera and the dock's marker.

@@ -39,7 +39,7 @@ from docking.simulation.robot import Robot
 from docking.simulation.settings import Settings
 
 INSTANT = 1e-6
-"""So short a time, in s, that nothing happens in it."""
+"""A negligible time, in s."""
 STEP = 0.02
 """The longest step, in s, that the model is meant for."""
 BATTERY_RATE = 10.0
@@ -207,7 +207,7 @@ class Simulation:
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
-        """What stands around now."""
+        """The current obstacles."""
         more = (IN_THE_WAY,) if Fault.OBSTACLE in self.faults else ()
         return self.settings.obstacles + more
 
@@ -217,7 +217,7 @@ class Simulation:
         return self.odometry.velocity(self.robot.velocity) if self.settings.odometry.twist else STANDSTILL
 
     def observe(self, now: float | None = None) -> Observation:
-        """What a docking node knows after it has heard all topics.
+        """Return the observation of a docking node that has received all topics.
 
         Args:
             now: The moment by the caller's clock, which its stamps will be of; None is simulated time.

@@ -1,4 +1,4 @@
-"""What the simulator says of itself."""
+"""The simulator's status."""
 
 from dataclasses import dataclass
 

@@ -2596,7 +2596,7 @@ export interface components {
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * EventType
-         * @description What happened.
+         * @description The type of an event.
          * @enum {string}
          */
         EventType: "alert.raised" | "alert.cleared" | "test";
@@ -3164,7 +3164,7 @@ export interface components {
         };
         /**
          * Kind
-         * @description What shows who makes a request.
+         * @description The credential of a request.
          * @enum {string}
          */
         Kind: "token" | "user" | "person" | "service" | "anybody";
@@ -3239,7 +3239,7 @@ export interface components {
         };
         /**
          * Mode
-         * @description What a rule does when its condition is met: nothing, record what it would do, or dock the robot.
+         * @description The mode of a rule whose condition is met: do nothing, record what it would do, or dock the robot.
          * @enum {string}
          */
         Mode: "off" | "dry_run" | "on";
@@ -3299,7 +3299,7 @@ export interface components {
         };
         /**
          * Outcome
-         * @description What came of a decision.
+         * @description The outcome of a decision.
          *
          *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
          * @enum {string}
@@ -3307,7 +3307,7 @@ export interface components {
         Outcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
         /**
          * Outcome
-         * @description What came of a request or a command.
+         * @description The outcome of a request or a command.
          * @enum {string}
          */
         "Outcome-Input": "done" | "refused" | "failed";
@@ -3768,7 +3768,7 @@ export interface components {
         };
         /**
          * RobotJoin
-         * @description How a robot gets a docking server that is in another namespace: what to set, as lines and in words.
+         * @description Settings that give a robot a docking server in another namespace, as lines and as a sentence.
          */
         RobotJoin: {
             /** Detail */
@@ -4859,13 +4859,13 @@ export interface components {
         };
         /**
          * Outcome
-         * @description What came of a request or a command.
+         * @description The outcome of a request or a command.
          * @enum {string}
          */
         dock_gateway__core__audit__Outcome: "done" | "refused" | "failed";
         /**
          * Outcome
-         * @description What came of a decision.
+         * @description The outcome of a decision.
          *
          *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
          * @enum {string}
@@ -8788,7 +8788,7 @@ export interface operations {
                 "application/json": {
                     name: string;
                     /**
-                     * @description What a rule does when its condition is met: nothing, record what it would do, or dock the robot.
+                     * @description The mode of a rule whose condition is met: do nothing, record what it would do, or dock the robot.
                      * @default off
                      * @enum {string}
                      */

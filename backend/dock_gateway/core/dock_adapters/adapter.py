@@ -22,7 +22,7 @@ NO_REASON = "goal_aborted"
 
 
 class Progress(NamedTuple):
-    """What feedback says about a goal; None where it says nothing."""
+    """The facts in a feedback message; None for those that it lacks."""
 
     stage: str | None = None
     retries: int | None = None
@@ -42,8 +42,8 @@ class DockAdapter:
     """A type of docking action about which nothing is known: its goals are sent in the message's own fields.
 
     Attributes:
-        verb: What its goals do.
-        family: Who defines the type: the docking and the undocking action of a family belong together.
+        verb: Whether its goals dock or undock.
+        family: The package that defines the type: the docking and the undocking action of a family belong together.
         action_type: The type; empty for any other type.
         action_name: The name under which its servers offer it, without a namespace.
         reads_battery_goal: Whether `goal` takes a `desired_battery_state` that the goal message does not have.

@@ -18,7 +18,7 @@ STOP_TAKES = 2.0
 
 
 class Priority(IntEnum):
-    """What a connection waits for. The reserve closes those of lower priority first."""
+    """The state of a connection. The reserve closes those of lower priority first."""
 
     IDLE = 0
     REQUEST = 1

@@ -1,4 +1,4 @@
-"""What a request line asks for (RFC 9112, 3.2). However a stop is spelled, it is one."""
+"""Parses the target of a request line (RFC 9112, 3.2). A stop is recognized in every spelling."""
 
 import re
 from typing import NamedTuple
@@ -10,12 +10,12 @@ ABSOLUTE = re.compile(rb"https?://(?P<authority>[^/?#]+)(?P<rest>.*)", re.IGNORE
 
 
 class RequestLine(NamedTuple):
-    """What a request asks for.
+    """The target of a request.
 
     Attributes:
         method: The method.
         target: The path, with the query if there is one.
-        host: What counts instead of the header `Host`; None: the header does.
+        host: Overrides the header `Host`; None: the header counts.
     """
 
     method: bytes

@@ -36,7 +36,7 @@ Names = tuple[Constant, ...]
 
 
 class NestedCodec(Protocol):
-    """What a field needs from the codec of a nested message."""
+    """The part of a nested message's codec that a field needs."""
 
     @property
     def document(self) -> Encoder:
