@@ -18,7 +18,7 @@ from dock_gateway.http.operation import Audit, Scope, operation, public_operatio
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import address_of, cookie_name, keep_login
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import json_response, known_query
+from dock_gateway.http.requests import NO_QUERY, json_response, known_query
 
 log = logging.getLogger(__name__)
 router = APIRouter(tags=["Access"])
@@ -102,7 +102,7 @@ async def finish_login(request: Request, logins: Part[Logins]) -> Response:
     name="list_people",
     response_model=PersonList,
     responses=problems(422, 503),
-    dependencies=[Depends(known_query())],
+    dependencies=[NO_QUERY],
 )
 @operation(Role.ADMIN, Scope.EVERY)
 async def list_people(logins: Part[Logins]) -> Response:
@@ -115,7 +115,7 @@ async def list_people(logins: Part[Logins]) -> Response:
     name="end_person_sessions",
     status_code=204,
     responses=problems(404, 422, 503),
-    dependencies=[Depends(known_query())],
+    dependencies=[NO_QUERY],
 )
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
 async def end_person_sessions(

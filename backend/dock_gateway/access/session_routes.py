@@ -4,7 +4,7 @@ from contextlib import suppress
 from dataclasses import asdict
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from dock_gateway.access.authorization import identify
@@ -29,10 +29,10 @@ from dock_gateway.http.principal import (
     secret_of,
 )
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import json_response, known_query, read_json, read_object
+from dock_gateway.http.requests import NO_QUERY, json_response, read_json, read_object
 from dock_gateway.settings import Settings
 
-router = APIRouter(tags=["Access"], prefix="/session", dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Access"], prefix="/session", dependencies=[NO_QUERY])
 
 MAX_NAME, MAX_SECRET = 60, 1000
 LOGIN_REQUEST = {

@@ -3,7 +3,7 @@
 from datetime import timedelta
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Request
+from fastapi import APIRouter, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.access.credentials import ID_DIGITS
@@ -19,11 +19,11 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    NO_QUERY,
     json_response,
-    known_query,
 )
 
-router = APIRouter(tags=["Access"], prefix="/tokens", dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Access"], prefix="/tokens", dependencies=[NO_QUERY])
 
 TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIGITS}}}$"})]
 

@@ -17,9 +17,9 @@ from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import json_response, known_query
+from dock_gateway.http.requests import NO_QUERY, json_response
 
-router = APIRouter(tags=["Access"], dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Access"], dependencies=[NO_QUERY])
 
 
 async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": f"^{NAME.pattern}$"})]) -> str:

@@ -8,7 +8,6 @@ from typing import Any
 
 from dock_gateway.automation.past import require_free
 from dock_gateway.core.automation import Decision, Outcome
-from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
@@ -18,8 +17,8 @@ from dock_gateway.storage.shared_entries import SharedEntries
 log = logging.getLogger(__name__)
 
 
-class DecisionLog:
-    """Stores decisions, and publishes each once it is final, whichever gateway made it.
+class DecisionLog(SharedEntries[Decision]):
+    """The stored decisions. It publishes each once it is final, whichever gateway made it.
 
     Args:
         hub: Receives events.
@@ -28,30 +27,18 @@ class DecisionLog:
     """
 
     def __init__(self, hub: Hub, store: Entries[Decision], most: int = 1000) -> None:
+        super().__init__(store)
         self._hub = hub
         self._most = most
-        self._entries = SharedEntries(store)
         self._published: set[str] | None = None  # None until they have been read once
 
-    def all(self) -> Mapping[str, Decision]:
-        """Return the decisions by their ids, as they were read last."""
-        return self._entries.all()
-
-    async def sync(self) -> bool:
-        """Read other gateways' decisions and publish the new ones; return False if the history is unavailable."""
-        try:
-            await self.read()
-        except Unavailable:
-            return False
-        return True
-
     async def read(self) -> Mapping[str, Decision]:
-        """Read other gateways' decisions, publish the new ones, and return all by their ids.
+        """Store pending changes, read other gateways' decisions, publish the new ones, and return all by their ids.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        decisions = await self._entries.read()
+        decisions = await super().read()
         final = {identity for identity, decision in decisions.items() if decision.outcome is not Outcome.SENDING}
         if self._published is not None:
             for identity in final - self._published:
@@ -66,24 +53,24 @@ class DecisionLog:
             Conflict: `already_decided`: another gateway was first.
             Unavailable: The history does not answer (`history_unavailable`); nothing is to be done.
         """
-        await self._entries.store(identity, decision, lambda stored: require_free(decision, stored))
+        await self.store(identity, decision, lambda stored: require_free(decision, stored))
 
     def finish(self, identity: str, decision: Decision) -> None:
         """Record what came of a claimed decision. `sync` stores it if the history does not answer now."""
         if self.all().get(identity) != decision:
-            self._entries.put(identity, decision)
+            self.put(identity, decision)
         if self._published is not None:
             self._published.add(identity)
         _log(decision)
         self._publish(identity)
         ended = sorted((each.at, key) for key, each in self.all().items() if not each.open)
         for _, oldest in ended[: -self._most]:
-            self._entries.put(oldest, None)
+            self.put(oldest, None)
 
     def close_series(self, identities: list[str]) -> None:
         """Let open decisions no longer count for later ones."""
         for identity in identities:
-            self._entries.put(identity, replace(self.all()[identity], open=False))
+            self.put(identity, replace(self.all()[identity], open=False))
 
     def close_rule(self, rule_id: str) -> None:
         """Let the open decisions of a rule no longer count for later ones."""
@@ -94,15 +81,6 @@ class DecisionLog:
                 if decision.open and decision.rule_id == rule_id and decision.outcome is not Outcome.SENDING
             ]
         )
-
-    @property
-    def unsaved(self) -> bool:
-        """Whether there are changes that are not stored yet."""
-        return self._entries.unsaved
-
-    async def save(self) -> None:
-        """Store pending changes, if the history answers."""
-        await self._entries.save()
 
     def given_up(self) -> dict[str, Decision]:
         """Return, by robot, the decisions to give up that still count."""

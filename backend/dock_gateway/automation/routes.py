@@ -18,6 +18,7 @@ from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     GOAL_ID,
+    NO_QUERY,
     SLUG_IN_PATH,
     LimitQuery,
     RobotQuery,
@@ -28,8 +29,6 @@ from dock_gateway.http.requests import (
 )
 
 router = APIRouter(tags=["Automatic docking"], prefix="/automation")
-
-NO_QUERY = Depends(known_query())
 
 
 async def _rule_id_in_path(rule_id: Annotated[str, SLUG_IN_PATH]) -> str:

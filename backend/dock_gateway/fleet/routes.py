@@ -19,6 +19,7 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    NO_QUERY,
     RobotQuery,
     json_response,
     known_query,
@@ -27,7 +28,6 @@ from dock_gateway.robots.labels import Labels
 from dock_gateway.storage import RobotLabel
 
 router = APIRouter()
-NO_QUERY = Depends(known_query())
 
 
 @router.get(

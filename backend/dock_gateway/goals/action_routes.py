@@ -22,6 +22,7 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, read_own_key
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    NO_QUERY,
     CursorQuery,
     GoalId,
     GraphName,
@@ -37,7 +38,6 @@ from dock_gateway.storage import GoalFilter
 
 router = APIRouter(tags=["Actions"], prefix="/actions")
 
-NO_QUERY = Depends(known_query())
 GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=True)
 
 

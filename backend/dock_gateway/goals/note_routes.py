@@ -4,7 +4,7 @@ import uuid
 from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Request
+from fastapi import APIRouter, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
@@ -16,13 +16,13 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    NO_QUERY,
     GoalId,
     json_response,
-    known_query,
 )
 from dock_gateway.storage import History, Note
 
-router = APIRouter(tags=["Goals"], prefix="/goals", dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Goals"], prefix="/goals", dependencies=[NO_QUERY])
 
 NoteId = Annotated[str, Path(description="`note_id` of the note", pattern="^[0-9a-f]{32}$")]
 

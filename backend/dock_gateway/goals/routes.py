@@ -23,6 +23,7 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import EVENT_ID
 from dock_gateway.http.requests import (
+    NO_QUERY,
     CursorQuery,
     GoalId,
     LimitQuery,
@@ -65,8 +66,6 @@ async def answer_page(goals: Goals, wanted: GoalFilter, limit: int, cursor: uuid
 
 
 router = APIRouter(tags=["Goals"], prefix="/goals")
-
-NO_QUERY = Depends(known_query())
 
 
 @router.get(

@@ -3,7 +3,7 @@
 from functools import cache
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Path
+from fastapi import APIRouter, Path
 from starlette.responses import Response
 
 from dock_gateway.core.errors import NotFound
@@ -11,7 +11,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import json_response, known_query
+from dock_gateway.http.requests import NO_QUERY, json_response
 from dock_gateway.http.schema import Schema
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import (
@@ -24,7 +24,7 @@ from dock_gateway.ros.messages.interfaces import (
 )
 from dock_gateway.ros.messages.schema import DIALECT
 
-router = APIRouter(tags=["Interfaces"], prefix="/interfaces", dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Interfaces"], prefix="/interfaces", dependencies=[NO_QUERY])
 
 Package = Annotated[str, Path(pattern=f"^{PACKAGE_NAME}$", examples=["action_tutorials_interfaces"])]
 TypeName = Annotated[str, Path(pattern=f"^{TYPE_NAME}$", examples=["Fibonacci"])]

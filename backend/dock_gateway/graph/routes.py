@@ -1,6 +1,6 @@
 """`/graph`: nodes, topics, services and actions on the ROS graph."""
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
@@ -10,9 +10,9 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GraphName, json_response, known_query
+from dock_gateway.http.requests import NO_QUERY, GraphName, json_response
 
-router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[NO_QUERY])
 
 
 @router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})

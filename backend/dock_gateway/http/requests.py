@@ -56,6 +56,9 @@ def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
     return check
 
 
+NO_QUERY = Depends(known_query())
+
+
 async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:
     """Return the decoded JSON body, or `empty` if there is none. `within` can shorten the timeout, in seconds.
 

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, get_args
 
 from dock_gateway.core.errors import NotFound, ServerTimeout
 from dock_gateway.core.event import system_event, utc_now
@@ -15,10 +15,28 @@ from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.simulator_port import FAULTS, SimulatorPort
+from dock_gateway.ros.simulator_port import SimulatorPort
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
+
+Fault = Literal[
+    "dead_charger",
+    "flickering_charge",
+    "occluded_marker",
+    "stuck_wheel",
+    "late_commands",
+    "worn_wheel",
+    "wrong_detections",
+    "future_detections",
+    "repeated_odometry",
+    "obstacle",
+    "hidden_beacon",
+    "infrared_ghosts",
+    "silent_battery",
+    "percentage_0_to_100",
+]
+FAULTS: tuple[Fault, ...] = get_args(Fault)
 
 # Seconds without a report after which a simulator is gone; it reports once a second.
 GONE_AFTER = 3.5

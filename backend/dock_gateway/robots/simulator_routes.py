@@ -1,7 +1,7 @@
 """`/simulator`: manual control of a simulated robot. A real robot has no simulator."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
@@ -16,26 +16,10 @@ from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, json_response, known_query
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import FaultBody, PlaceBody, Simulator
-from dock_gateway.robots.simulator import Simulators
+from dock_gateway.robots.simulator import Fault, Simulators
 
 router = APIRouter(tags=["Simulator"], prefix="/simulator", dependencies=[Depends(known_query("robot"))])
 
-Fault = Literal[
-    "dead_charger",
-    "flickering_charge",
-    "occluded_marker",
-    "stuck_wheel",
-    "late_commands",
-    "worn_wheel",
-    "wrong_detections",
-    "future_detections",
-    "repeated_odometry",
-    "obstacle",
-    "hidden_beacon",
-    "infrared_ghosts",
-    "silent_battery",
-    "percentage_0_to_100",
-]
 FaultPath = Annotated[Fault, Path(description="What breaks")]
 
 

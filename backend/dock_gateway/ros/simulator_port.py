@@ -11,22 +11,6 @@ from dock_gateway.core.scene import WORLD, Pose
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.service_client import ServiceClient, until_found
 
-FAULTS = (
-    "dead_charger",
-    "flickering_charge",
-    "occluded_marker",
-    "stuck_wheel",
-    "late_commands",
-    "worn_wheel",
-    "wrong_detections",
-    "future_detections",
-    "repeated_odometry",
-    "obstacle",
-    "hidden_beacon",
-    "infrared_ghosts",
-    "silent_battery",
-    "percentage_0_to_100",
-)
 # Seconds to wait for a response. A request may get none until both sides have discovered each other.
 ANSWER_WITHIN = 1.0
 ATTEMPTS = 2

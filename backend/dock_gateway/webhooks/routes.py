@@ -12,6 +12,7 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    NO_QUERY,
     SLUG_IN_PATH,
     LimitQuery,
     json_response,
@@ -23,8 +24,6 @@ from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, 
 from dock_gateway.webhooks.webhook import WebhookBody
 
 router = APIRouter(tags=["Webhooks"], prefix="/webhooks")
-
-NO_QUERY = Depends(known_query())
 
 
 async def _webhook_id_in_path(webhook_id: Annotated[str, SLUG_IN_PATH]) -> str:
