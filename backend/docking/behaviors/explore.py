@@ -41,7 +41,7 @@ class Explore:
         *,
         at_once: bool = False,
     ) -> None:
-        """Begin where the robot is.
+        """Start at the current pose of the robot.
 
         Args:
             search: Makes what turns the robot at a place.

@@ -40,10 +40,10 @@ class KeepInSight:
         lost: type[DockingError],
         lost_after: float,
     ) -> None:
-        """Begin with the dock in sight.
+        """Start with the dock in sight.
 
         Args:
-            aim: Where the dock is.
+            aim: The dock.
             motion: Limits of the robot's motion.
             settings: How it drives. With an infinite blind_distance, it never needs to see the dock.
             lost: The error if the dock is out of sight for too long.

@@ -15,7 +15,7 @@ class Scan:
     """To the left, to the right, and back to the middle."""
 
     def __init__(self, beacon: BeaconFilter, motion: MotionLimits) -> None:
-        """Begin where the robot is.
+        """Start at the current pose of the robot.
 
         Args:
             beacon: Where the beacon is, as far as is known.

@@ -32,7 +32,7 @@ class Search:
         towards: float | None = None,
         bearing: Callable[[Pose], float | None] = lambda robot: None,
     ) -> None:
-        """Begin where the robot is.
+        """Start at the current pose of the robot.
 
         Args:
             motion: Limits of the robot's motion.

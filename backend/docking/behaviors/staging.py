@@ -34,7 +34,7 @@ class ToStaging:
         """Plan nothing yet: each step uses the latest estimate of the dock.
 
         Args:
-            aim: Where the dock is.
+            aim: The dock.
             dock: Where the staging pose lies from there.
             motion: Limits of the robot's motion.
             sure: How well the docked pose must be known before it is done.

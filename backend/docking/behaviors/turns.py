@@ -30,7 +30,7 @@ class FullTurn:
     """A full turn to the left by odometry, which tells how much odometry misjudges turns."""
 
     def __init__(self, motion: MotionLimits) -> None:
-        """Begin where the robot is.
+        """Start at the current pose of the robot.
 
         Args:
             motion: Limits of the robot's motion.
@@ -57,7 +57,7 @@ class TurnToDock:
         """Begin in front of the dock.
 
         Args:
-            aim: Where the dock is.
+            aim: The dock.
             motion: Limits of the robot's motion.
         """
         self._aim = aim

@@ -20,10 +20,10 @@ class WaitForCharge:
     """Stands still, and sees whether someone moves the robot away from the dock."""
 
     def __init__(self, aim: DockTarget) -> None:
-        """Begin on the dock.
+        """Start on the dock.
 
         Args:
-            aim: Where the dock is.
+            aim: The dock.
         """
         self._aim = aim
         self._start: Pose | None = None

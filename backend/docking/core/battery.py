@@ -29,7 +29,7 @@ MAX_CURRENT = 1000.0
 
 
 def describe_absence(topic: str, types: Iterable[str], others: Iterable[str]) -> str:
-    """What the graph has instead of battery messages, as half a sentence.
+    """Describe the graph where there are no battery messages, as the end of a sentence.
 
     Args:
         topic: Where they are expected.
@@ -77,7 +77,7 @@ class BatteryReading:
 
     @property
     def fault(self) -> str | None:
-        """What its publisher gets wrong, as a sentence's second half; docking can do without it."""
+        """The publisher's faults that docking can tolerate, as a text that follows the topic's name."""
         faults = []
         if not (math.isnan(self.percentage) or 0.0 <= self.percentage <= 1.0):
             faults.append(f"has a percentage of {self.percentage:g}, but it must be from 0 to 1")
@@ -110,7 +110,7 @@ class Battery:
         self.on_connected: Callable[[], None] | None = None
 
     def update(self, reading: BatteryReading) -> None:
-        """Take over a newer reading."""
+        """Update with a newer reading."""
         self.latest = reading
         if reading.connected and self.on_connected is not None:
             self.on_connected()

@@ -27,7 +27,7 @@ def read_footprint(text: str) -> Footprint:
     """The points in a text such as `[[0.2, 0.15], [0.2, -0.15], [-0.2, 0.0]]`; none if it is empty or `[]`.
 
     Raises:
-        ValueError: It is no footprint; the error is a sentence's second half.
+        ValueError: It is no footprint; the caller adds the subject to the message.
     """
     if not text.strip():
         return ()

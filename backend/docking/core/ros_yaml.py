@@ -22,7 +22,7 @@ def read_nodes(path: Path) -> yaml.Node | None:
 
     Raises:
         OSError: It cannot be read.
-        ValueError: It is too large, not UTF-8 or not YAML; the error is a sentence's second half.
+        ValueError: It is too large, not UTF-8 or not YAML; the caller adds the subject to the message.
     """
     if path.exists() and not path.is_file():
         raise ValueError("is no file")
@@ -38,7 +38,7 @@ def parse(text: str) -> yaml.Node | None:
     """The nodes of a text.
 
     Raises:
-        ValueError: It is not YAML; the error is a sentence's second half.
+        ValueError: It is not YAML; the caller adds the subject to the message.
     """
     try:
         return yaml.compose(text, Loader=yaml.SafeLoader)
@@ -52,7 +52,7 @@ def entries(node: yaml.Node | None) -> dict[str, yaml.Node]:
     """The nodes of a mapping, by their keys as they stand there; those of a merge (`<<`) count less than its own.
 
     Raises:
-        ValueError: It is no mapping, or has a key twice; the error is a sentence's second half.
+        ValueError: It is no mapping, or has a key twice; the caller adds the subject to the message.
     """
     if not isinstance(node, yaml.MappingNode):
         raise ValueError("is no mapping")
@@ -76,7 +76,7 @@ def read_text(node: yaml.Node) -> str:
     """A scalar as it stands there; empty for null.
 
     Raises:
-        ValueError: It is no scalar; the error is a sentence's second half.
+        ValueError: It is no scalar; the caller adds the subject to the message.
     """
     if not isinstance(node, yaml.ScalarNode):
         raise ValueError("must be a text")

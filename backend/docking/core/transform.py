@@ -48,7 +48,7 @@ class Transform:
         """The pose in the plane: seen from above, with the heading of the x axis.
 
         Raises:
-            ValueError: The x axis points up or down; the error is a sentence's second half.
+            ValueError: The x axis points up or down; the caller adds the subject to the message.
         """
         x, y, z = _rotate(self.rotation, (1.0, 0.0, 0.0))
         if math.hypot(x, y) < STEEP:

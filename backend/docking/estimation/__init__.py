@@ -1,1 +1,1 @@
-"""Where the dock is, from noisy detections. Plain Python."""
+"""Estimates the pose of the dock from noisy detections. Plain Python."""

@@ -146,7 +146,7 @@ class BeaconFilter:
     # What comes in.
 
     def update(self, observation: Observation) -> None:
-        """Take over odometry and a new reading."""
+        """Update with odometry and a new reading."""
         odometry, reading = observation.odometry, observation.infrared
         if odometry is None or not odometry.pose.finite:
             return

@@ -94,7 +94,7 @@ class DockEstimate:
     """
 
     def __init__(self, memory: float) -> None:
-        """Begin without a detection.
+        """Start without a detection.
 
         Args:
             memory: How old a detection may be, in s.

@@ -93,7 +93,7 @@ class MotionModel:
     Attributes:
         commanded: The velocity since the last look.
         lag: Seconds from a command until odometry shows the motion.
-        dead_zone: Commands below do not move the base, as far as is known.
+        dead_zone: Learned dead zone: smaller commands do not move the base.
         moves_at: The lowest speed that was commanded and driven, in m/s; infinite before.
         sure_zone: The dead zone, in m/s, as far as it is confirmed by a base that was seen to drive beyond it.
         learns: Whether a base that does not move may have a dead zone; else something is in its way.
@@ -102,7 +102,7 @@ class MotionModel:
     """
 
     def __init__(self, memory: float = 2.0) -> None:
-        """Begin at a standstill.
+        """Start at a standstill.
 
         Args:
             memory: Seconds of history that are kept at least, beyond the largest lag.
@@ -135,7 +135,7 @@ class MotionModel:
     # History.
 
     def look(self, now: float, pose: Pose) -> None:
-        """Take over what odometry says; since the last look, `commanded` held."""
+        """Update with odometry; `commanded` applied since the last look."""
         last, self._last = self._last, pose
         if pose != last:
             self._changed_at = now

@@ -53,7 +53,7 @@ class Sight:
         self._first: bool | None = None  # before `seen` is known
 
     def update(self, seen: bool, stamp: float) -> Change | None:
-        """Take over a reading; says when there was a change that counts now."""
+        """Update with a reading; return the change that it confirms, if any."""
         if self.seen is None:
             self._others = self._others + 1 if seen is self._first else 1
             self._first, self._same_at = seen, stamp

@@ -25,7 +25,7 @@ def points_of(
     """The points of a sensor_msgs/LaserScan in the scanner's frame; readings outside of the range limits are left out.
 
     Raises:
-        ValueError: The scan makes no sense; the error is a sentence's second half.
+        ValueError: The scan makes no sense; the caller adds the subject to the message.
     """
     if not (math.isfinite(angle_min) and math.isfinite(angle_increment) and 0.0 <= range_min < range_max):
         raise ValueError("has angles or range limits that are not valid")

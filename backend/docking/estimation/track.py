@@ -65,7 +65,7 @@ class Track:
             measured_at: The moment; 0, a stamp that was not set, is now.
 
         Raises:
-            LookupError: There is none for that moment; the error is a sentence's second half.
+            LookupError: There is none for that moment; the caller adds the subject to the message.
         """
         if not self._samples:
             raise LookupError("before any odometry")

@@ -84,7 +84,7 @@ class TransformTree:
             fixed: Whether it never moves, as those of /tf_static.
 
         Raises:
-            ValueError: It cannot be used; the error is a sentence's second half.
+            ValueError: It cannot be used; the caller adds the subject to the message.
         """
         if not parent or not child:
             raise ValueError("has a transform without the names of its frames")

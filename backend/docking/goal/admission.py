@@ -13,7 +13,7 @@ class Purpose:
 
     Attributes:
         statuses: Allowed desired statuses; UNKNOWN is a field that was not set.
-        explanation: The same as half a sentence.
+        explanation: The same as the end of a sentence.
     """
 
     statuses: tuple[PowerSupplyStatus, ...]

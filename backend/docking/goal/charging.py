@@ -50,7 +50,7 @@ def current_in(battery: BatteryReading, settings: ChargingSettings) -> float:
 
 
 def describe_charging(battery: BatteryReading, settings: ChargingSettings) -> str:
-    """What a battery message tells of charging, as half a sentence."""
+    """Describe the charging state in a battery message, as the end of a sentence."""
     if settings.charging_source is ChargingSource.CURRENT:
         return f"its current is {battery.current:g} A"
     return f"its battery is {describe_status(battery.status)}"
@@ -64,7 +64,7 @@ class ChargeRecord:
     """
 
     def __init__(self, stable_for: float) -> None:
-        """Begin with no charge.
+        """Start without a charge.
 
         Args:
             stable_for: How long a charge must last, in s.
@@ -105,7 +105,7 @@ class ChargeRecord:
             self._began_at = None
 
     def describe(self) -> str:
-        """What became of the charges, as half a sentence; empty where none broke off."""
+        """Describe the interrupted charges, as the end of a sentence; empty without any."""
         if not self.breaks:
             return ""
         if self.breaks == 1:

@@ -51,7 +51,7 @@ class MotionWatch:
     """
 
     def __init__(self, odometry_timeout: float, blocked_after: float, started_at: float) -> None:
-        """Begin at a standstill.
+        """Start at a standstill.
 
         Args:
             odometry_timeout: Silence of odometry, in s, after which the goal is given up.

@@ -19,7 +19,7 @@ class Deadline:
         parameter: The name of the limit.
         seconds: The limit.
         error: The error after the time limit.
-        message: The same as half a sentence.
+        message: The same as the end of a sentence.
     """
 
     parameter: str

@@ -124,7 +124,7 @@ class ObstacleWatch:
             raise Obstructed(f"{waited}: an obstacle is in the way")
 
     def _see(self, points: Points, robot: Pose, docked: Pose | None) -> None:
-        """Take over the points that are neither the robot nor its dock; note whether one is between the two."""
+        """Update with the points that are neither the robot nor its dock; note whether one is between the two."""
         points = self._clearance.outside(place(points, robot.inverse()))
         self._points, self._hides_dock = points, False
         if docked is None or not len(points):

@@ -32,7 +32,7 @@ class Pace:
     """
 
     def __init__(self, limits: MotionLimits, slowdown_radius: float) -> None:
-        """Begin at a standstill.
+        """Start at a standstill.
 
         Args:
             limits: Limits of the robot's motion.
@@ -96,7 +96,7 @@ class Pace:
 
         Args:
             robot: By the last odometry.
-            poses: Where the dock is.
+            poses: Poses of the dock.
             model: Motion commanded since then.
             linear: The velocity forward, in m/s.
         """
@@ -137,7 +137,7 @@ class Limiter:
         Args:
             desired: The velocity that the controller asks for.
             dt: Seconds since the last velocity.
-            dead_zone: Smaller velocities do not move the base, as far as is known.
+            dead_zone: Learned dead zone: smaller velocities do not move the base.
         """
         limits, dt = self.limits, min(dt, LONGEST_STEP)
         slowest = max(limits.v_linear_min, dead_zone.linear_x)

@@ -24,7 +24,7 @@ def load_controller(name: str) -> Any:
     """The controller of another package: what its entry point refers to.
 
     Raises:
-        ValueError: There is none of that name, or it is none; the error is a sentence's second half.
+        ValueError: Unknown or invalid controller; the caller adds the subject to the message.
     """
     found = entry_points(group=GROUP)
     if name not in found.names:

@@ -39,7 +39,7 @@ def read_topics(text: str) -> tuple[str, ...]:
     """Read names of topics, separated by commas.
 
     Raises:
-        ValueError: One of them is no name; the error is a sentence's second half.
+        ValueError: One of them is no name; the caller adds the subject to the message.
     """
     names = tuple(part.strip() for part in text.split(",") if part.strip())
     for name in names:

@@ -43,7 +43,7 @@ class DockPosePlan(SightedPlan):
     sensors = frozenset({"odometry", "marker"})
 
     def __init__(self, settings: DockSettings) -> None:
-        """Begin without knowing where the dock is.
+        """Start with no estimate of the dock.
 
         Args:
             settings: See `SightedPlan`.

@@ -39,7 +39,7 @@ class InfraredPlan(SightedPlan):
     sensors = frozenset({"odometry", "infrared"})
 
     def __init__(self, settings: DockSettings) -> None:
-        """Begin without knowing where the dock is.
+        """Start with no estimate of the dock.
 
         Args:
             settings: See `SightedPlan`.

@@ -29,7 +29,7 @@ class SightedPlan(DockTarget):
     stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
 
     def __init__(self, settings: DockSettings) -> None:
-        """Begin without knowing where the dock is.
+        """Start with no estimate of the dock.
 
         Args:
             settings: The robot's limits, and its docked pose relative to the detection.

@@ -17,7 +17,7 @@ class UndockPlan:
     poses = KnownPoses()
 
     def __init__(self, distance: float, motion: MotionLimits, *, forwards: bool = False) -> None:
-        """Begin where the robot is.
+        """Start at the current pose of the robot.
 
         Args:
             distance: How far to back out, in m.

@@ -41,7 +41,7 @@ class BatterySearch:
         self._words = ""
 
     def describe(self) -> str:
-        """What the graph has instead, as half a sentence; read once a second at most, as it takes its time."""
+        """Describe the graph instead, as the end of a sentence; read once a second at most, because it is slow."""
         if time.monotonic() - self._read_at > SEARCH_PERIOD:
             node, topic = self._node, self._node.resolve_topic_name(BATTERY_TOPIC)
             types = [info.topic_type for info in node.get_publishers_info_by_topic(topic)]

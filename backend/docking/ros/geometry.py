@@ -22,7 +22,7 @@ def pose_from(message: PoseMessage) -> Pose:
     """The pose in the plane that a message means.
 
     Raises:
-        ValueError: It is none; the error is a sentence's second half.
+        ValueError: It is none; the caller adds the subject to the message.
     """
     position, turn = message.position, message.orientation
     norm = math.hypot(turn.x, turn.y, turn.z, turn.w)
@@ -34,7 +34,7 @@ def transform_from(translation: Point | Vector3, rotation: Quaternion) -> Transf
     """The same in space.
 
     Raises:
-        ValueError: It is none; the error is a sentence's second half.
+        ValueError: It is none; the caller adds the subject to the message.
     """
     norm = math.hypot(rotation.x, rotation.y, rotation.z, rotation.w)
     _check(norm, translation.x, translation.y, translation.z)

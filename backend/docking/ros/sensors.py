@@ -276,7 +276,7 @@ class Sensors:
             frame: The name of the frame.
 
         Raises:
-            ValueError: That is not known; the error is a sentence's second half.
+            ValueError: It is unknown; the caller adds the subject to the message.
         """
         odometry = self._track.latest
         if odometry is None:

@@ -113,7 +113,7 @@ class Transforms:
             `odometry` or `base`, and where the frame lies in it.
 
         Raises:
-            ValueError: There is no way; the error is a sentence's second half.
+            ValueError: There is no way; the caller adds the subject to the message.
         """
         if TFMessage is None:
             raise ValueError(

@@ -61,7 +61,7 @@ class DriftingOdometry:
     __slots__ = ("_left", "_right", "_separation", "theta", "x", "y")
 
     def __init__(self, settings: OdometrySettings, wheel_separation: float, random: Random) -> None:
-        """Begin where the robot is.
+        """Start at the current pose of the robot.
 
         Args:
             settings: How wrong it is.
@@ -98,7 +98,7 @@ class DriftingOdometry:
         return Velocity(*self.measure(wheels.linear_x - half, wheels.linear_x + half))
 
     def step(self, left: float, right: float) -> None:
-        """Take over the ways, in m, that the wheels have turned."""
+        """Update with the distances, in m, that the wheels have turned."""
         way, turn = self.measure(left, right)
         heading = self.theta + 0.5 * turn
         self.x += way * math.cos(heading)

@@ -126,7 +126,7 @@ class Robot:
         self._stalled_for = 0.0
 
     def command(self, velocity: Velocity) -> None:
-        """Take over a velocity, as from cmd_vel; beyond the limits it is cut, and one that is no number is ignored."""
+        """Set the commanded velocity, as from cmd_vel: it is clamped to the limits; one that is not finite is ignored."""
         if not velocity.finite:
             return
         self._command = velocity
