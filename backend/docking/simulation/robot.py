@@ -126,7 +126,7 @@ class Robot:
         self._stalled_for = 0.0
 
     def command(self, velocity: Velocity) -> None:
-        """Set the commanded velocity, as from cmd_vel: it is clamped to the limits; one that is not finite is ignored."""
+        """Set the commanded velocity, as from cmd_vel: clamped to the limits, and ignored if it is not finite."""
         if not velocity.finite:
             return
         self._command = velocity
