@@ -382,7 +382,7 @@ class Logins:
     async def edit_user(
         self, name: str, grant: Grant | None = None, password: str | None = None, *, disabled: bool | None = None
     ) -> dict[str, Any]:
-        """Change what is given of a user; return them as the API shows them.
+        """Change the given fields of a user; return them as the API shows them.
 
         Raises:
             NotFound: There is no such user (`user_not_found`).

@@ -97,7 +97,7 @@ class Users:
 
 
 class _OvertakenError(Exception):
-    """Somebody else has changed the user meanwhile."""
+    """Another gateway or request has changed the user in the meantime."""
 
 
 def new_era() -> str:
@@ -119,7 +119,7 @@ def new_user(grant: Grant, password: str, by: str | None, *, disabled: bool) -> 
 
 
 def edit(user: User, grant: Grant | None, password: str | None, *, disabled: bool | None) -> User:
-    """Return a user with what is given. A new password, or being disabled, ends the sessions."""
+    """Return a user with the given changes. A new password, or being disabled, ends the sessions."""
     ends = password is not None or (disabled is True and not user.disabled)
     return replace(
         user,

@@ -169,7 +169,7 @@ class AuditStore(Protocol):
     async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
         """Store entries in their order; return the new rows. Entries that are stored already are left out.
 
-        What is not `durable` may be lost in a power cut. That costs less, and new goals wait less for it.
+        Entries that are not `durable` may be lost in a power cut. That costs less, and new goals wait less for it.
         """
 
     async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:

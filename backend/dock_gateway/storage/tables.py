@@ -91,7 +91,7 @@ goal_notes = sa.Table(
     sa.Index("notes_by_goal", "goal_id", "written_at", "note_id"),
 )
 
-# What is read and written as a whole: rules, webhooks, users, …, each kind by key.
+# Rules, webhooks, users and all else that is read and written as a whole: one row each, by kind and key.
 documents = sa.Table(
     "documents",
     metadata,
@@ -137,7 +137,7 @@ audit_chain = sa.Table(
 )
 
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
-# is the time when the tables were made: what is later is complete, even if no event is stored yet.
+# is the time when the tables were made: later events are complete, even if none is stored yet.
 BEGINNING = ""
 horizons = sa.Table(
     "horizons",

@@ -1,4 +1,4 @@
-"""The rules of delivering: what is sent next, when again, and what is kept. Pure: no task, no clock, no socket."""
+"""The rules of delivering: which is sent next, when it is retried, which are kept. Pure: no task, clock or socket."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ def open_alerts(deliveries: Mapping[str, Delivery]) -> dict[str, Delivery]:
 
 
 def find_open(deliveries: Mapping[str, Delivery], webhook_id: str, alert_id: str) -> Delivery | None:
-    """Return the delivery by which a webhook was told last that an alert was raised; None if it was cleared since."""
+    """Return the delivery that last reported an alert to a webhook as raised; None if it was cleared since."""
     for delivery in open_alerts(deliveries).values():
         if (delivery.webhook_id, delivery.alert_id) == (webhook_id, alert_id):
             return delivery

@@ -201,7 +201,7 @@ class Notifier:
         return {webhook_id: webhook for webhook_id, webhook in self._webhooks.all().items() if webhook.enabled}
 
     def _compare(self) -> None:
-        """Compare the alerts with those that were sent, and queue what is new."""
+        """Compare the alerts with those that were sent, and queue the differences."""
         on = self._on
         self._raised = {key: alert for key, alert in self._raised.items() if key[0] in on}
         if not on:
@@ -241,6 +241,6 @@ class Notifier:
         return {"text": text, "data": alert | vars(label)}
 
     async def close(self) -> None:
-        """Stop sending. What is pending is sent after the next start."""
+        """Stop sending. Pending deliveries are sent after the next start."""
         await self._tasks.close()
         await self._outbox.close()

@@ -1,4 +1,4 @@
-"""What is to be sent to webhooks: stored before it is sent, and sent by one of the gateways that share the history."""
+"""The deliveries to webhooks: stored first, then sent by one of the gateways that share the history."""
 
 import logging
 import uuid
@@ -125,14 +125,14 @@ class Outbox:
         self._mine &= self._deliveries.keys()
 
     async def send_due(self) -> None:
-        """Send what is due, also for gateways that have ended."""
-        # What is not sent long after its time was left by a gateway that has ended, unless that has sent it meanwhile.
+        """Send the deliveries that are due, also for gateways that have ended."""
+        # An overdue delivery was left by a gateway that has ended, unless that gateway has sent it in the meantime.
         if self._overdue() - self._mine and await self._deliveries.sync():
             self._mine |= self._overdue()
         self._send_mine()
 
     def _send_mine(self) -> None:
-        """Send what is due here, in background tasks: one for each webhook, one delivery after the other."""
+        """Send the deliveries that are due here, in background tasks: one for each webhook, one delivery at a time."""
         for webhook_id in {delivery.webhook_id for _, delivery in self._due()} - self._sending:
             self._sending.add(webhook_id)
             self._tasks.spawn(self._send(webhook_id))
@@ -144,7 +144,7 @@ class Outbox:
         return [(identity, each) for identity, each in due(self._deliveries.all(), utc_now()) if identity in self._mine]
 
     async def _send(self, webhook_id: str) -> None:
-        """Send what is due for a webhook, one after the other."""
+        """Send the deliveries that are due for a webhook, one at a time."""
         try:
             while found := [each for each in self._due() if each[1].webhook_id == webhook_id]:
                 webhook = self._webhooks.get(webhook_id)
@@ -176,7 +176,7 @@ class Outbox:
         return delivery_document(identity, tried)
 
     async def close(self) -> None:
-        """Stop sending. What is pending is sent after the next start."""
+        """Stop sending. Pending deliveries are sent after the next start."""
         await self._tasks.close()
         await self._sender.close()
 

@@ -47,7 +47,7 @@ def sign(secret: str, identity: str, at: datetime, body: Json) -> Mapping[str, s
         secret: The secret of the webhook.
         identity: The id of the event: the same for each attempt.
         at: The time of the attempt.
-        body: What is sent.
+        body: The event, as it is sent.
     """
     seconds = str(int(at.timestamp()))
     content = b".".join((identity.encode(), seconds.encode(), body))
