@@ -169,9 +169,11 @@ class Interlock:
         """Refuse goals for a robot and those below it from now on. `publish` makes it known."""
         self._held_by_others.difference_update(self._below(namespace))
         latch = Latch(utc_now(), by)
-        new = [name for name in self._below(namespace) if self._latches.latch(name, latch)]
+        names = self._below(namespace)
+        # Also of robots that are held: a release of the earlier stop may be under way.
+        self._stop_published_at.update(dict.fromkeys(names, math.inf))
+        new = [name for name in names if self._latches.latch(name, latch)]
         if new:
-            self._stop_published_at.update(dict.fromkeys(new, math.inf))
             log.warning("a stop of %s is latched%s", namespace, f" by {by}" if by else "")
             self._changed()
 
@@ -206,14 +208,14 @@ class Interlock:
     def publish(self, namespace: str) -> None:
         """Publish the state of a robot and of those below it on their topics. A failed publish is retried.
 
-        An unchanged state is published again on request, but at most about once per second.
+        Each stop is published. Otherwise, an unchanged state is published at most about once per second.
         """
         now = time.monotonic()
         for name in self._topics.keys() & self._below(namespace):
-            if self._stop_published_at.get(name) == math.inf:
+            if stopped := self._stop_published_at.get(name) == math.inf:
                 self._stop_published_at[name] = now
             latched = self._stopped_at(name) is not None
-            news = self._published.get(name) is not latched or name in self._echoes
+            news = stopped or self._published.get(name) is not latched or name in self._echoes
             if (news or now - self._published_at[name] > self._publish_again_after) and not self._publish_to(name):
                 self._echo(name)
 

@@ -7,7 +7,7 @@ from collections import deque
 from pathlib import Path
 from typing import Any
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from dock_gateway.core.hub import Hub
@@ -109,6 +109,8 @@ async def play(folder: Path, steps: list[tuple[str, int]], last: str) -> None:
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(STEPS, st.sampled_from(["stop", "release"]))
+# A robot that is held is stopped again while a release of the first stop is under way.
+@example([("stop", 0), ("publish", 0), ("release", 1), ("deliver", 0)], "stop")
 def test_a_stop_that_comes_last_holds_at_both_gateways_and_after_a_restart(
     steps: list[tuple[str, int]], last: str
 ) -> None:
