@@ -99,6 +99,26 @@ async def test_goals_are_refused_until_the_stop_is_released(pair: tuple[Gateway,
     assert [event["stop"]["latched"] for event in await pair[0].events()] == [False]
 
 
+async def test_a_robot_that_has_not_joined_yet_is_held_and_released(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    released: list[str] = []
+    interlock.on_release.append(released.append)
+    interlock.latch("/robot1")
+    assert interlock.holds("/robot1/dock")
+    await interlock.release("/robot1")
+    assert not interlock.holds("/robot1/dock")
+    assert released == ["/robot1"]
+    assert pair[0].topic.said == []
+
+
+async def test_who_watches_is_told_which_robot_an_emergency_stop_holds(pair: tuple[Gateway, Gateway]) -> None:
+    held: list[str] = []
+    pair[0].interlock.on_latch.append(held.append)
+    pair[0].interlock.held_by_another("/", "/e_stop")
+    assert held == ["/"]
+    assert pair[0].interlock.document("/")["since"] is not None
+
+
 async def test_a_robot_that_has_left_is_told_nothing(pair: tuple[Gateway, Gateway]) -> None:
     interlock, topic = pair[0].interlock, FakeTopic()
     interlock.join("/robot1", topic)
@@ -373,8 +393,9 @@ async def test_an_emergency_stop_holds_the_robot_until_it_is_released_there(pair
     gateway.interlock.held_by_another("/", "/e_stop")
     assert gateway.interlock.holds("/robot")
     assert gateway.interlock.requested_by("/") == "/e_stop"
-    with pytest.raises(Conflict, match="/e_stop holds / stopped"):
+    with pytest.raises(Conflict, match="/e_stop holds / stopped") as refused:
         await gateway.interlock.release("/")
+    assert refused.value.code == "stop_latched"
     gateway.topic.holder = None
     gateway.interlock.held_by_another("/", None)
     assert not gateway.interlock.holds("/")
