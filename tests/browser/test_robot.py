@@ -275,8 +275,9 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
         expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
         goal = gateway.http.get("/dock?robot=/robot1").json()["goals"][0]
         press(page, "Stop /robot1")
-        expect(page.get_by_test_id("goal-status")).to_have_text("canceled")
-        assert gateway.goal(goal["goal_id"])["status"] == "canceled"
+        # A busy server may hear of the stop before the cancel request.
+        expect(page.get_by_test_id("goal-status")).to_have_text(re.compile("canceled|aborted"))
+        assert gateway.goal(goal["goal_id"])["status"] in {"canceled", "aborted"}
         free = {"latched": False, "since": None, "by": None, "robots": None, "persisted": True}
         wait_until(lambda: gateway.http.get("/stop").json() | {"robots": None} == free, "only that robot is held")
         for verb in ("Dock", "Undock"):
