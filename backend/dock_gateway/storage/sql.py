@@ -59,33 +59,37 @@ class SqlHistory:
         spool: Takes entries while the database does not answer.
         max_waiting: The maximum number of events, and of goals, that wait in memory.
         limits: How much is kept, and for how long.
+
+    Attributes:
+        database: Runs transactions, each on a thread.
+        writer: Writes what waits in memory.
     """
 
     def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
-        self._database = open_database(url)
+        self.database = open_database(url)
         self._spool = spool
         self._waiting = Waiting(max_waiting)
-        self._writer = Writer(self._database, self._spool, self._waiting, self._write_again)
-        self._sealer = Sealer(self._database)
+        self.writer = Writer(self.database, self._spool, self._waiting, self._write_again)
+        self._sealer = Sealer(self.database)
         self._keys: dict[str, Key] = {}
         self.newest = ""
-        self.shared = self._database.shared
-        self._reader = Reader(self._database, self._writer)
-        self._immediate = writer = ImmediateWriter(self._database, self._writer)
+        self.shared = self.database.shared
+        self._reader = Reader(self.database, self.writer)
+        self._immediate = writer = ImmediateWriter(self.database, self.writer)
         self.notes = SqlNotes(self._reader, writer)
         self.audit = SqlAudit(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
-        self.retention = Retention(self._database, limits)
+        self.retention = Retention(self.database, limits)
         self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
 
     async def open(self) -> None:
         """Load what an earlier process left in the spool, and wait up to two seconds for the database."""
-        await self._writer.take_over()
-        self._writer.start()
+        await self.writer.take_over()
+        self.writer.start()
         with suppress(TimeoutError):
             async with asyncio.timeout(OPEN_TIMEOUT):
-                await self._writer.answered.wait()
+                await self.writer.answered.wait()
         with suppress(Unavailable):
             self._keys = {key.key: key for key in await self._reader.read(queries.newest_keys, MAX_KEYS)}
             self.newest = await self._reader.read(queries.newest)
@@ -112,7 +116,7 @@ class SqlHistory:
     @property
     def incident(self) -> Incident | None:
         """The last loss of the database's data, as long as it must be reported."""
-        return self._database.incident
+        return self.database.incident
 
     def documents(self, kind: str, model: type[EntryT]) -> SqlEntries[EntryT]:
         """Return the entries of a kind."""
@@ -128,7 +132,7 @@ class SqlHistory:
             if key is None:
                 key = _new_key(idempotency_key, goal.goal_id, fingerprint_of(goal.action_name, goal.goal))
                 self._hold(key)
-        await self._writer.keep(goal, key)
+        await self.writer.keep(goal, key)
 
     async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
         """Bind a key to a goal, or return its owner.
@@ -138,13 +142,13 @@ class SqlHistory:
         held = self._held(idempotency_key)
         if held is None:
             held = _new_key(idempotency_key, goal_id, fingerprint)
-            if self._writer.reachable:
+            if self.writer.reachable:
                 try:
                     async with asyncio.timeout(KEY_TIMEOUT):
                         # Not durable: the goal, which is written next, is, and so is what was written before it.
-                        held = await self._database.write(queries.claim, held, durable=False)
+                        held = await self.database.write(queries.claim, held, durable=False)
                 except DATABASE_ERRORS as error:
-                    self._writer.doubt(error)
+                    self.writer.doubt(error)
             held = self._held(idempotency_key) or held
             self._hold(held)
         return held.goal_id, held.fingerprint
@@ -154,13 +158,13 @@ class SqlHistory:
 
         A replica that has held the key since the first attempt retries with the same goal, and finds another's key.
         """
-        if not self._writer.reachable:
+        if not self.writer.reachable:
             raise Unavailable(AWAY, code="history_unavailable")
         try:
             async with asyncio.timeout(KEY_TIMEOUT):
-                await self._database.write(queries.release, idempotency_key, goal_id)
+                await self.database.write(queries.release, idempotency_key, goal_id)
         except DATABASE_ERRORS as error:
-            self._writer.doubt(error)
+            self.writer.doubt(error)
             raise Unavailable(AWAY, code="history_unavailable") from error
         held = self._keys.get(idempotency_key)
         if held is not None and held.goal_id == goal_id:
@@ -180,18 +184,18 @@ class SqlHistory:
     def record(self, goal: Goal) -> None:
         """Record the current state of a goal."""
         self._waiting.put_goal(goal)
-        self._writer.notice(must_keep=True)
+        self.writer.notice(must_keep=True)
 
     def record_event(self, event: Event) -> None:
         """Record an event; duplicates are ignored."""
         if event.id is not None:
             self._waiting.put_event(event)
-            self._writer.notice(must_keep=not event.droppable)
+            self.writer.notice(must_keep=not event.droppable)
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
         """Store the end of a goal now, if the database answers; return its events as stored."""
         self.record(goal)
-        if not self._writer.answers:
+        if not self.writer.answers:
             return list(end)
         return await self._sealer.seal(copy(goal), end)
 
@@ -284,7 +288,7 @@ class SqlHistory:
 
     def stats(self) -> HistoryStats:
         """Return the state of the history."""
-        incident, writer = self.incident, self._writer
+        incident, writer = self.incident, self.writer
         reasons = (writer.last_error or (incident.detail if incident else None), writer.awaited)
         return HistoryStats(
             waiting=len(self._waiting),
@@ -297,10 +301,10 @@ class SqlHistory:
     async def close(self) -> None:
         """Write the pending entries for at most one second; spool the rest."""
         await cancel(*self._tasks)
-        await self._writer.close(CLOSE_TIMEOUT)
+        await self.writer.close(CLOSE_TIMEOUT)
         with suppress(*DATABASE_ERRORS):
             async with asyncio.timeout(CLOSE_TIMEOUT):
-                await self._database.close()
+                await self.database.close()
 
 
 def open_database(url: str) -> Database:

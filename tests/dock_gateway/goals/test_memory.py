@@ -200,7 +200,7 @@ async def test_a_goal_that_is_spooled_leaves_no_ticket(tmp_path: Path) -> None:
             for number in range(50):
                 await history.add(make_goal(number))
             await until(lambda: history.stats().waiting <= 10)
-            assert sizes(history)["SqlHistory._writer._tickets"] == 0
+            assert sizes(history)["SqlHistory.writer._tickets"] == 0
         await written(history)
     assert max(sizes(history).values()) < 10
 

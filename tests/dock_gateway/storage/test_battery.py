@@ -142,8 +142,8 @@ async def test_the_index_is_used(database_url: str, tmp_path: Path) -> None:
             history.record_event(state(number, robot=f"/robot{number % 50}", voltage=1.0))
         await written(history)
         if database_url.startswith("postgresql"):
-            await history._database.write(lambda connection: connection.exec_driver_sql("ANALYZE events") and None)
-        assert "battery_events" in await history._database.read(explain)
+            await history.database.write(lambda connection: connection.exec_driver_sql("ANALYZE events") and None)
+        assert "battery_events" in await history.database.read(explain)
 
 
 async def test_what_takes_too_long_does_not_stop_the_rest(

@@ -137,7 +137,7 @@ async def test_the_database_of_the_baseline_is_upgraded(database_url: str, tmp_p
         )
         entry = AuditEntry("e", NOW, None, None, None, None, None, "login", None, None, None, None, 200, None)
         assert [row.sequence for row in await history.audit.append([entry])] == [1]
-        assert await history._database.read(contents) == (HEAD, ["goal-0001", "goal-0002"], ["ada"])
+        assert await history.database.read(contents) == (HEAD, ["goal-0001", "goal-0002"], ["ada"])
 
 
 RULES_AND_WEBHOOKS = """
@@ -318,7 +318,7 @@ async def test_a_goal_of_the_tutorials_type_on_another_action_has_no_verb(databa
 async def test_an_older_gateway_goes_on_with_its_goals(database_url: str, tmp_path: Path) -> None:
     """In a rolling upgrade it writes no verb, to tables that have one."""
     async with open_at(database_url, tmp_path) as history:
-        await history._database.write(lambda connection: insert(connection, make_goal(1), without=("verb",)))
+        await history.database.write(lambda connection: insert(connection, make_goal(1), without=("verb",)))
         goal = await history.get("goal-0001")
         assert goal is not None
         assert goal.verb is None
@@ -347,7 +347,7 @@ async def test_the_tables_of_a_newer_version_are_left_alone(
 ) -> None:
     newer = sa.text("UPDATE alembic_version SET version_num = '9999'")
     async with open_at(database_url, tmp_path) as history:
-        await history._database.write(lambda connection: connection.execute(newer) and None)
+        await history.database.write(lambda connection: connection.execute(newer) and None)
     async with open_at(database_url, tmp_path) as history:
         await history.add(make_goal(1))
         stats = history.stats()

@@ -121,7 +121,7 @@ async def test_they_go_with_their_goal(database_url: str, tmp_path: Path) -> Non
         assert await history.get(old.goal_id) is None
         for table in (goal_notes, goal_tags):
             query = sa.select(table.c.goal_id)
-            stored = await history._database.read(lambda db, query: list(db.scalars(query)), query)
+            stored = await history.database.read(lambda db, query: list(db.scalars(query)), query)
             assert stored == [new.goal_id]
 
 

@@ -240,7 +240,7 @@ async def test_memory_is_bounded_and_drops_nothing_that_must_be_kept(
         assert later.complete
         assert later.events == [make_event(number, droppable=number % 2 == 0) for number in range(802, 1001)]
         counted = sa.text("SELECT count(*) FROM events WHERE NOT droppable")
-        count = await history._database.read(lambda connection: connection.scalar(counted))
+        count = await history.database.read(lambda connection: connection.scalar(counted))
         assert count == 501
 
 
@@ -328,7 +328,7 @@ async def test_no_list_is_short_while_the_spool_is_read_back(
 async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
     async with open_at(sqlite_url, tmp_path) as history:
         await history.add(make_goal(0))
-        database = history._database
+        database = history.database
         assert isinstance(database, SqliteDatabase)
         pages_allowed = 1
 

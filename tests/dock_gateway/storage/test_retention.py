@@ -19,7 +19,7 @@ HOUR_NS = 3600 * 10**9
 
 
 async def left(history: SqlHistory) -> list[str]:
-    return await history._database.read(lambda db: list(db.scalars(sa.select(events.c.id).order_by(events.c.id))))
+    return await history.database.read(lambda db: list(db.scalars(sa.select(events.c.id).order_by(events.c.id))))
 
 
 async def follows(history: SqlHistory, event_id: str, *topics: str) -> int | None:
@@ -102,7 +102,7 @@ async def keep(history: SqlHistory, goals: list[Goal], feedback: int = 0) -> lis
 
 
 async def goals_left(history: SqlHistory) -> list[str]:
-    return await history._database.read(
+    return await history.database.read(
         lambda db: list(db.scalars(sa.select(goals.c.goal_id).order_by(goals.c.goal_id)))
     )
 
@@ -125,7 +125,7 @@ async def test_old_goals_go_with_all_that_there_is_of_them(database_url: str, tm
         gone = sorted(event.id or "" for event in kept if event.goal_id not in stay)
         assert [await follows(history, event_id) for event_id in (gone[0], gone[-2])] == [None, None]
         assert await follows(history, gone[-1]) is not None
-        await history._database.write(lambda db: db.execute(sa.delete(idempotency_keys)) and None)
+        await history.database.write(lambda db: db.execute(sa.delete(idempotency_keys)) and None)
         await history.retention.enforce()
         assert await history.get("goal-0500") is None
 

@@ -19,7 +19,7 @@ from tests.support.history import EVERYTHING, NOW, START_NS, make_event, make_go
 
 async def count(history: SqlHistory, table: sa.Table) -> int:
     counted = sa.select(sa.func.count()).select_from(table)
-    return await history._database.read(lambda connection: connection.scalar(counted)) or 0
+    return await history.database.read(lambda connection: connection.scalar(counted)) or 0
 
 
 async def ids(history: SqlHistory, **query: object) -> list[str]:
@@ -124,7 +124,7 @@ async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path
         assert await history.claim("key", "g2", "f2") == ("g1", "f1")
         past = datetime.now(UTC) - timedelta(seconds=1)
         expire = sa.update(idempotency_keys).values(expires_at=past)
-        await history._database.write(lambda connection: connection.execute(expire) and None)
+        await history.database.write(lambda connection: connection.execute(expire) and None)
         history._keys.clear()
         assert await history.by_key("key") is None
         assert await history.claim("key", "g2", "f2") == ("g2", "f2")
@@ -178,8 +178,8 @@ async def test_two_replicas_store_everything_once(database_url: str, tmp_path: P
 
 async def test_a_new_goal_adds_to_what_a_replica_has_stored_of_it(database_url: str, tmp_path: Path) -> None:
     async with open_at(database_url, tmp_path / "1") as one, open_at(database_url, tmp_path / "2") as other:
-        await one._writer.flush()
-        await other._writer.flush()
+        await one.writer.flush()
+        await other.writer.flush()
         seen = make_goal(1, GoalStatus.EXECUTING, origin="external", goal=None)
         one.record(seen)
         await written(one)
@@ -278,7 +278,7 @@ async def test_the_end_of_a_goal_survives_a_kill_in_the_moment_when_it_is_told(
     async with open_at(database_url, tmp_path) as history:
         goal, end = ended(stamp=START_NS)
         await history.seal(goal, end)
-        found = await history._database.read(lambda db: db.scalars(sa.select(events.c.id)).all())
+        found = await history.database.read(lambda db: db.scalars(sa.select(events.c.id)).all())
         assert sorted(found) == sorted(event.id or "" for event in end)
 
 

@@ -222,8 +222,8 @@ async def test_the_indexes_are_used(database_url: str, tmp_path: Path) -> None:
         if database_url.startswith("postgresql"):
             await vacuum(database_url)
             alone = "Index Only Scan using goals_by_end"
-        assert alone in await history._database.read(explain, read)
-        assert "goals_by_error" in await history._database.read(explain, page)
+        assert alone in await history.database.read(explain, read)
+        assert "goals_by_error" in await history.database.read(explain, page)
 
 
 async def vacuum(url: str) -> None:
