@@ -18,6 +18,7 @@ from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.task import Future
+from rclpy.timer import Timer
 from rclpy.utilities import remove_ros_args
 from unique_identifier_msgs.msg import UUID
 
@@ -27,6 +28,8 @@ from robot_io.rclpy_private import goal_id_text
 
 STEP_PERIOD = 0.05
 LINGER = 0.2
+EXPLANATION_PATIENCE = 2.5
+"""How long to wait for the reason of a failure, in seconds: a server repeats it on /diagnostics each second."""
 EXPLAINED = frozenset({ExitCode.REJECTED, ExitCode.ABORTED})
 
 
@@ -73,6 +76,8 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
         self._cancel_client = self.create_client(CancelGoal, f"{self.action_name}/_action/cancel_goal")
         self._subscription = self.create_subscription(DiagnosticArray, "/diagnostics", self._note_reason, 10)
         self._session = Session(patience, time.monotonic())
+        self._told = False
+        self._waiting: Timer | None = None
         self._timer = self.create_timer(STEP_PERIOD, self._step, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     @property
@@ -170,22 +175,24 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
             values = {pair.key: pair.value for pair in status.values}
             if values.get("goal_id") == goal_id_text(self._goal_id):
                 self._reason = values.get("error_msg", "")
+        if self._reason:
+            self._end_if_over()
 
     def _end_if_over(self) -> None:
-        if self._session.exit_code is None or self._timer.is_canceled():
+        if self._session.exit_code is None or self._told:
             return
         self._timer.cancel()
-        if self._session.exit_code in EXPLAINED and not self._reason:
-            # The reason travels on another topic and may be a moment later than the answer.
-            self._timer = self.create_timer(
-                LINGER, partial(self._finish, once=True), clock=Clock(clock_type=ClockType.STEADY_TIME)
-            )
-        else:
-            self._finish()
+        if self._session.exit_code not in EXPLAINED or self._reason:
+            self._tell()
+        elif self._waiting is None:
+            # The reason travels on another topic, whose publisher may be found later than the server.
+            steady = Clock(clock_type=ClockType.STEADY_TIME)
+            self._waiting = self.create_timer(EXPLANATION_PATIENCE, self._tell, clock=steady)
 
-    def _finish(self, *, once: bool = False) -> None:
-        if once:
-            self._timer.cancel()
+    def _tell(self) -> None:
+        self._told = True
+        if self._waiting is not None:
+            self._waiting.cancel()
         text = self._session.explanation.capitalize()
         if self._session.exit_code in EXPLAINED:
             self.get_logger().error(f"{text}: {self._reason or 'the log of the action server says why'}")
