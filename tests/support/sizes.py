@@ -18,13 +18,15 @@ def sizes(root: object) -> Counter[str]:
         seen.add(id(value))
         if isinstance(value, Mapping | AbstractSet | list | deque):
             found[path] += len(value)
-            todo.extend((f"{path}[]", each) for each in (value.values() if isinstance(value, Mapping) else value))
+            # A copy: other threads may change it meanwhile.
+            items = list(value.values() if isinstance(value, Mapping) else value)
+            todo.extend((f"{path}[]", each) for each in items)
         elif type(value).__module__.startswith("dock_gateway"):
             todo.extend((f"{path}.{name}", each) for name, each in _attributes(value))
     return found
 
 
 def _attributes(value: object) -> Iterator[tuple[str, Any]]:
-    yield from vars(value).items() if hasattr(value, "__dict__") else ()
+    yield from vars(value).copy().items() if hasattr(value, "__dict__") else ()
     slots: Iterable[str] = getattr(type(value), "__slots__", ())
     yield from ((name, getattr(value, name)) for name in slots if hasattr(value, name) and name != "__dict__")

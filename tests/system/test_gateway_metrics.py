@@ -84,13 +84,11 @@ def test_a_goal_moves_the_counters(gateway: RunningGateway) -> None:
 
 
 def test_the_state_of_the_gateway(gateway: RunningGateway) -> None:
-    gateway.wait_until_stored()
     gateway.publish(LOW)
     with gateway.stream() as stream:
         goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
         stream.until_type("feedback")
-        scrape = Scrape(gateway)
-        for name, labels, expected in (
+        expected_values: tuple[tuple[str, dict[str, str], float], ...] = (
             ("ros_up", {}, 1),
             ("database_reachable", {}, 1),
             ("history_spooled", {}, 0),
@@ -103,8 +101,9 @@ def test_the_state_of_the_gateway(gateway: RunningGateway) -> None:
             ("stream_subscribers", {}, 1),
             ("websockets", {"route": "/ws/feedback"}, 1),
             ("http_requests_in_progress", {}, 1),  # this one
-        ):
-            assert scrape.value(name, **labels) == expected, name
+        )
+        for name, labels, expected in expected_values:
+            wait_until(lambda n=name, of=labels, to=expected: Scrape(gateway).value(n, **of) == to, name)
         gateway.http.post("/stop").raise_for_status()
         gateway.wait_for_goal(goal_id, "canceled")
     assert Scrape(gateway).value("robots_stopped") == 1
