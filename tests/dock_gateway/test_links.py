@@ -1,5 +1,6 @@
-"""Every link in the documentation leads to a file and a heading."""
+"""Every link in the documentation leads to a file and a heading, and every function that it names is there."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -25,3 +26,28 @@ def test_every_link_leads_somewhere(page: Path) -> None:
         target = page.parent / path if path else page
         assert target.exists(), link
         assert not anchor or target.suffix != ".md" or anchor in anchors(target), link
+
+
+def functions(path: Path) -> set[str]:
+    """The qualified names of all functions of a module."""
+    names: set[str] = set()
+
+    def walk(node: ast.AST, prefix: str) -> None:
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.ClassDef):
+                walk(child, f"{prefix}{child.name}.")
+            elif isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef):
+                names.add(prefix + child.name)
+                walk(child, f"{prefix}{child.name}.<locals>.")
+            else:
+                walk(child, prefix)
+
+    walk(ast.parse(path.read_text()), "")
+    return names
+
+
+def test_every_function_of_the_traces_is_there() -> None:
+    lines = re.findall(r"(?m)^    (\S+\.py) +(\S+)$", (ROOT / "docs/architecture.md").read_text())
+    assert len(lines) > 50
+    gone = [f"{path} {name}" for path, name in lines if name not in functions(ROOT / "backend" / path)]
+    assert gone == [], "renew the traces: make traces"

@@ -43,7 +43,7 @@ START_NS = time.time_ns()
 
 def history_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> SqlHistory:
     """A history that is not open yet; limits as `Limits` has them."""
-    generous = {"event_age": 3600.0, "event_bytes": 10**9, "goal_age": 10**9, "goal_bytes": 10**12}
+    generous = {"event_age": 10**9, "event_bytes": 10**9, "goal_age": 10**9, "goal_bytes": 10**12}
     generous |= {"audit_age": 10**9, "audit_entries": 10**9}
     keep = Limits(**generous | limits)  # type: ignore[arg-type]
     return SqlHistory(url, Spool(folder / "spool"), max_waiting=max_waiting, limits=keep)

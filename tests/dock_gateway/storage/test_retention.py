@@ -1,6 +1,7 @@
 """What is too old or too much goes: feedback and battery events, and goals that have ended with all their events."""
 
 import asyncio
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.storage import open_history, retention
 from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.tables import events, goals, idempotency_keys
-from tests.support.history import EVERYTHING, make_event, make_goal, open_at, written
+from tests.support.history import EVERYTHING, START_NS, make_event, make_goal, open_at, written
 
 HOUR_NS = 3600 * 10**9
 
@@ -30,11 +31,12 @@ async def follows(history: SqlHistory, event_id: str, *topics: str) -> int | Non
 
 
 async def test_by_age(database_url: str, tmp_path: Path) -> None:
-    old = [make_event(number - 2 * HOUR_NS, "battery", droppable=True) for number in range(2500)]
-    status = make_event(-3 * HOUR_NS)
-    later_status = make_event(-HOUR_NS // 2)
-    new = make_event(-HOUR_NS // 2 + 1, "battery", droppable=True)
-    async with open_at(database_url, tmp_path, max_waiting=5000) as history:
+    now = time.time_ns() - START_NS  # minutes, after many other tests
+    old = [make_event(now + number - 2 * HOUR_NS, "battery", droppable=True) for number in range(2500)]
+    status = make_event(now - 3 * HOUR_NS)
+    later_status = make_event(now - HOUR_NS // 2)
+    new = make_event(now - HOUR_NS // 2 + 1, "battery", droppable=True)
+    async with open_at(database_url, tmp_path, max_waiting=5000, event_age=3600) as history:
         history.record(make_goal(1, GoalStatus.SUCCEEDED))
         for event in [*old, status, later_status, new]:
             history.record_event(event)
@@ -114,7 +116,7 @@ async def test_old_goals_go_with_all_that_there_is_of_them(database_url: str, tm
     running = [made(300 + number, 400, status) for number, status in enumerate(GoalStatus) if not status.terminal]
     new = made(400, 300)
     age = 365 * DAY.total_seconds()
-    async with open_at(database_url, tmp_path, goal_age=age, event_age=10**9, max_waiting=5000) as history:
+    async with open_at(database_url, tmp_path, goal_age=age, max_waiting=5000) as history:
         kept = await keep(history, [*old, lost, lost_lately, *running, new], feedback=3)
         await history.add(made(500, 400), "key")
         assert await history.retention.enforce() == 101 * 5
@@ -134,7 +136,7 @@ async def test_the_oldest_goals_go_where_they_are_too_much(database_url: str, tm
     ended = [made(number, 200 - number) for number in range(100)]
     running = made(1000, 300, GoalStatus.EXECUTING)
     size = sum(len(event.data) + retention.OVERHEAD for event in story(ended[0]))
-    async with open_at(database_url, tmp_path, goal_bytes=51 * size, event_age=10**9) as history:
+    async with open_at(database_url, tmp_path, goal_bytes=51 * size) as history:
         await keep(history, [running, *ended], feedback=1)
         await history.retention.enforce()
         ids = await goals_left(history)
@@ -144,7 +146,7 @@ async def test_the_oldest_goals_go_where_they_are_too_much(database_url: str, tm
 
 
 async def test_a_goal_with_more_events_than_a_transaction_takes(database_url: str, tmp_path: Path) -> None:
-    limits = {"goal_age": DAY.total_seconds(), "event_age": 10**9}
+    limits = {"goal_age": DAY.total_seconds()}
     async with open_at(database_url, tmp_path, max_waiting=5000, **limits) as history:
         await keep(history, [made(1, 2), made(2, 2)], feedback=retention.CHUNK)
         assert await history.retention.enforce() == 2 * (retention.CHUNK + 2)
@@ -153,7 +155,7 @@ async def test_a_goal_with_more_events_than_a_transaction_takes(database_url: st
 
 
 async def test_two_replicas_delete_goals_together(database_url: str, tmp_path: Path) -> None:
-    limits = {"goal_age": DAY.total_seconds(), "event_age": 10**9}
+    limits = {"goal_age": DAY.total_seconds()}
     async with (
         open_at(database_url, tmp_path / "1", **limits) as one,
         open_at(database_url, tmp_path / "2", **limits) as other,
@@ -172,7 +174,7 @@ async def test_two_replicas_delete_no_more_than_is_too_much(
     ended = [made(number, 200 - number) for number in range(200)]
     status, feedback, result = story(ended[0], 1)
     size = len(status.data) + len(result.data) + 2 * retention.OVERHEAD
-    limits = {"goal_bytes": 100 * size, "event_bytes": 80 * len(feedback.data), "event_age": 10**9}
+    limits = {"goal_bytes": 100 * size, "event_bytes": 80 * len(feedback.data)}
     async with (
         open_at(database_url, tmp_path / "1", **limits) as one,
         open_at(database_url, tmp_path / "2", **limits) as other,

@@ -32,7 +32,7 @@ def bound(controller: ControllerName, case: Case) -> float:
     return SLOWEST if dead_zone <= SLOWEST else 1.4 * dead_zone
 
 
-@settings(max_examples=12, derandomize=True, deadline=None)
+@settings(max_examples=6, derandomize=True, deadline=None)
 @given(st.sampled_from(JOBS), st.integers(0, 10**6))
 def test_no_contact_is_faster_than_the_slowest_speed(job: tuple[ControllerName, Case], seed: int) -> None:
     controller, case = job
