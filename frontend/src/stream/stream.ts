@@ -33,7 +33,7 @@ const backoff: Options = {
   },
   maxReconnectionDelay: 8_000,
   reconnectionDelayGrowFactor: 1.5,
-  connectionTimeout: 4_000,
+  connectionTimeout: 10_000,
   minUptime: 3_000,
   // This socket is only read. Commands go over REST; nothing may be replayed after a reconnect.
   maxEnqueuedMessages: 0,

@@ -1,6 +1,6 @@
 import { type ComponentType, lazy } from "react";
 
-const ANSWER_MS = 5000;
+const ANSWER_MS = 10_000;
 const RETRY_MS = 2000;
 
 /**
