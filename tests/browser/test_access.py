@@ -12,8 +12,6 @@ from tests.browser.conftest import PATIENCE_MS
 from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 
-pytestmark = pytest.mark.timeout(200)
-
 PASSWORD = "correct horse battery staple"
 
 

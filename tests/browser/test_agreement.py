@@ -19,7 +19,10 @@ from tests.support.waiting import wait_until
 
 ROBOT, OTHER = "/robot1", "/robot2"
 AT = {"robot": ROBOT}
-FAR = ("-r", f"__ns:={ROBOT}", "-p", "start_x:=-3.0")
+NAMESPACE = ("-r", f"__ns:={ROBOT}")
+# A dead charger and a patient server: a goal runs until the test ends it, however slow the pages are.
+FAR = (*NAMESPACE, "-p", "start_x:=-3.0")
+SERVER = (*NAMESPACE, "-p", "wait_charge_timeout:=3600.0")
 IMPATIENT = {"ping_interval": "0.5", "stalled_after": "1.5", "lost_after": "3"}
 # Shifts the browser's clock by so many ms.
 CLOCK = """{
@@ -72,13 +75,14 @@ def site(lasting_site: Site) -> Iterator[Site]:
 def running_site(folder: Path) -> Iterator[Site]:
     with ros_domain() as domain, ExitStack() as stack:
         simulator = stack.enter_context(running_program(domain, "dock_simulator", *FAR))
-        server = stack.enter_context(running_program(domain, "docking_server", "-r", f"__ns:={ROBOT}"))
+        server = stack.enter_context(running_program(domain, "docking_server", *SERVER))
         stack.enter_context(running_dock_server(domain, "-r", f"__ns:={OTHER}"))
         database = f"sqlite:///{folder}/history.db"
         gateway = stack.enter_context(running_gateway(domain, database_url=database, **IMPATIENT))
         for name in (ROBOT, OTHER):
             wait_until(lambda name=name: gateway.http.get("/dock", params={"robot": name}).status_code == 200, name)
         wait_until(lambda: gateway.http.get("/simulator", params=AT).status_code == 200, "the simulator")
+        gateway.http.put("/simulator/faults/dead_charger", params=AT, json={"active": True}).raise_for_status()
         yield Site(gateway, simulator, server, domain, database)
 
 
@@ -132,23 +136,21 @@ def views(browser: Browser | BrowserContext, site: Site, goal_id: str, name: str
 
 
 def test_two_browsers_one_of_them_far_away(browser: Browser, site: Site) -> None:
-    with ExitStack() as stack:
-        near = stack.enter_context(views(browser, site, site.dock()))
-        context = stack.enter_context(browser.new_context(reduced_motion="reduce"))
-        far = stack.enter_context(views(context, site, near.goal_id))
-        for page in far.all:
-            context.new_cdp_session(page).send("Network.emulateNetworkConditions", SLOW)
-        far.robot.reload()
-        far.expect_goal("executing")
-        far.robot.get_by_role("button", name="Stop", exact=True).click()
-        for seen in (far, near):
-            seen.expect_goal("canceled")
-            expect(seen.row).to_contain_text("Stopped")
-            for page in seen.all:
-                expect(page.get_by_test_id("stop-banner")).to_contain_text("All robots stopped by the dashboard")
-        far.robot.get_by_role("button", name="Release …").click()
-        far.robot.get_by_role("dialog").get_by_role("button", name="Release").click()
-        for page in (*far.all, *near.all):
+    with views(browser, site, site.dock()) as near, browser.new_page(reduced_motion="reduce") as far:
+        far.set_default_timeout(PATIENCE_MS)
+        far.goto(f"{site.gateway.url}/ui/robot?robot={ROBOT}")
+        far.context.new_cdp_session(far).send("Network.emulateNetworkConditions", SLOW)
+        far.reload()
+        expect(far.get_by_test_id("goal-status")).to_have_text("executing")
+        far.get_by_role("button", name="Stop", exact=True).click()
+        near.expect_goal("canceled")
+        expect(near.row).to_contain_text("Stopped")
+        expect(far.get_by_test_id("goal-status")).to_have_text("canceled")
+        for page in (far, *near.all):
+            expect(page.get_by_test_id("stop-banner")).to_contain_text("All robots stopped by the dashboard")
+        far.get_by_role("button", name="Release …").click()
+        far.get_by_role("dialog").get_by_role("button", name="Release").click()
+        for page in (far, *near.all):
             expect(page.get_by_test_id("stop-banner")).to_be_hidden()
 
 
@@ -194,53 +196,53 @@ def test_a_robot_without_a_simulator(browser: Browser, site: Site) -> None:
         expect(seen.row).to_contain_text("ago")
 
 
-@pytest.fixture
-def docking(browser: Browser, tmp_path: Path) -> Iterator[Views]:
-    """A robot that docks, watched on every page, on a site of its own."""
+def test_the_gateway_the_docking_server_and_the_robot_are_killed(browser: Browser, tmp_path: Path) -> None:
     with running_site(tmp_path) as site, views(browser, site, site.dock()) as seen:
         seen.expect_goal("executing")
         for page in seen.all:  # a part that is still loading when the gateway is killed has to be loaded again
             page.wait_for_load_state("networkidle")
-        yield seen
+        kill_gateway(seen)
+        port = site.gateway.url.rpartition(":")[2]
+        with running_gateway(site.domain, port=port, database_url=site.database, **IMPATIENT) as site.gateway:
+            seen.expect_live()
+            seen.expect_goal("executing")
+            expect(seen.row).to_contain_text("Connected")
+            kill_docking_server(seen)
+            kill_robot(seen)
+            seen.expect_goal("lost")
+            seen.expect_live()
 
 
-def test_the_docking_server_is_killed_and_then_the_robot_is_switched_off(docking: Views) -> None:
-    docking.site.server.send_signal(signal.SIGKILL)
-    docking.expect_goal("lost")
-    expect(docking.row).to_contain_text("No docking server")
-    expect(docking.row).not_to_contain_text("Connected")
-    for page in docking.all:
+def kill_gateway(seen: Views) -> None:
+    seen.site.gateway.process.send_signal(signal.SIGKILL)
+    for page in seen.all:
+        expect(page.get_by_test_id("connection")).not_to_have_text("live")
+    expect(seen.row).to_contain_text("Not live")
+    expect(seen.robot.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
+    seen.site.gateway.process.wait()
+
+
+def kill_docking_server(seen: Views) -> None:
+    seen.site.server.send_signal(signal.SIGKILL)
+    seen.expect_goal("lost")
+    expect(seen.row).to_contain_text("No docking server")
+    expect(seen.row).not_to_contain_text("Connected")
+    for page in seen.all:
         expect(page.get_by_test_id("alert-count")).to_contain_text("1 alert")
-    expect(docking.robot.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
-    robot = docking.site.robot()
+    expect(seen.robot.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
+    robot = seen.site.robot()
     assert not robot["dock"]["available"]
     assert robot["last_goal"]["status"] == "lost"
-    docking.site.simulator.send_signal(signal.SIGKILL)
-    expect(docking.row).to_contain_text("Unreachable")
-    expect(docking.row).to_contain_text("ago")
-    expect(docking.robot.get_by_role("main")).to_contain_text("Unreachable")
-    expect(docking.robot.get_by_role("main")).to_contain_text("Stale")
-    expect(docking.overview.get_by_test_id(f"robot {OTHER}")).to_contain_text("Connected")
-    assert docking.site.robot()["battery"]["stale"]
-    docking.expect_goal("lost")
-    docking.expect_live()
 
 
-def test_the_gateway_is_killed_and_comes_back(docking: Views) -> None:
-    site = docking.site
-    site.gateway.process.send_signal(signal.SIGKILL)
-    for page in docking.all:
-        expect(page.get_by_test_id("connection")).not_to_have_text("live")
-    expect(docking.row).to_contain_text("Not live")
-    expect(docking.robot.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
-    port = site.gateway.url.rpartition(":")[2]
-    site.gateway.process.wait()
-    with running_gateway(site.domain, port=port, database_url=site.database, **IMPATIENT) as site.gateway:
-        docking.expect_live()
-        docking.expect_goal("executing")
-        expect(docking.row).to_contain_text("Connected")
-        site.gateway.http.post(f"/dock/{docking.goal_id}/cancel").raise_for_status()
-        docking.expect_goal("canceled")
+def kill_robot(seen: Views) -> None:
+    seen.site.simulator.send_signal(signal.SIGKILL)
+    expect(seen.row).to_contain_text("Unreachable")
+    expect(seen.row).to_contain_text("ago")
+    expect(seen.robot.get_by_role("main")).to_contain_text("Unreachable")
+    expect(seen.robot.get_by_role("main")).to_contain_text("Stale")
+    expect(seen.overview.get_by_test_id(f"robot {OTHER}")).to_contain_text("Connected")
+    assert seen.site.robot()["battery"]["stale"]
 
 
 def test_a_hundred_robots(browser: Browser) -> None:

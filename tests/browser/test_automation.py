@@ -2,14 +2,11 @@
 
 import re
 
-import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import LOW, RunningGateway
-
-pytestmark = pytest.mark.timeout(200)
 
 
 def test_a_rule_from_its_beginning_to_its_end(page: Page, gateway: RunningGateway) -> None:

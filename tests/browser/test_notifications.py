@@ -12,8 +12,6 @@ from tests.support.gateway import RunningGateway
 from tests.support.waiting import wait_until
 from tests.support.webhooks import Receiver, running_receiver
 
-pytestmark = pytest.mark.timeout(200)
-
 # Keeps what the browser would show and play.
 RECORD = """
 window.shown = [];

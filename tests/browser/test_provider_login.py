@@ -13,8 +13,6 @@ from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 from tests.support.provider import oidc_settings, running_mock
 
-pytestmark = pytest.mark.timeout(400)
-
 ADA = {"sub": "4711", "preferred_username": "ada", "roles": ["ops"]}
 EVE = {"sub": "4712", "preferred_username": "eve", "roles": ["guests"]}
 LOGIN = "Log in with Site login"

@@ -16,15 +16,28 @@ from tests.support.observer import ros_observer
 from tests.support.waiting import wait_until
 
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
+# With a dead charger a goal waits on the dock for as long as a test needs.
+SERVER = ("-p", "controller:=dock_pose", "-p", "wait_charge_timeout:=3600.0")
 CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d")
 VOLTS = re.compile(r"^\d+\.\d\d V")
+TRAIL_LENGTH = """(canvas) => {
+    // From the leftmost to the rightmost pixel that has the trail's colour (the light scheme's), in CSS pixels.
+    const {data, width, height} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let [left, right] = [width, 0];
+    for (let index = 0; index < width * height; index += 1) {
+        const [red, green, blue] = data.subarray(4 * index, 4 * index + 3);
+        if (red !== 0x4d || green !== 0xab || blue !== 0xf7) continue;
+        [left, right] = [Math.min(left, index % width), Math.max(right, index % width)];
+    }
+    return (right - left) * canvas.getBoundingClientRect().width / width;
+}"""
 
 
 @pytest.fixture(scope="module")
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
-        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose"))
+        stack.enter_context(running_program(domain, "docking_server", *SERVER))
         gateway = stack.enter_context(running_gateway(domain))
         gateway.wait_until_ready()
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
@@ -40,6 +53,10 @@ def page(page: Page, gateway: RunningGateway) -> Page:
     expect(page.get_by_test_id("connection")).to_have_text("live")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
     return page
+
+
+def charger_dies(gateway: RunningGateway, query: str = "") -> None:
+    gateway.http.put(f"/simulator/faults/dead_charger{query}", json={"active": True}).raise_for_status()
 
 
 def press(page: Page, name: str) -> None:
@@ -238,15 +255,18 @@ def test_accessibility(page: Page) -> None:
 
 def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     """Nobody is asked about a simulated robot; who opens the page later sees what was before, too."""
+    charger_dies(gateway)
     expect(page.get_by_role("switch", name="off in simulation")).to_be_visible()
     press(page, "Dock")
     expect(page.get_by_role("dialog")).to_be_hidden()
     steps = page.get_by_test_id("stages").get_by_role("listitem")
-    expect(steps.filter(has_text="Staging: now")).to_be_visible()
+    expect(steps.filter(has_text="Wait for charge: now")).to_be_visible()
     page.reload()
+    wait_until(lambda: page.get_by_test_id("scene").evaluate(TRAIL_LENGTH) > 80, "0.3 m of trail, of before the reload")
     expect(steps.first).to_have_text(re.compile(r"Perception: done\d+(\.\d)? s$"))
     page.get_by_text("Feedback as it comes").click()
-    expect(page.get_by_test_id("feedback-log").get_by_role("listitem").first).to_contain_text("discharging")
+    expect(page.get_by_test_id("feedback-log").get_by_role("listitem").first).to_contain_text("not charging")
+    gateway.http.put("/simulator/faults/dead_charger", json={"active": False}).raise_for_status()
     expect(page.get_by_test_id("goal-status")).to_have_text("succeeded")
     expect(steps.filter(has_text=re.compile(r"Controlling: done\d+(\.\d)? s$"))).to_be_visible()
     expect(page.get_by_test_id("stage-bar")).to_be_visible()
@@ -260,8 +280,9 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
     with ExitStack() as stack:
         namespace = ("-r", "__ns:=/robot1")
         stack.enter_context(running_program(domain, "dock_simulator", *NEAR, *namespace))
-        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose", *namespace))
+        stack.enter_context(running_program(domain, "docking_server", *SERVER, *namespace))
         wait_until(lambda: gateway.http.get("/simulator?robot=/robot1").status_code == 200, "its simulator")
+        charger_dies(gateway, "?robot=/robot1")
         page.goto(f"{gateway.url}/ui/robot?robot=/robot1")
         expect(page.get_by_role("heading", name="/robot1", level=1)).to_be_visible()
         expect(page.get_by_test_id("action-server")).to_have_text("action server answering")

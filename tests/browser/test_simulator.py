@@ -18,6 +18,8 @@ from tests.support.waiting import wait_until
 # A start that is near the dock, and no patience: nobody wants to watch for minutes.
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
 IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5", "-p", PATIENT)
+# A goal looks for a marker that is hidden for as long as a test needs.
+SEARCHING = ("-p", "initial_perception_timeout:=3600.0")
 MINUS = "\N{MINUS SIGN}"
 WORDS = re.compile(rf"x ({MINUS}?[\d.]+) m, y ({MINUS}?[\d.]+) m, heading ({MINUS}?\d+)°")
 FIND_ROBOT = """(canvas) => {
@@ -33,18 +35,6 @@ FIND_ROBOT = """(canvas) => {
     return {x: box.left + (sumX / count) * (box.width / width), y: box.top + (sumY / count) * (box.height / height)};
 }"""
 
-TRAIL_LENGTH = """(canvas) => {
-    // From the leftmost to the rightmost pixel that has the trail's colour (the light scheme's), in CSS pixels.
-    const {data, width, height} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-    let [left, right] = [width, 0];
-    for (let index = 0; index < width * height; index += 1) {
-        const [red, green, blue] = data.subarray(4 * index, 4 * index + 3);
-        if (red !== 0x4d || green !== 0xab || blue !== 0xf7) continue;
-        [left, right] = [Math.min(left, index % width), Math.max(right, index % width)];
-    }
-    return (right - left) * canvas.getBoundingClientRect().width / width;
-}"""
-
 
 class Pose(NamedTuple):
     """Where the page says that the robot is: m, and degrees."""
@@ -58,7 +48,7 @@ class Pose(NamedTuple):
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
-        stack.enter_context(running_program(domain, "docking_server", *IMPATIENT))
+        stack.enter_context(running_program(domain, "docking_server", *IMPATIENT, *SEARCHING))
         gateway = stack.enter_context(running_gateway(domain))
         gateway.wait_until_ready()
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
@@ -109,24 +99,35 @@ def top(locator: Locator) -> float:
     return box["y"]
 
 
+def hide_marker(gateway: RunningGateway, *, hidden: bool = True) -> None:
+    gateway.http.put("/simulator/faults/occluded_marker", json={"active": hidden}).raise_for_status()
+
+
 def start_docking(page: Page) -> None:
     dock = page.get_by_role("button", name="Dock", exact=True)
     expect(dock).to_be_enabled()
     dock.press("Enter")  # a click would miss it while the stop's banner goes away above
+
+
+def start_searching(page: Page, gateway: RunningGateway) -> None:
+    """A goal that runs until it is stopped."""
+    hide_marker(gateway)
+    start_docking(page)
     expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
 
 
 def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
-    start_docking(page)
+    start_searching(page, gateway)
     expect(page.get_by_role("button", name="Undock")).to_have_accessible_description(
         "A goal is running. Cancel it first."
     )
+    hide_marker(gateway, hidden=False)
     expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Docked.")
     expect(page.get_by_test_id("battery-status")).to_have_text("Charging")
     assert gateway.http.get("/simulator").json()["docked"] is True
     press(page, "Undock")
-    expect(page.get_by_text("Running goal: undock")).to_be_visible()
+    expect(page.get_by_text("Last goal: undock")).to_be_visible()
     expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
     expect(page.get_by_test_id("battery-status")).not_to_have_text("Charging")
@@ -158,17 +159,6 @@ def test_a_goal_is_replayed_on_the_map(page: Page, gateway: RunningGateway) -> N
     assert find_violations(page) == []
 
 
-def test_the_trail_survives_a_reload(page: Page) -> None:
-    start_docking(page)
-    start = pose_in_words(page).x
-    wait_until(lambda: pose_in_words(page).x > start + 0.5, "the robot on its way")
-    page.reload()
-    expect(page.get_by_test_id("scene-words")).to_contain_text("Robot at")
-    reloaded = pose_in_words(page).x
-    wait_until(lambda: page.get_by_test_id("scene").evaluate(TRAIL_LENGTH) > 80, "0.3 m of trail")
-    assert pose_in_words(page).x < reloaded + 0.25, "it is not from the way since"
-
-
 def test_the_robot_is_followed(page: Page, gateway: RunningGateway) -> None:
     follow = page.get_by_role("button", name="Follow the robot")
     expect(follow).to_have_attribute("aria-pressed", "false")
@@ -191,7 +181,7 @@ def test_the_robot_is_followed(page: Page, gateway: RunningGateway) -> None:
 
 
 def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> None:
-    start_docking(page)
+    start_searching(page, gateway)
     page.keyboard.press("Escape")
     page.keyboard.press("Escape")
     expect(page.get_by_test_id("stop-banner")).to_contain_text("Robot stopped by the dashboard")
@@ -206,7 +196,7 @@ def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> No
     page.get_by_role("dialog", name="Release the stop?").get_by_role("button", name="Release").click()
     expect(page.get_by_test_id("stop-banner")).to_be_hidden()
     assert gateway.http.get("/stop").json()["latched"] is False
-    start_docking(page)
+    start_searching(page, gateway)
 
 
 def test_a_stop_of_somebody_else(page: Page, gateway: RunningGateway) -> None:
@@ -260,7 +250,7 @@ def test_a_fault_ends_the_goal_with_its_code(page: Page) -> None:
 
 
 def test_accessibility(page: Page, gateway: RunningGateway) -> None:
-    start_docking(page)
+    start_searching(page, gateway)
     assert find_violations(page) == []
     press(page, "Stop")
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
@@ -288,9 +278,9 @@ def test_stop_is_beside_an_open_dialog(page: Page) -> None:
     expect(page.get_by_test_id("stop-banner")).to_be_attached()
 
 
-def test_a_phone(page: Page) -> None:
+def test_a_phone(page: Page, gateway: RunningGateway) -> None:
     page.set_viewport_size({"width": 320, "height": 800})
-    start_docking(page)
+    start_searching(page, gateway)
     press(page, "Stop")
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
     expect_no_sideways_scrolling(page)

@@ -58,7 +58,9 @@ def test_the_gateway_does_what_its_document_says(domain: int, tmp_path: Path) ->
     report("OpenAPI", {"requests": figures[1], "result": figures[2], "seed": SEED})
 
 
-@pytest.mark.skipif(not THOROUGH, reason="for make chaos; tests/dock_gateway/access/test_authorization.py proves it, too")
+@pytest.mark.skipif(
+    not THOROUGH, reason="for make chaos; tests/dock_gateway/access/test_authorization.py proves it, too"
+)
 def test_without_credentials_nothing_is_carried_out(domain: int, tmp_path: Path) -> None:
     """Whatever is sent: no 2xx but for health checks, the login and who one is."""
     with Site(tmp_path).gateway(domain) as gateway:

@@ -49,7 +49,6 @@ def parameters(observer: Observer) -> list[float]:
     return [value.double_value for value in answer.values]
 
 
-@pytest.mark.timeout(240)
 def test_a_server_with_wrong_offsets_docks_after_calibration(here: Site, observer: Observer) -> None:
     goal = send_dock_goal(observer)
     while_driving = calibrate(observer)

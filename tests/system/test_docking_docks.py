@@ -77,7 +77,6 @@ def test_goals_go_to_a_dock_by_name(domain: int, observer: Observer, tmp_path: P
         assert "first one" in docks.description
 
 
-@pytest.mark.timeout(240)
 def test_a_robot_backs_onto_a_dock_of_that_type_and_leaves_it_forwards(domain: int, observer: Observer) -> None:
     types = ("docks:=[home, garage]", "dock_plugins:=[front, back]", "home.type:=front", "garage.type:=back")
     back = ("back.dock_direction:=backward", "back.rotate_to_dock:=true")

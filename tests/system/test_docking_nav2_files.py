@@ -100,7 +100,6 @@ def read(observer: Observer, node: str, *names: str) -> list[object]:
     return [parameter_value_to_python(value) for value in answer.values]
 
 
-@pytest.mark.timeout(240)
 @pytest.mark.parametrize("direction", ["dock_backwards: false", "dock_backwards: true"])
 def test_a_robot_docks_as_a_file_of_nav2_says(domain: int, observer: Observer, tmp_path: Path, direction: str) -> None:
     backwards = direction.endswith("true")

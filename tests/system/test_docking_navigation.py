@@ -51,7 +51,6 @@ def robot(domain: int) -> Iterator[Nav2]:
         yield server
 
 
-@pytest.mark.timeout(240)
 def test_a_robot_far_from_its_dock_is_driven_to_the_staging_pose_and_docks(domain: int, observer: Observer) -> None:
     with robot(domain) as server, docking_servers(domain, *DATABASE, "navigator_bt_xml:=slowly.xml"):
         site = look_at(observer)
@@ -75,7 +74,6 @@ def test_a_robot_far_from_its_dock_is_driven_to_the_staging_pose_and_docks(domai
         assert len(server.poses) == 1
 
 
-@pytest.mark.timeout(240)
 def test_each_end_of_a_goal_stops_nav2_and_each_end_of_nav2_the_goal(domain: int, observer: Observer) -> None:
     with robot(domain) as server:
         with docking_servers(domain, *DATABASE):

@@ -27,7 +27,6 @@ def gap(here: Site) -> float:
     return nearest - IN_THE_WAY.radius - 0.15
 
 
-@pytest.mark.timeout(240)
 def test_the_robot_waits_for_an_obstacle_and_is_aborted_where_it_stays(domain: int, observer: Observer) -> None:
     simulated, told = MOUNTED
     with dock_simulator(domain, *START, *simulated), docking_servers(domain, *WATCHED, *told):

@@ -54,7 +54,6 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer) -> None:
         assert here.controls.status["docked"] == "false"
 
 
-@pytest.mark.timeout(180)
 def test_a_robot_that_is_late_docks_within_its_limits(domain: int, observer: Observer) -> None:
     robot = "enable_stamped_cmd_vel:=true", "command_delay:=0.2", "odometry_delay:=0.1", "linear_acceleration:=0.3"
     with site(domain, observer, robot=robot) as here:
@@ -65,7 +64,6 @@ def test_a_robot_that_is_late_docks_within_its_limits(domain: int, observer: Obs
         assert all(abs(message.linear.x) <= 0.26 and abs(message.angular.z) <= 1.0 for message in here.wheels.messages)
 
 
-@pytest.mark.timeout(240)
 def test_infrared_docks(domain: int, observer: Observer) -> None:
     with site(domain, observer, controller="infrared") as here:
         here.place(Pose(-0.5, 0.02, 0.05))

@@ -12,7 +12,7 @@ from tests.support.gateway import LOW, running_dock_server
 from tests.support.processes import ros_environment
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.ros
 
 INVALID_TOKEN = 4401
 

@@ -10,7 +10,7 @@ from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.ros
 
 OLD, NEW = "Fibonacci", "ConnectToChargingDock"
 

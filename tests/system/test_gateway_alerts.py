@@ -9,7 +9,7 @@ import pytest
 from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
 from tests.support.waiting import PATIENCE, wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.ros
 
 EMPTY = {"percentage": 0.1, "power_supply_status": 2}
 FULL_ENOUGH = {"percentage": 0.6, "power_supply_status": 2}

@@ -15,7 +15,7 @@ from tests.support.history import locked
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.ros
 
 
 def records(gateway: RunningGateway, secret: str, **wanted: str) -> list[dict[str, Any]]:

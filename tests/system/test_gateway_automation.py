@@ -13,7 +13,7 @@ from tests.support.observer import ros_observer
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(240)]
+pytestmark = pytest.mark.ros
 
 RULES = "/automation/rules"
 RULE = {"name": "Low battery", "robots": {"all": True}, "battery": {"below": 0.3, "idle_s": 10}, "by": "Ada"}

@@ -11,7 +11,7 @@ from tests.support.gateway import RunningGateway, running_gateway, running_progr
 from tests.support.observer import Observer
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(180)]
+pytestmark = pytest.mark.ros
 
 RULE = {"name": "Low", "mode": "on", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 10}}
 SETTING = "DOCK_GATEWAY_PERCENTAGE_0_TO_100"

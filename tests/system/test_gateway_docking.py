@@ -8,7 +8,7 @@ import pytest
 from tests.support.gateway import RunningGateway, Stream, running_gateway, running_program
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(400)]
+pytestmark = pytest.mark.ros
 
 # Simulated seconds in each second. To the servers, which live in real time, the robot is so many times faster than it
 # is told to be; so they must not look whether it moves as it is told.

@@ -11,7 +11,7 @@ import pytest
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(400)]
+pytestmark = pytest.mark.ros
 
 CHARGING, NOT_CHARGING = 1, (2, 3)
 # `make bench-docking` tries hundreds of starts and each controller, without a gateway.

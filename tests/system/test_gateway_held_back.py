@@ -17,7 +17,7 @@ from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server
 from tests.support.waiting import PATIENCE, wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(180)]
+pytestmark = pytest.mark.ros
 
 
 @pytest.fixture

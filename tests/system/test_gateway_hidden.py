@@ -11,7 +11,7 @@ from tests.support.gateway import RunningGateway, running_gateway, running_serve
 from tests.support.waiting import wait_until
 
 pytest.importorskip("irobot_create_msgs", reason="`make test` installs the interface packages of tests/interfaces")
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.ros
 
 ROBOT, HIDDEN = "/robot2", "/robot2/_do_not_use"
 BATTERY = "sensor_msgs/msg/BatteryState"

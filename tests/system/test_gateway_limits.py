@@ -14,7 +14,7 @@ from tests.support.domain import ros_domain
 from tests.support.gateway import LOW, RunningGateway, running_dock_server
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.ros
 
 ONE, TWO = "/robot1", "/robot2"
 MISSING = "7d9c1c9e-0000-4000-8000-00000000000a"

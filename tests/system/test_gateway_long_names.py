@@ -10,7 +10,7 @@ from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.observer import Observer
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.ros
 
 # The longest namespaces whose robot can have a battery topic: 247 characters.
 DEEP, WIDE = "/" + "/".join("a" * 115), "/" + "b" * 231

@@ -12,7 +12,7 @@ from tests.support.observer import Observer, ros_observer
 from tests.support.waiting import wait_until
 
 pytest.importorskip("nav2_msgs", reason="`make test` installs the interface packages of tests/interfaces")
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(240)]
+pytestmark = pytest.mark.ros
 
 ROBOT, DOCK, UNDOCK = "/robot1", "/docking/dock_robot", "/docking/undock_robot"
 LINES = [f"DOCK_GATEWAY_DOCK_ACTIONS={ROBOT}={DOCK}", f"DOCK_GATEWAY_UNDOCK_ACTIONS={ROBOT}={UNDOCK}"]

@@ -13,7 +13,7 @@ from tests.support.gateway import RunningGateway
 from tests.support.provider import FakeProvider, oidc_settings, rsa_key, running_mock
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(400)]
+pytestmark = pytest.mark.ros
 
 ADA = {"sub": "4711", "preferred_username": "ada", "roles": ["ops"]}
 EVE = {"sub": "4712", "preferred_username": "eve", "roles": ["guests"]}

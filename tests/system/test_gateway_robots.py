@@ -13,7 +13,7 @@ from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.ros
 
 FIRST, SECOND = "/robot1", "/robot2"
 NEAR = {"x": -0.8, "y": 0.0, "theta": 0.0}

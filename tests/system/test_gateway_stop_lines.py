@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.waiting import PATIENCE
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(300)]
+pytestmark = pytest.mark.ros
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ from tests.support.gateway import LOW, RunningGateway, Stream, running_dock_serv
 from tests.support.processes import BIN, Process, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.ros
 
 # The promise is 3 s; a machine that is shared gets twice that.
 GONE_WITHIN = 6.0

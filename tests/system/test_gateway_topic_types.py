@@ -14,7 +14,7 @@ from tests.support.gateway import LOW, RunningGateway, running_gateway
 from tests.support.observer import Observer, ros_observer
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
+pytestmark = pytest.mark.ros
 
 BATTERY, VELOCITY, STOP, EMERGENCY = "/battery_status", "/cmd_vel", "/stop_latched", "/emergency_stop"
 FOREIGN = "/fmu/out/battery_status"

@@ -14,7 +14,7 @@ from tests.support.gateway import LOW, RunningGateway, running_dock_server
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import wait_until
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(180)]
+pytestmark = pytest.mark.ros
 
 INVALID_TOKEN = (4401, "invalid_token")
 LOGINS = 15

@@ -9,7 +9,7 @@ from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.waiting import wait_until
 from tests.support.webhooks import Receiver, running_receiver
 
-pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+pytestmark = pytest.mark.ros
 
 RAISED, CLEARED = ("alert.raised", "stop_latched"), ("alert.cleared", "stop_latched")
 HOOK = {"name": "Control room", "severities": ["critical"], "by": "Ada"}
