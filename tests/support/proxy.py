@@ -15,6 +15,7 @@ class Proxy:
     def __init__(self, backends: list[Address]) -> None:
         self.backends = backends
         self._turn = itertools.count()
+        self._clients: list[socket.socket] = []
         self._listener = socket.create_server(("127.0.0.1", 0))
         self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
         threading.Thread(target=self._accept, daemon=True).start()
@@ -23,6 +24,7 @@ class Proxy:
         with contextlib.suppress(OSError):
             while True:
                 client, _ = self._listener.accept()
+                self._clients.append(client)
                 threading.Thread(target=self._serve, args=(client,), daemon=True).start()
 
     def _serve(self, client: socket.socket) -> None:
@@ -37,6 +39,12 @@ class Proxy:
             _pump(client, backend)
             return
         client.close()
+
+    def cut(self) -> None:
+        """Break all connections."""
+        while self._clients:
+            with contextlib.suppress(OSError):  # it has ended
+                self._clients.pop().shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
         self._listener.close()

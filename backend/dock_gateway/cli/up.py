@@ -17,8 +17,8 @@ from pathlib import Path
 import click
 import httpx2
 
-from dock_gateway.cli.client import tls_context
 from dock_gateway.cli.options import option_name, read_settings, settings_options
+from dock_gateway.client.connection import tls_context
 from dock_gateway.settings import Settings
 
 # Seconds that the parts have to end by themselves.

@@ -1,0 +1,175 @@
+"""The client for programs with asyncio."""
+
+import asyncio
+from collections.abc import AsyncGenerator, AsyncIterator, Generator, Mapping
+from contextlib import aclosing
+from typing import Any, Self, TypeVar
+
+import httpx2
+from websockets.asyncio.client import connect
+from websockets.exceptions import WebSocketException
+
+from dock_gateway.client import calls
+from dock_gateway.client.connection import Connection, Reading, Retry
+from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
+from dock_gateway.client.errors import succeeded
+
+T = TypeVar("T")
+
+
+class AsyncClient:
+    """A client of a gateway, to be used in an `async with` statement. What it can do is described at `Client`.
+
+    Limit the time of anything with `asyncio.timeout`.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        token: str | None = None,
+        certificate: str | None = None,
+        timeout: float = 15.0,
+        patience: float = 60.0,
+    ) -> None:
+        self.connection = Connection(url, token, certificate, patience)
+        self._http = httpx2.AsyncClient(timeout=timeout, **self.connection.http_options)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Close the connections. Goals go on."""
+        await self._http.aclose()
+
+    async def dock(
+        self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
+    ) -> "AsyncGoal":
+        """Send a robot to its charging dock."""
+        return AsyncGoal(self, await self.call(calls.send("/dock", goal, robot, key)))
+
+    async def undock(
+        self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
+    ) -> "AsyncGoal":
+        """Drive a robot off its charging dock."""
+        return AsyncGoal(self, await self.call(calls.send("/undock", goal, robot, key)))
+
+    async def send(self, action: str, goal: Mapping[str, Any], *, key: str | None = None) -> "AsyncGoal":
+        """Send a goal to any action."""
+        return AsyncGoal(self, await self.call(calls.send(calls.goals_of(action), goal, None, key)))
+
+    async def goal(self, goal_id: str) -> "AsyncGoal":
+        """Return a goal that was sent by any client."""
+        return AsyncGoal(self, await self.call(calls.goal(goal_id)))
+
+    async def robots(self) -> list[Robot]:
+        """Return all robots on the ROS graph, by name."""
+        return await self.call(calls.robots())
+
+    async def battery(self, robot: str | None = None) -> Battery:
+        """Return the latest battery state of a robot."""
+        return await self.call(calls.battery(robot))
+
+    async def stop(self, *robots: str, latch: bool = True, by: str | None = None) -> StopReport:
+        """Stop robots. It is sent once: after an error they may not have stopped."""
+        return await self.call(calls.stop(robots, by, latch=latch))
+
+    async def release(self, robot: str | None = None) -> None:
+        """Release a stop."""
+        await self.call(calls.release(robot))
+
+    def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
+        """Yield events as they happen, first a snapshot; forever."""
+        return self.read(Reading(self.connection, query, after))
+
+    async def request(self, method: str, path: str, body: object = None, *, params: calls.Params | None = None) -> Any:
+        """Send any other request of docs/api.md and return the decoded answer."""
+        return await self.call(calls.Call(method, path, lambda answer: answer, body, params or {}))
+
+    async def call(self, call: calls.Call[T]) -> T:
+        """Send a request. Repeat it if the connection was lost and that does no harm."""
+        retry = Retry(self.connection)
+        while True:
+            try:
+                response = await self._http.request(call.method, call.path, **call.options)
+            except httpx2.TransportError as error:
+                if not call.repeatable:
+                    raise self.connection.unreachable(error) from error
+                await asyncio.sleep(retry.failed(error))
+            else:
+                return call.read(self.connection.read(response))
+
+    async def read(self, reading: Reading) -> AsyncGenerator[Event]:
+        """Yield the events of a stream, over any number of connections."""
+        while True:
+            try:
+                async with connect(reading.url, **self.connection.stream_options) as stream:
+                    while True:
+                        if (event := reading.read(await stream.recv())) is not None:
+                            yield event
+            except (WebSocketException, OSError) as error:
+                await asyncio.sleep(reading.lost(error))
+
+
+class AsyncGoal:
+    """A goal at a gateway, as `Goal`. Awaiting it gives what `Goal.result` returns, iterating its feedback."""
+
+    def __init__(self, client: AsyncClient, state: GoalState) -> None:
+        self.state = state
+        self._client = client
+
+    @property
+    def id(self) -> str:
+        """The goal's UUID."""
+        return self.state.goal_id
+
+    def __await__(self) -> Generator[Any, None, GoalState]:
+        return self.result().__await__()
+
+    async def __aiter__(self) -> AsyncIterator[Document]:
+        """Yield feedback messages from `state` on until the goal ends."""
+        if not self.state.status.terminal:
+            async with aclosing(self.events(after=self.state.last_event_id)) as events:
+                async for event in events:
+                    if event.type == "feedback":
+                        yield event.document["feedback"]
+            await self.refresh()
+
+    async def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
+        """Yield events until the goal ends, first a snapshot."""
+        reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after)
+        async with aclosing(self._client.read(reading)) as events:
+            async for event in events:
+                yield event
+                if event.ends_goal or (reading.to_be_checked(event) and (await self.refresh()).status.terminal):
+                    return
+
+    async def wait(self) -> GoalState:
+        """Wait until the goal ends, and return how."""
+        if not self.state.status.terminal:
+            async with aclosing(self.events(feedback="false")) as events:
+                async for _ in events:
+                    pass
+            await self.refresh()
+        return self.state
+
+    async def result(self) -> GoalState:
+        """Wait until the goal has succeeded, and return its state with the result.
+
+        Raises:
+            GoalFailed: It ended otherwise.
+        """
+        return succeeded(await self.wait())
+
+    async def cancel(self) -> GoalState:
+        """Ask the action server to cancel the goal. `wait` returns when it has ended."""
+        self.state = await self._client.call(calls.cancel(self.id))
+        return self.state
+
+    async def refresh(self) -> GoalState:
+        """Ask the gateway for the state."""
+        self.state = await self._client.call(calls.goal(self.id))
+        return self.state

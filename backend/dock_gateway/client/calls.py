@@ -1,0 +1,89 @@
+"""The requests of both clients."""
+
+import uuid
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+from urllib.parse import quote
+
+import orjson
+
+from dock_gateway.client.documents import Battery, Document, GoalState, Robot, StopReport
+
+T = TypeVar("T")
+Params = Mapping[str, str | int | float | bool | list[str]]
+
+
+@dataclass(frozen=True)
+class Call(Generic[T]):
+    """A request, and how its answer is read.
+
+    Attributes:
+        repeatable: Whether it may be sent again if the connection was lost before the answer came.
+    """
+
+    method: str
+    path: str
+    read: Callable[[Any], T]
+    body: object = None
+    params: Params = field(default_factory=dict)
+    headers: Mapping[str, str] = field(default_factory=dict)
+    repeatable: bool = False
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Arguments of an HTTP client's request."""
+        if self.body is None:
+            return {"params": self.params, "headers": self.headers}
+        headers = {"Content-Type": "application/json", **self.headers}
+        return {"content": orjson.dumps(self.body), "params": self.params, "headers": headers}
+
+
+def send(path: str, goal: Mapping[str, Any] | None, robot: str | None, key: str | None) -> Call[GoalState]:
+    """Send a goal. The key makes sure that it is sent once, however often the request is repeated."""
+    headers = {"Idempotency-Key": key or str(uuid.uuid4())}
+    return Call("POST", path, GoalState.read, goal, _of(robot), headers, repeatable=True)
+
+
+def goals_of(action: str) -> str:
+    """Return the path of an action's goals."""
+    return f"/actions/{quote(action.strip('/'))}/goals"
+
+
+def goal(goal_id: str) -> Call[GoalState]:
+    """Ask for a goal."""
+    return Call("GET", _goal(goal_id), GoalState.read, repeatable=True)
+
+
+def cancel(goal_id: str) -> Call[GoalState]:
+    """Cancel a goal."""
+    return Call("POST", f"{_goal(goal_id)}/cancel", GoalState.read, repeatable=True)
+
+
+def robots() -> Call[list[Robot]]:
+    """Ask for all robots."""
+    return Call("GET", "/robots", lambda answer: [Robot.read(each) for each in answer["robots"]], repeatable=True)
+
+
+def battery(robot: str | None) -> Call[Battery]:
+    """Ask for a robot's battery."""
+    return Call("GET", "/battery", Battery.read, params=_of(robot), repeatable=True)
+
+
+def stop(robots: tuple[str, ...], by: str | None, *, latch: bool) -> Call[StopReport]:
+    """Stop robots. Not repeated: who asks for it must know at once that it was not delivered."""
+    params: Params = {"robot": list(robots)} if robots else {}
+    return Call("POST", "/stop", StopReport.read, {"latch": latch, "by": by}, params, {"Prefer": "wait=2"})
+
+
+def release(robot: str | None) -> Call[Document]:
+    """Release a stop."""
+    return Call("DELETE", "/stop", dict, params=_of(robot))
+
+
+def _goal(goal_id: str) -> str:
+    return f"/goals/{quote(goal_id, safe='')}"
+
+
+def _of(robot: str | None) -> Params:
+    return {} if robot is None else {"robot": robot}

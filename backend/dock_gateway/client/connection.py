@@ -1,0 +1,204 @@
+"""Where a gateway is, how it is reached, and what its answers mean: what both clients have in common. No I/O."""
+
+import os
+import ssl
+import time
+from random import uniform
+from typing import Any
+from urllib.parse import urlencode, urlsplit
+
+import httpx2
+import orjson
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from dock_gateway.client.documents import Event
+from dock_gateway.client.errors import ClientError, GatewayRefused, GatewayUnreachable
+
+URL = "http://127.0.0.1:8000"
+FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0
+BUSY = (429, 502, 503, 504)
+"""Statuses of a gateway that starts, ends or has too many clients: a stream tries again."""
+LOGIN_ENDED = 4401
+REMEMBERED = 1000
+"""Events that a stream recognizes if they come again."""
+
+
+def tls_context(url: str, certificate: str | None = None) -> ssl.SSLContext | None:
+    """Return how an https:// address is connected to; None for others.
+
+    The authorities are those of the system, or those in the file SSL_CERT_FILE.
+
+    Args:
+        url: Of the gateway.
+        certificate: A file with a certificate and its key, for a gateway that asks for one; None: that in
+            DOCK_GATEWAY_CLIENT_CERT, if any.
+
+    Raises:
+        ClientError: That file cannot be used.
+    """
+    if not url.lower().startswith("https:"):
+        return None
+    context = ssl.create_default_context()
+    path = certificate or os.environ.get("DOCK_GATEWAY_CLIENT_CERT")
+    if path:
+        try:
+            context.load_cert_chain(path)
+        except OSError as error:
+            source = "the client certificate" if certificate else "DOCK_GATEWAY_CLIENT_CERT"
+            raise ClientError(f"{source}: {path} cannot be used: {error}") from None
+    return context
+
+
+class Connection:
+    """The address of a gateway, and the options of the HTTP and WebSocket libraries for it.
+
+    Attributes:
+        url: The base URL.
+        patience: Seconds without the gateway after which a client gives up.
+        reached: Whether the gateway has answered before. If not, an attempt that fails is not repeated.
+    """
+
+    def __init__(self, url: str | None, token: str | None, certificate: str | None, patience: float) -> None:
+        self.url = (url or os.environ.get("DOCK_GATEWAY_URL") or URL).rstrip("/")
+        self.patience = patience
+        self.reached = False
+        self._token = token or os.environ.get("DOCK_GATEWAY_TOKEN")
+        try:
+            parts = urlsplit(self.url)
+            host, _ = parts.hostname, parts.port
+        except ValueError as error:
+            raise ClientError(f"{self.url} is not the address of a gateway: {error}") from None
+        if parts.scheme not in ("http", "https") or not host:
+            raise ClientError(f"{self.url} is not the address of a gateway: it should be like {URL}")
+        self._local = host in ("127.0.0.1", "::1", "localhost")  # no proxy stands before this machine
+        self._tls = tls_context(self.url, certificate)
+
+    @property
+    def _headers(self) -> dict[str, str]:
+        return {"Authorization": f"Bearer {self._token}"} if self._token else {}
+
+    @property
+    def http_options(self) -> dict[str, Any]:
+        """Arguments of an HTTP client."""
+        return {
+            "base_url": self.url,
+            "headers": self._headers,
+            "trust_env": not self._local,
+            "verify": self._tls or True,
+        }
+
+    @property
+    def stream_options(self) -> dict[str, Any]:
+        """Arguments of a WebSocket. A connection that is dead without a word is noticed by pings."""
+        tls = {"ssl": self._tls} if self._tls else {}
+        keepalive = {"ping_interval": 5, "ping_timeout": 10}
+        proxy = None if self._local else True
+        return {"additional_headers": self._headers, "max_size": None, "proxy": proxy, **tls, **keepalive}
+
+    def read(self, response: httpx2.Response) -> Any:
+        """Return the decoded body of an answer.
+
+        Raises:
+            ClientError: It does not come from a gateway, or refuses (`GatewayRefused`).
+        """
+        try:
+            document = orjson.loads(response.content) if response.content else None
+        except orjson.JSONDecodeError:
+            raise ClientError(f"{self.url} is not a dock-gateway") from None
+        if response.is_error:
+            raise GatewayRefused(response.status_code, document)
+        self.reached = True
+        return document
+
+    def unreachable(self, error: Exception) -> GatewayUnreachable:
+        """Return the error that says so."""
+        return GatewayUnreachable(f"no gateway answers at {self.url} ({error or type(error).__name__})")
+
+
+class Retry:
+    """How long to wait after attempts that failed, and when to give up."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self.succeeded()
+
+    def succeeded(self) -> None:
+        """The gateway is there: the next failure is the first one."""
+        self._delay = FIRST_DELAY
+        self._failing_since: float | None = None
+
+    def failed(self, error: Exception) -> float:
+        """Return the seconds to wait before the next attempt.
+
+        Raises:
+            ClientError: There is none.
+        """
+        if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == LOGIN_ENDED:
+            raise GatewayRefused(401, {"code": error.rcvd.reason, "detail": "the login of this stream has ended"})
+        now = time.monotonic()
+        self._failing_since = self._failing_since or now
+        over = not self._connection.reached or now - self._failing_since >= self._connection.patience
+        if isinstance(error, InvalidStatus):
+            if over or error.response.status_code not in BUSY:
+                raise _refusal(error)
+        elif over:
+            raise self._connection.unreachable(error)
+        delay = self._delay * uniform(0.5, 1.0)  # noqa: S311 - so that many clients do not come back at once
+        self._delay = min(2 * self._delay, LONGEST_DELAY)
+        return delay
+
+
+def _refusal(error: InvalidStatus) -> GatewayRefused:
+    try:
+        problem = orjson.loads(error.response.body or b"")
+    except orjson.JSONDecodeError:
+        problem = None
+    return GatewayRefused(error.response.status_code, problem)
+
+
+class Reading:
+    """How far a stream was read, so that the next connection resumes there."""
+
+    def __init__(self, connection: Connection, query: dict[str, Any], after: str | None) -> None:
+        self._resumed = False
+        self._connection = connection
+        self._query = query
+        self._after = after
+        self._seen: dict[str, None] = {}
+        self._retry = Retry(connection)
+
+    @property
+    def url(self) -> str:
+        """The address of the stream, from where it was left."""
+        query = {**self._query, "after": self._after}
+        text = urlencode({name: value for name, value in query.items() if value is not None})
+        return f"{self._connection.url.replace('http', 'ws', 1)}/ws/feedback?{text}"
+
+    def read(self, message: str | bytes) -> Event | None:
+        """Return an event; None if it has come before."""
+        self._connection.reached = True
+        self._retry.succeeded()
+        event = Event.read(orjson.loads(message))
+        if event.type == "snapshot" and "goal_id" in self._query:
+            self._after = event.document["goals"][0]["last_event_id"] or self._after
+        if event.id is not None:
+            if event.id in self._seen:
+                return None
+            self._seen[event.id] = None
+            if len(self._seen) > REMEMBERED:
+                del self._seen[next(iter(self._seen))]
+            self._after = max(event.id, self._after or "")
+        return event
+
+    def lost(self, error: Exception) -> float:
+        """Return the seconds to wait before the stream is opened again.
+
+        Raises:
+            ClientError: It cannot be.
+        """
+        self._resumed = True
+        return self._retry.failed(error)
+
+    def to_be_checked(self, event: Event) -> bool:
+        """Whether to ask how a goal is: at another gateway, a stream that resumes can miss a goal's end."""
+        return self._resumed and event.type == "heartbeat"

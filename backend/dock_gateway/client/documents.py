@@ -1,0 +1,130 @@
+"""What a gateway answers and streams. Fields that a newer gateway adds are ignored here."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from datetime import datetime
+from typing import Any, Self
+
+from dock_gateway.core.goal import GoalError, GoalStatus, Origin, Verb
+
+Document = dict[str, Any]
+"""A JSON object, as in the OpenAPI document of the gateway."""
+
+
+class _Read:
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> Self:
+        """Read the fields from a JSON object."""
+        return cls(**{field.name: document[field.name] for field in fields(cls)})  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class GoalState(_Read):
+    """A goal on any action, as docs/api.md describes it. `goal`, `feedback` and `result` are ROS messages as JSON."""
+
+    goal_id: str
+    action_name: str
+    action_type: str
+    verb: Verb | None
+    status: GoalStatus
+    stalled: bool
+    origin: Origin
+    goal: Document | None
+    feedback: Document | None
+    result: Document | None
+    stage: str | None
+    retries: int | None
+    error: GoalError | None
+    created_at: datetime
+    updated_at: datetime
+    finished_at: datetime | None
+    feedback_count: int
+    last_event_id: str | None
+
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> Self:
+        """Read a goal from JSON."""
+        times = {name: document[name] for name in ("created_at", "updated_at", "finished_at")}
+        error = document["error"]
+        return super().read(
+            {
+                **document,
+                **{name: time and datetime.fromisoformat(time) for name, time in times.items()},
+                "status": GoalStatus(document["status"]),
+                "error": error and GoalError(error["code"], error["detail"]),
+            }
+        )
+
+
+@dataclass(frozen=True)
+class Event:
+    """An event of a stream. `document` has all its fields, as docs/streams.md describes them for each `type`.
+
+    `id` is None for events that are not replayed, `goal_id` for those that are about no goal.
+    """
+
+    type: str
+    time: datetime
+    id: str | None
+    goal_id: str | None
+    document: Document
+
+    @classmethod
+    def read(cls, document: Document) -> Self:
+        """Read an event from JSON."""
+        time = datetime.fromisoformat(document["time"])
+        return cls(document["type"], time, document.get("id"), document.get("goal_id"), document)
+
+    @property
+    def ends_goal(self) -> bool:
+        """Whether it is the last event of a stream of one goal."""
+        if self.type == "snapshot":
+            return all(GoalStatus(goal["status"]).terminal for goal in self.document["goals"])
+        return self.type == "result" or (self.type == "status" and self.document["status"] in ("rejected", "lost"))
+
+
+@dataclass(frozen=True)
+class Robot(_Read):
+    """A robot. `name` is its namespace; `dock` and `undock` are its action servers, None if it has none.
+
+    `docked` and `charging` are None if unknown.
+    """
+
+    name: str
+    display_name: str | None
+    groups: list[str]
+    docked: bool | None
+    charging: bool | None
+    simulated: bool
+    battery: Document
+    stop: Document
+    dock: Document | None
+    undock: Document | None
+    goals: list[Document]
+    last_goal: Document | None
+
+
+@dataclass(frozen=True)
+class Battery(_Read):
+    """The latest battery state of a robot: a BatteryState, None before the first, and its age in seconds.
+
+    `percentage` is 0 to 1. `implausible` are values that are not used, and what they should be.
+    """
+
+    state: Document | None
+    percentage: float | None
+    age_s: float | None
+    stale: bool
+    implausible: list[Document]
+    other_topics: list[str]
+
+
+@dataclass(frozen=True)
+class StopReport(_Read):
+    """What a stop has done: the actions whose goals it cancels, and what failed or is not confirmed yet."""
+
+    canceling: list[str]
+    failed: list[Document]
+    unconfirmed: list[str]
+    stop: Document
+    warning: Document | None

@@ -1,0 +1,219 @@
+"""The client for programs without asyncio."""
+
+import time
+from collections.abc import Iterator, Mapping
+from typing import Any, Self, TypeVar
+
+import httpx2
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import connect
+
+from dock_gateway.client import calls
+from dock_gateway.client.connection import Connection, Reading, Retry
+from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
+from dock_gateway.client.errors import succeeded
+
+T = TypeVar("T")
+
+
+class Client:
+    """A client of a gateway. Close it, or use it in a `with` statement. Threads may share it.
+
+    Every method raises `GatewayRefused` if the gateway refuses, and `GatewayUnreachable` if it does not answer. If the
+    connection is lost, what can be repeated without harm is repeated until the client's patience ends.
+
+    Args:
+        url: Base URL of the gateway; by default that in DOCK_GATEWAY_URL, else http://127.0.0.1:8000.
+        token: The token of a login; by default that in DOCK_GATEWAY_TOKEN, if any.
+        certificate: A file with a client certificate and its key; by default that in DOCK_GATEWAY_CLIENT_CERT, if any.
+        timeout: Seconds that an answer may take.
+        patience: Seconds without the gateway after which a lost connection is given up.
+
+    Raises:
+        ClientError: The address or the certificate is wrong.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        token: str | None = None,
+        certificate: str | None = None,
+        timeout: float = 15.0,
+        patience: float = 60.0,
+    ) -> None:
+        self.connection = Connection(url, token, certificate, patience)
+        self._http = httpx2.Client(timeout=timeout, **self.connection.http_options)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the connections. Goals go on."""
+        self._http.close()
+
+    def dock(
+        self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
+    ) -> "Goal":
+        """Send a robot to its charging dock.
+
+        Args:
+            goal: Fields of the goal, such as `{"dock_id": "lab"}`; by default CHARGING at the default dock.
+            robot: Namespace, such as /robot1; by default the robot in the gateway's settings.
+            key: A goal that was sent with the same key is returned instead; by default a new one.
+        """
+        return Goal(self, self.call(calls.send("/dock", goal, robot, key)))
+
+    def undock(
+        self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
+    ) -> "Goal":
+        """Drive a robot off its charging dock. The arguments are those of `dock`."""
+        return Goal(self, self.call(calls.send("/undock", goal, robot, key)))
+
+    def send(self, action: str, goal: Mapping[str, Any], *, key: str | None = None) -> "Goal":
+        """Send a goal to any action, such as /fibonacci. `goal` has fields of its goal message."""
+        return Goal(self, self.call(calls.send(calls.goals_of(action), goal, None, key)))
+
+    def goal(self, goal_id: str) -> "Goal":
+        """Return a goal that was sent by any client."""
+        return Goal(self, self.call(calls.goal(goal_id)))
+
+    def robots(self) -> list[Robot]:
+        """Return all robots on the ROS graph, by name."""
+        return self.call(calls.robots())
+
+    def battery(self, robot: str | None = None) -> Battery:
+        """Return the latest battery state of a robot."""
+        return self.call(calls.battery(robot))
+
+    def stop(self, *robots: str, latch: bool = True, by: str | None = None) -> StopReport:
+        """Stop robots, by default all: zero velocity, every goal is canceled.
+
+        It is sent once: after an error the robots may not have stopped.
+
+        Args:
+            robots: Namespaces.
+            latch: Whether new goals are refused until `release`.
+            by: Who stops, shown to others.
+        """
+        return self.call(calls.stop(robots, by, latch=latch))
+
+    def release(self, robot: str | None = None) -> None:
+        """Release a stop: new goals are accepted again."""
+        self.call(calls.release(robot))
+
+    def events(self, *, after: str | None = None, **query: Any) -> Iterator[Event]:
+        """Yield events as they happen, first a snapshot; forever. A lost connection resumes without a gap.
+
+        Args:
+            after: Id of the last event that is known. The events since then come first, instead of a snapshot.
+            query: Selects events, as docs/streams.md says: `goal_id`, `action`, `robot`, `include`, `max_rate`, …
+        """
+        return self.read(Reading(self.connection, query, after))
+
+    def request(self, method: str, path: str, body: object = None, *, params: calls.Params | None = None) -> Any:
+        """Send any other request of docs/api.md and return the decoded answer."""
+        return self.call(calls.Call(method, path, lambda answer: answer, body, params or {}))
+
+    def call(self, call: calls.Call[T]) -> T:
+        """Send a request. Repeat it if the connection was lost and that does no harm."""
+        retry = Retry(self.connection)
+        while True:
+            try:
+                response = self._http.request(call.method, call.path, **call.options)
+            except httpx2.TransportError as error:
+                if not call.repeatable:
+                    raise self.connection.unreachable(error) from error
+                time.sleep(retry.failed(error))
+            else:
+                return call.read(self.connection.read(response))
+
+    def read(self, reading: Reading, deadline: float | None = None) -> Iterator[Event]:
+        """Yield the events of a stream, over any number of connections.
+
+        Raises:
+            TimeoutError: The deadline (of the monotonic clock) has passed.
+        """
+        while True:
+            try:
+                with connect(reading.url, **self.connection.stream_options) as stream:
+                    while True:
+                        left = None if deadline is None else max(0.0, deadline - time.monotonic())
+                        if (event := reading.read(stream.recv(left))) is not None:
+                            yield event
+            except (WebSocketException, OSError) as error:
+                if deadline is not None and time.monotonic() >= deadline:
+                    raise TimeoutError from None
+                time.sleep(reading.lost(error))
+
+
+class Goal:
+    """A goal at a gateway. It goes on if the client ends. Iterating yields its feedback until it ends.
+
+    Attributes:
+        state: As the gateway last answered; `refresh` asks again.
+    """
+
+    def __init__(self, client: Client, state: GoalState) -> None:
+        self.state = state
+        self._client = client
+
+    @property
+    def id(self) -> str:
+        """The goal's UUID."""
+        return self.state.goal_id
+
+    def __iter__(self) -> Iterator[Document]:
+        """Yield feedback messages from `state` on until the goal ends."""
+        if not self.state.status.terminal:
+            for event in self.events(after=self.state.last_event_id):
+                if event.type == "feedback":
+                    yield event.document["feedback"]
+            self.refresh()
+
+    def events(self, *, after: str | None = None, timeout: float | None = None, **query: Any) -> Iterator[Event]:
+        """Yield events until the goal ends, first a snapshot. The arguments are those of `Client.events`.
+
+        Raises:
+            TimeoutError: It did not end within `timeout` seconds.
+        """
+        deadline = None if timeout is None else time.monotonic() + timeout
+        reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after)
+        for event in self._client.read(reading, deadline):
+            yield event
+            if event.ends_goal or (reading.to_be_checked(event) and self.refresh().status.terminal):
+                return
+
+    def wait(self, timeout: float | None = None) -> GoalState:
+        """Wait until the goal ends, and return how.
+
+        Raises:
+            TimeoutError: It did not end within `timeout` seconds.
+        """
+        if not self.state.status.terminal:
+            for _ in self.events(timeout=timeout, feedback="false"):
+                pass
+            self.refresh()
+        return self.state
+
+    def result(self, timeout: float | None = None) -> GoalState:
+        """Wait until the goal has succeeded, and return its state with the result.
+
+        Raises:
+            GoalFailed: It ended otherwise.
+            TimeoutError: It did not end within `timeout` seconds.
+        """
+        return succeeded(self.wait(timeout))
+
+    def cancel(self) -> GoalState:
+        """Ask the action server to cancel the goal. `wait` returns when it has ended."""
+        self.state = self._client.call(calls.cancel(self.id))
+        return self.state
+
+    def refresh(self) -> GoalState:
+        """Ask the gateway for the state."""
+        self.state = self._client.call(calls.goal(self.id))
+        return self.state
