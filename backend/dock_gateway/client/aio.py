@@ -100,7 +100,7 @@ class AsyncClient:
                     raise self.connection.unreachable(error) from error
                 await asyncio.sleep(retry.failed(error))
             else:
-                return call.read(self.connection.read(response))
+                return self.connection.read(response, call.read)
 
     async def read(self, reading: Reading) -> AsyncGenerator[Event]:
         """Yield the events of a stream, over any number of connections."""
@@ -150,7 +150,7 @@ class AsyncGoal:
     async def wait(self) -> GoalState:
         """Wait until the goal ends, and return how."""
         if not self.state.status.terminal:
-            async with aclosing(self.events(feedback="false")) as events:
+            async with aclosing(self.events(feedback=False)) as events:
                 async for _ in events:
                     pass
             await self.refresh()

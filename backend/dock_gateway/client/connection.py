@@ -3,9 +3,11 @@
 import os
 import ssl
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from random import uniform
-from typing import Any
-from urllib.parse import urlencode, urlsplit
+from typing import Any, TypeVar
+from urllib.parse import urlsplit
 
 import httpx2
 import orjson
@@ -14,6 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from dock_gateway.client.documents import Event
 from dock_gateway.client.errors import ClientError, GatewayRefused, GatewayUnreachable
 
+T = TypeVar("T")
 URL = "http://127.0.0.1:8000"
 FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0
 BUSY = (429, 502, 503, 504)
@@ -64,11 +67,11 @@ class Connection:
         self.reached = False
         self._token = token or os.environ.get("DOCK_GATEWAY_TOKEN")
         try:
-            parts = urlsplit(self.url)
-            host, _ = parts.hostname, parts.port
+            address = urlsplit(self.url)
+            host, _ = address.hostname, address.port
         except ValueError as error:
             raise ClientError(f"{self.url} is not the address of a gateway: {error}") from None
-        if parts.scheme not in ("http", "https") or not host:
+        if address.scheme not in ("http", "https") or not host:
             raise ClientError(f"{self.url} is not the address of a gateway: it should be like {URL}")
         self._local = host in ("127.0.0.1", "::1", "localhost")  # no proxy stands before this machine
         self._tls = tls_context(self.url, certificate)
@@ -95,20 +98,31 @@ class Connection:
         proxy = None if self._local else True
         return {"additional_headers": self._headers, "max_size": None, "proxy": proxy, **tls, **keepalive}
 
-    def read(self, response: httpx2.Response) -> Any:
-        """Return the decoded body of an answer.
+    def read(self, response: httpx2.Response, read: Callable[[Any], T]) -> T:
+        """Return what an answer contains.
 
         Raises:
             ClientError: It does not come from a gateway, or refuses (`GatewayRefused`).
         """
-        try:
-            document = orjson.loads(response.content) if response.content else None
-        except orjson.JSONDecodeError:
-            raise ClientError(f"{self.url} is not a dock-gateway") from None
-        if response.is_error:
-            raise GatewayRefused(response.status_code, document)
+        if not response.is_success:
+            raise refusal(response.status_code, response.content)
+        with self.understood():
+            content = read(orjson.loads(response.content) if response.content else None)
         self.reached = True
-        return document
+        return content
+
+    @contextmanager
+    def understood(self) -> Iterator[None]:
+        """What is read within comes from a gateway.
+
+        Raises:
+            ClientError: It does not.
+        """
+        try:
+            yield
+        except (ValueError, KeyError, TypeError):
+            text = f"{self.url} is not a dock-gateway, or one of another version"
+            raise ClientError(text) from None
 
     def unreachable(self, error: Exception) -> GatewayUnreachable:
         """Return the error that says so."""
@@ -140,7 +154,7 @@ class Retry:
         over = not self._connection.reached or now - self._failing_since >= self._connection.patience
         if isinstance(error, InvalidStatus):
             if over or error.response.status_code not in BUSY:
-                raise _refusal(error)
+                raise refusal(error.response.status_code, error.response.body)
         elif over:
             raise self._connection.unreachable(error)
         delay = self._delay * uniform(0.5, 1.0)  # noqa: S311 - so that many clients do not come back at once
@@ -148,12 +162,12 @@ class Retry:
         return delay
 
 
-def _refusal(error: InvalidStatus) -> GatewayRefused:
+def refusal(status: int, body: bytes | bytearray | None) -> GatewayRefused:
+    """Return the error that an answer is. A proxy's says nothing but its status."""
     try:
-        problem = orjson.loads(error.response.body or b"")
+        return GatewayRefused(status, orjson.loads(body or b""))
     except orjson.JSONDecodeError:
-        problem = None
-    return GatewayRefused(error.response.status_code, problem)
+        return GatewayRefused(status)
 
 
 class Reading:
@@ -171,16 +185,17 @@ class Reading:
     def url(self) -> str:
         """The address of the stream, from where it was left."""
         query = {**self._query, "after": self._after}
-        text = urlencode({name: value for name, value in query.items() if value is not None})
-        return f"{self._connection.url.replace('http', 'ws', 1)}/ws/feedback?{text}"
+        params = httpx2.QueryParams({name: value for name, value in query.items() if value is not None})
+        return f"{self._connection.url.replace('http', 'ws', 1)}/ws/feedback?{params}"
 
     def read(self, message: str | bytes) -> Event | None:
         """Return an event; None if it has come before."""
         self._connection.reached = True
         self._retry.succeeded()
-        event = Event.read(orjson.loads(message))
-        if event.type == "snapshot" and "goal_id" in self._query:
-            self._after = event.document["goals"][0]["last_event_id"] or self._after
+        with self._connection.understood():
+            event = Event.read(orjson.loads(message))
+            if event.type == "snapshot" and "goal_id" in self._query:
+                self._after = event.document["goals"][0]["last_event_id"] or self._after
         if event.id is not None:
             if event.id in self._seen:
                 return None

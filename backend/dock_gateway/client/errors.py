@@ -28,7 +28,7 @@ class GatewayRefused(ClientError):
         self.status = status
         self.problem: dict[str, Any] = problem if isinstance(problem, dict) else {}
         self.code: str = self.problem.get("code", str(status))
-        self.detail: str = self.problem.get("detail", "no reason given")
+        self.detail: str = self.problem.get("detail", "the answer does not come from a dock-gateway")
         super().__init__(f"{self.code}: {self.detail}")
 
 

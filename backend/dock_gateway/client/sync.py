@@ -129,7 +129,7 @@ class Client:
                     raise self.connection.unreachable(error) from error
                 time.sleep(retry.failed(error))
             else:
-                return call.read(self.connection.read(response))
+                return self.connection.read(response, call.read)
 
     def read(self, reading: Reading, deadline: float | None = None) -> Iterator[Event]:
         """Yield the events of a stream, over any number of connections.
@@ -146,7 +146,7 @@ class Client:
                             yield event
             except (WebSocketException, OSError) as error:
                 if deadline is not None and time.monotonic() >= deadline:
-                    raise TimeoutError from None
+                    raise TimeoutError("the goal has not ended in time") from None
                 time.sleep(reading.lost(error))
 
 
@@ -194,7 +194,7 @@ class Goal:
             TimeoutError: It did not end within `timeout` seconds.
         """
         if not self.state.status.terminal:
-            for _ in self.events(timeout=timeout, feedback="false"):
+            for _ in self.events(timeout=timeout, feedback=False):
                 pass
             self.refresh()
         return self.state

@@ -9,6 +9,7 @@ from websockets.frames import Close
 from websockets.http11 import Headers, Response
 
 from dock_gateway.client import ClientError, GatewayRefused, GatewayUnreachable
+from dock_gateway.client.calls import robots
 from dock_gateway.client.connection import Connection, Reading, Retry
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
@@ -111,6 +112,18 @@ def test_a_refusal_is_final(connection: Connection, error: Exception, code: str)
     assert refusal.value.code == code
 
 
-def test_what_is_no_gateway_is_said(connection: Connection) -> None:
-    with pytest.raises(ClientError, match="is not a dock-gateway"):
-        connection.read(httpx2.Response(200, content=b"<html>"))
+@pytest.mark.parametrize(
+    ("status", "body", "said"),
+    [
+        (200, b"<html>", "is not a dock-gateway"),
+        (200, b'{"robots": 7}', "is not a dock-gateway"),
+        (200, b"", "is not a dock-gateway"),
+        (301, b"", "301: the answer does not come from"),
+        (502, b"<html>", "502: the answer does not"),
+    ],
+)
+def test_an_answer_that_is_not_from_a_gateway_is_said(
+    connection: Connection, status: int, body: bytes, said: str
+) -> None:
+    with pytest.raises(ClientError, match=said):
+        connection.read(httpx2.Response(status, content=body), robots().read)
