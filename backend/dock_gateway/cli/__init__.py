@@ -1,4 +1,4 @@
-"""The command line: `dock-gateway up`, `serve`, `user`, `token`, `audit`, and a client of a running gateway."""
+"""The command line: `up`, `serve`, `doctor`, `user`, `token`, `audit`, and a client of a running gateway."""
 
 import gc
 import importlib
@@ -10,6 +10,7 @@ from dock_gateway import __version__
 COMMANDS = {
     "up": "up",
     "serve": "serve",
+    "doctor": "doctor",
     "dock": "client",
     "undock": "client",
     "cancel": "client",

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
+from dock_gateway.doctor.machine import SQLITE
 from dock_gateway.settings import Settings, data_file
 
-SQLITE = "sqlite:///"
 # Names of databases in the user's data directory, and the end of the name of SQLite's log while one is open.
 DATABASES, OPEN = "history*.db", "-wal"
 

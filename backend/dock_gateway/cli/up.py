@@ -6,7 +6,6 @@ import ctypes
 import os
 import shutil
 import signal
-import socket
 import ssl
 import subprocess
 import sys
@@ -18,7 +17,9 @@ import click
 import httpx2
 
 from dock_gateway.cli.options import option_name, read_settings, settings_options
+from dock_gateway.cli.start import check_start
 from dock_gateway.client.connection import tls_context
+from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
 
 # Seconds that the parts have to end by themselves.
@@ -177,33 +178,6 @@ def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str
     return commands
 
 
-def own_url(settings: Settings) -> str:
-    """Return the gateway's URL on this machine."""
-    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(settings.host, settings.host)  # noqa: S104 - every address is ours
-    scheme = "https" if settings.tls else "http"
-    return f"{scheme}://[{host}]:{settings.port}" if ":" in host else f"{scheme}://{host}:{settings.port}"
-
-
-def require_free_port(settings: Settings) -> None:
-    """Check that the port is free, before anything is started.
-
-    Raises:
-        click.ClickException: The port cannot be listened on.
-    """
-    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-    with socket.socket(family) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((settings.host, settings.port))
-            probe.listen()
-        except OSError as error:
-            reason = (error.strerror or str(error)).lower()
-            raise click.ClickException(
-                f"cannot listen on {settings.host} port {settings.port}: {reason}; is a gateway running already? "
-                "--port takes another"
-            ) from None
-
-
 @click.command()
 @click.option(
     "--no-sim", is_flag=True, help="No simulated robot: the tutorial's action server, and batteries published by hand."
@@ -218,7 +192,7 @@ def up(no_sim: bool, **options: str | None) -> None:
     settings = read_settings(options)
     if settings.port == 0:
         raise click.UsageError("port: `up` prints the address before the gateway runs, so the port must not be 0")
-    require_free_port(settings)
+    check_start(settings, os.environ, docking=True)
     stay_on_this_machine(os.environ, always=not no_sim)
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
     commands = robot_commands(TUTORIAL if no_sim else SIMULATED, settings)

@@ -31,15 +31,25 @@ def sees_part_of_graph(environment: Mapping[str, str]) -> bool:
 
 def check(environment: Mapping[str, str]) -> list[Finding]:
     """Return the faults of the variables of ROS and DDS."""
-    return [*_domain(environment), *_range(environment), *_files(environment), *_security(environment)]
+    return [*check_domain(environment), *check_discovery(environment)]
 
 
-def _domain(environment: Mapping[str, str]) -> Iterator[Finding]:
+def check_discovery(environment: Mapping[str, str]) -> list[Finding]:
+    """Return the faults of the variables by which nodes find each other."""
+    return [*_range(environment), *_files(environment), *_security(environment)]
+
+
+def check_domain(environment: Mapping[str, str]) -> Iterator[Finding]:
+    """Yield the fault of the ROS domain, if there is one."""
     text = environment.get("ROS_DOMAIN_ID", "")
     if not text:
         return
     if not (text.isascii() and text.isdecimal()) or int(text) > MAX_DOMAIN:
-        yield Finding(f"ROS_DOMAIN_ID is {text!r}, which is no number from 0 to {MAX_DOMAIN}", fatal=True)
+        yield Finding(
+            f"ROS_DOMAIN_ID is {text!r}, which is no number from 0 to {MAX_DOMAIN}: run `export ROS_DOMAIN_ID=` with "
+            "that of the robots, or `unset ROS_DOMAIN_ID` for 0",
+            fatal=True,
+        )
     elif int(text) in EPHEMERAL:
         yield Finding(
             f"ROS_DOMAIN_ID {text} uses ports that Linux also gives to other programs, so nodes may fail to start; "

@@ -24,7 +24,7 @@ from dock_gateway.ros.inbox import Inbox, Inboxes
 from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
 from dock_gateway.ros.threads import RosThread
 from robot_io.participants import create_context
-from robot_io.rclpy_private import InvalidHandle
+from robot_io.rclpy_private import InvalidHandle, RCLError
 from robot_io.services import always_answer
 
 log = logging.getLogger(__name__)
@@ -98,6 +98,9 @@ class Bridge:
         max_message_bytes: The largest message that is read, in bytes.
         loop: The event loop, if this is a branch of another bridge.
 
+    Raises:
+        Unavailable: ROS does not start (`ros_unavailable`).
+
     Attributes:
         joined_at: When it joined the ROS graph, on the monotonic clock.
         branches: Its branches, oldest first.
@@ -120,12 +123,16 @@ class Bridge:
         self._closing = threading.Lock()
         self._closed = False
         os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", TRANSPORTS)
-        self._context = create_context()
-        self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
-        self._answers = AnswerListener("ros-answers", self._context)
         # A second node of the same name must not register services and topics that the first one has.
         own = {} if loop is None else {"enable_rosout": False, "start_parameter_services": False}
-        self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers, **own)
+        try:
+            self._context = create_context()
+            self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
+            self._answers = AnswerListener("ros-answers", self._context)
+            self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers, **own)
+        except RCLError as error:
+            why = str(error).partition("\n")[0].partition(", at ")[0]
+            raise Unavailable(f"ROS does not start: {why}", code="ros_unavailable") from error
         always_answer(self.node, log.exception)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)

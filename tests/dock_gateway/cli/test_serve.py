@@ -4,7 +4,7 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.serve import check_installed
+from dock_gateway.cli.start import check_installed
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 
 

@@ -10,7 +10,8 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.up import SIMULATED, TUTORIAL, own_url, robot_commands, stay_on_this_machine, supervise
+from dock_gateway.cli.up import SIMULATED, TUTORIAL, robot_commands, stay_on_this_machine, supervise
+from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
 from tests.support.waiting import until
 

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 
 import pytest
 from geometry_msgs.msg import Twist
@@ -204,3 +205,10 @@ def test_nothing_waits_to_send_to_a_robot_that_is_unreachable(domain: int) -> No
     environment = ros_environment(domain, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")  # a network that nobody else is in
     done = subprocess.run((*alone, inside), env=environment, capture_output=True, text=True, check=True, timeout=60)
     assert set(done.stdout.split("\n")) - {""} == {"does not wait"}
+
+
+async def test_ros_that_does_not_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in {"ENABLE": "true", "STRATEGY": "Enforce", "KEYSTORE": str(tmp_path)}.items():
+        monkeypatch.setenv(f"ROS_SECURITY_{name}", value)
+    with pytest.raises(Unavailable, match=f"ROS does not start: .*{tmp_path}/enclaves"):
+        Bridge("gateway", "", 10_000)

@@ -1,0 +1,89 @@
+"""What `serve` and `up` check before anything starts: each fault is one sentence that says what mends it."""
+
+import importlib
+from collections.abc import Mapping
+
+import click
+
+from dock_gateway.core import ros_variables
+from dock_gateway.doctor.environment import find_load_fault
+from dock_gateway.doctor.installation import DOCKING, MESSAGES, find_middleware_fault, find_package_fault
+from dock_gateway.doctor.machine import find_database_fault, find_port_fault
+from dock_gateway.settings import Settings
+
+
+def check_start(settings: Settings, environment: Mapping[str, str], *, docking: bool = False) -> None:
+    """Refuse to start what cannot work.
+
+    Args:
+        settings: The settings.
+        environment: The variables.
+        docking: Whether our docking servers will be started, too.
+
+    Raises:
+        click.ClickException: The message says why, and what to do.
+    """
+    check_exposure(settings)
+    check_ros(environment, docking=docking)
+    for setting in ("dock_action_type", "undock_action_type"):
+        if action_type := getattr(settings, setting):
+            check_installed(setting, action_type)
+    _refuse(find_port_fault(settings))
+    _refuse(find_database_fault(settings))
+
+
+def check_exposure(settings: Settings) -> None:
+    """Refuse to let everyone on a network move the robots, unless `insecure_open` allows it.
+
+    Raises:
+        click.UsageError: The message says what can be set instead.
+    """
+    if settings.open_to == "network" and not settings.insecure_open:
+        raise click.UsageError(
+            f"on {settings.published_on or settings.host}, anyone who reaches this machine over the network could move "
+            "the robots. Ask for a login with --authentication true (docs/access.md), or accept that with "
+            "--insecure-open true"
+        )
+
+
+def check_ros(environment: Mapping[str, str], *, docking: bool = False) -> None:
+    """Refuse an environment in which no ROS node can start.
+
+    Raises:
+        click.ClickException: The message names the variable, or what is not installed.
+    """
+    for finding in ros_variables.check(environment):
+        if finding.fatal:
+            raise click.ClickException(finding.sentence)
+    packages = (*MESSAGES, *([DOCKING] if docking else []))
+    _refuse(find_package_fault(environment, packages))
+    _refuse(find_middleware_fault(environment))
+
+
+def load_ros(environment: Mapping[str, str]) -> None:
+    """Load rclpy and the messages.
+
+    Raises:
+        click.ClickException: They do not fit each other, or are not supported. The message says what to do.
+    """
+    _refuse(find_load_fault(environment))
+
+
+def _refuse(fault: str | None) -> None:
+    if fault is not None:
+        raise click.ClickException(fault)
+
+
+def check_installed(setting: str, action_type: str) -> None:
+    """Refuse an action type that Python cannot import. Other actions on the graph may lack their packages.
+
+    Raises:
+        click.UsageError: The type is missing. The message names it.
+    """
+    package, _, name = action_type.split("/")
+    try:
+        found = hasattr(importlib.import_module(f"{package}.action"), name)
+    except ModuleNotFoundError:
+        found = False
+    if not found:
+        raise click.UsageError(f"{setting}: the ROS interfaces {package} with the action {name} are not installed")

@@ -1,0 +1,100 @@
+"""Checks Python, the installed ROS and the variables of the environment."""
+
+import importlib
+import platform
+import sys
+from collections.abc import Mapping
+
+from dock_gateway import __version__
+from dock_gateway.core import ros_variables
+from dock_gateway.core.dock_adapters.catalog import ADAPTERS
+from dock_gateway.doctor.check import Check, Level, judge
+from dock_gateway.doctor.installation import (
+    DOCKING,
+    MESSAGES,
+    find_installation,
+    find_middleware_fault,
+    find_package_fault,
+    mend,
+)
+
+DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
+
+
+def check_environment(environment: Mapping[str, str]) -> list[Check]:
+    """Check Python, ROS and its variables."""
+    python = f"dock-gateway {__version__} on Python {platform.python_version()}, {sys.executable}"
+    return [
+        Check("python", Level.OK, python),
+        _check_ros(environment),
+        _check_docking(environment),
+        _check_domain(environment),
+        _check_discovery(environment),
+    ]
+
+
+def _check_ros(environment: Mapping[str, str]) -> Check:
+    installation = find_installation(environment)
+    fault = find_package_fault(environment) or find_middleware_fault(environment) or find_load_fault(environment)
+    if installation is None or fault is not None:
+        return judge("ros", fault, "")
+    middleware = environment.get("RMW_IMPLEMENTATION") or next(iter(installation.middlewares), DEFAULT_MIDDLEWARE)
+    name = f"ROS 2 {installation.distribution.capitalize()}".rstrip()
+    return Check("ros", Level.OK, f"{name} (rclpy {installation.version}) with {middleware}, in {installation.source}")
+
+
+def find_load_fault(environment: Mapping[str, str]) -> str | None:
+    """Load rclpy and the messages. Return why they do not fit each other, and what to do; None if they do."""
+    package = "rclpy"
+    try:
+        from robot_io.rclpy_private import UnsupportedRclpyError, require_supported  # noqa: PLC0415 - takes a second
+
+        for package in MESSAGES:
+            importlib.import_module(f"{package}.{package}_s__rosidl_typesupport_c")
+    except Exception as error:  # noqa: BLE001 - whatever is wrong in them
+        why = str(error).partition("\n")[0]
+        return f"the ROS package {package} does not load ({why}): {mend(package, environment)}"
+    try:
+        require_supported()
+    except UnsupportedRclpyError as error:
+        return str(error)
+    return None
+
+
+def _check_docking(environment: Mapping[str, str]) -> Check:
+    """Check which docking actions can be used: one suffices, and the robots say which."""
+    packages = dict.fromkeys(adapter.action_type.partition("/")[0] for adapter in ADAPTERS["dock"])
+    there = [name for name in packages if find_package_fault(environment, [name]) is None]
+    missing = [name for name in packages if name not in there]
+    if not there:
+        fault = find_package_fault(environment, [DOCKING])
+        return judge("docking", f"no docking action is installed: {fault}", "")
+    absent = f"; not installed: {', '.join(missing)} (`make nav2-interfaces`, docs/nav2.md)" if missing else ""
+    return Check("docking", Level.OK, f"the docking actions of {', '.join(there)} can be used{absent}")
+
+
+def _check_domain(environment: Mapping[str, str]) -> Check:
+    for finding in ros_variables.check_domain(environment):
+        return Check("domain", Level.ERROR if finding.fatal else Level.WARNING, finding.sentence)
+    return Check("domain", Level.OK, f"ROS_DOMAIN_ID is {environment.get('ROS_DOMAIN_ID') or '0, as it is not set'}")
+
+
+def _check_discovery(environment: Mapping[str, str]) -> Check:
+    findings = ros_variables.check_discovery(environment)
+    if findings:
+        broken = any(each.fatal for each in findings) or ros_variables.sees_part_of_graph(environment)
+        text = ". ".join(each.sentence for each in findings)
+        return Check("discovery", Level.ERROR if broken else Level.WARNING, text)
+    return Check("discovery", Level.OK, describe_discovery(environment))
+
+
+def describe_discovery(environment: Mapping[str, str]) -> str:
+    """Return where nodes are looked for."""
+    if server := environment.get("ROS_DISCOVERY_SERVER", "").strip("; "):
+        return f"nodes are found by the discovery server {server}"
+    local = environment.get("ROS_LOCALHOST_ONLY") == "1"
+    if local or environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST":
+        name = "ROS_LOCALHOST_ONLY" if local else "ROS_AUTOMATIC_DISCOVERY_RANGE"
+        return f"only nodes on this machine are found, as {name} says"
+    peers = environment.get("ROS_STATIC_PEERS", "")
+    return f"nodes on the local network are found{f', and on {peers}' if peers else ''}"
