@@ -22,6 +22,8 @@ from dock_gateway.client.connection import tls_context
 from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
 
+# Simulated robots at most: each takes a tenth of a processor.
+MAX_ROBOTS = 20
 # Seconds that the parts have to end by themselves.
 END_TIMEOUT = 2.3
 PR_SET_PDEATHSIG = 1
@@ -79,8 +81,8 @@ def _die_with_parent() -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def _end(parts: Sequence[Part]) -> None:
-    deadline = time.monotonic() + END_TIMEOUT
+def _end(parts: Sequence[Part], timeout: float) -> None:
+    deadline = time.monotonic() + timeout
     for part in parts:
         if part.process.poll() is None:
             part.process.terminate()
@@ -117,7 +119,12 @@ async def _announce(url: str) -> None:
 
 
 async def supervise(
-    commands: Mapping[str, Sequence[str]], url: str, *, start_window: float = 5.0, longest_delay: float = 10.0
+    commands: Mapping[str, Sequence[str]],
+    url: str,
+    *,
+    start_window: float = 5.0,
+    longest_delay: float = 10.0,
+    end_timeout: float = END_TIMEOUT,
 ) -> bool:
     """Run the parts until a signal arrives. Return False if the gateway, the first part, could not be started.
 
@@ -127,6 +134,7 @@ async def supervise(
         start_window: Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings
             are wrong.
         longest_delay: Maximum seconds before a part that has died is started again.
+        end_timeout: Seconds that the parts have to end by themselves.
     """
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -144,7 +152,7 @@ async def supervise(
             await asyncio.sleep(0.1)
     finally:
         announcing.cancel()
-        _end(parts)
+        _end(parts, end_timeout)
     return True
 
 
@@ -178,25 +186,57 @@ def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str
     return commands
 
 
+def fleet(robots: int) -> list[str]:
+    """Return the command line of a simulated fleet."""
+    return [sys.executable, "-m", "docking.nodes.simulated_fleet", str(robots)]
+
+
+def default_robot(settings: Settings, robots: int) -> str:
+    """Return the robot of a fleet that a request without one means.
+
+    Raises:
+        click.UsageError: The settings name a robot that is not one of the fleet.
+    """
+    names = [f"robot{number}" for number in range(1, robots + 1)]
+    name = settings.namespace.strip("/") or names[0]
+    if name not in names:
+        raise click.UsageError(f"namespace: the robots are /{names[0]} to /{names[-1]}, and /{name} is none of them")
+    return f"/{name}"
+
+
 @click.command()
 @click.option(
     "--no-sim", is_flag=True, help="No simulated robot: the tutorial's action server, and batteries published by hand."
 )
+@click.option(
+    "--robots",
+    type=click.IntRange(1, MAX_ROBOTS),
+    help="Simulated robots, /robot1, /robot2, …, instead of one without a namespace.",
+)
 @settings_options
-def up(no_sim: bool, **options: str | None) -> None:
+def up(no_sim: bool, robots: int | None, **options: str | None) -> None:
     """Run the gateway, a docking server and a simulated robot together, and keep them running.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
     network. With --no-sim, ROS_AUTOMATIC_DISCOVERY_RANGE may say otherwise.
     """
     settings = read_settings(options)
+    if robots is not None:
+        if no_sim:
+            raise click.UsageError("--robots are simulated: leave out --no-sim")
+        options["namespace"] = default_robot(settings, robots)
+        settings = read_settings(options)
     if settings.port == 0:
         raise click.UsageError("port: `up` prints the address before the gateway runs, so the port must not be 0")
     check_start(settings, os.environ, docking=True)
     stay_on_this_machine(os.environ, always=not no_sim)
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
-    commands = robot_commands(TUTORIAL if no_sim else SIMULATED, settings)
+    programs = TUTORIAL if no_sim else SIMULATED
+    commands = robot_commands(programs, settings) if robots is None else {"the fleet": fleet(robots)}
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments]
-    if not asyncio.run(supervise({"the gateway": gateway} | commands, own_url(settings))):
+    running = supervise(
+        {"the gateway": gateway} | commands, own_url(settings), end_timeout=END_TIMEOUT + 0.2 * (robots or 0)
+    )
+    if not asyncio.run(running):
         raise click.ClickException("the gateway could not be started; see the messages above")

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from rclpy.context import Context
+from rclpy.node import Node
 
 from docking.core.battery import Battery
 from docking.ros.battery_subscriber import BatteryStateSubscriber
@@ -23,26 +24,31 @@ EXIT_TIMEOUT = 15.0
 """Seconds after the signal in which the process must be gone; then it ends itself and says what it waited for."""
 
 
-def serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]], args: Sequence[str] | None) -> int:
+MakeServers = Callable[[Battery, Context], Sequence[ActionNode[Any]]]
+MakeNodes = Callable[[Context], Sequence[Node]]
+
+
+def serve(make_servers: MakeServers, args: Sequence[str] | None, make_others: MakeNodes = lambda _: ()) -> int:
     """Run servers and a battery subscriber until a signal ends them.
 
     Args:
         make_servers: Makes the servers.
         args: The command line with its `--ros-args`; None is that of the process.
+        make_others: Makes other nodes that run in the same process.
 
     Returns:
         The exit code: 0 after a signal, 1 after a failure, 2 where the command line or a parameter is wrong.
     """
-    return run_process(partial(_serve, make_servers), args)
+    return run_process(partial(_serve, make_servers, make_others), args)
 
 
-def _serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]], args: Sequence[str] | None) -> int:
+def _serve(make_servers: MakeServers, make_others: MakeNodes, args: Sequence[str] | None) -> int:
     signals = StopSignals()
     with ros_context(args) as context:
         battery = Battery()
         servers = make_servers(battery, context)
         subscriber = BatteryStateSubscriber(battery, context=context)
-        nodes: list[Any] = [*servers, subscriber]
+        nodes: list[Any] = [*servers, subscriber, *make_others(context)]
         if len({node.get_fully_qualified_name() for node in nodes}) < len(nodes):
             raise ValueError(
                 "-r __node:=… renames all nodes of this program alike. Name the node that is meant:"

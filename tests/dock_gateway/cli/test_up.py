@@ -10,7 +10,15 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.up import SIMULATED, TUTORIAL, robot_commands, stay_on_this_machine, supervise
+from dock_gateway.cli.up import (
+    SIMULATED,
+    TUTORIAL,
+    default_robot,
+    fleet,
+    robot_commands,
+    stay_on_this_machine,
+    supervise,
+)
 from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
 from tests.support.waiting import until
@@ -97,3 +105,25 @@ async def test_a_gateway_that_has_run_is_started_again_and_again(tmp_path: Path)
 
 async def test_a_gateway_that_cannot_start_ends_everything() -> None:
     assert not await supervise({"the gateway": [sys.executable, "-c", ""]}, "http://127.0.0.1:1")
+
+
+def test_a_fleet_and_the_robot_that_is_meant_without_a_name() -> None:
+    assert fleet(5)[1:] == ["-m", "docking.nodes.simulated_fleet", "5"]
+    assert default_robot(Settings(), 5) == "/robot1"
+    assert default_robot(Settings(namespace="/robot5"), 5) == "/robot5"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--robots", "0"], "0 is not in the range"),
+        (["--robots", "21"], "21 is not in the range"),
+        (["--robots", "many"], "not a valid int"),
+        (["--robots", "3", "--no-sim"], "leave out --no-sim"),
+        (["--robots", "3", "--namespace", "/robot4"], "/robot1 to /robot3, and /robot4 is none of them"),
+    ],
+)
+def test_fleets_that_cannot_be(options: list[str], said: str) -> None:
+    result = CliRunner().invoke(main, ["up", *options])
+    assert result.exit_code == 2
+    assert said in result.output
