@@ -55,7 +55,7 @@ def doctor(as_json: bool, seconds: float, **options: str | None) -> None:
 
 
 def _check(settings: Settings, seconds: float) -> Iterator[Check]:
-    environment = check_environment(os.environ)
+    environment = check_environment(settings, os.environ)
     yield from environment
     yield from check_machine(settings)
     if not seconds or any(check.level is Level.ERROR and check.name in VITAL for check in environment):

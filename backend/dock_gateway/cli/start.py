@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import click
 
 from dock_gateway.core import ros_variables
-from dock_gateway.doctor.environment import find_load_fault
+from dock_gateway.doctor.environment import find_exposure_fault, find_load_fault
 from dock_gateway.doctor.installation import DOCKING, MESSAGES, find_middleware_fault, find_package_fault
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
 from dock_gateway.settings import Settings
@@ -38,12 +38,8 @@ def check_exposure(settings: Settings) -> None:
     Raises:
         click.UsageError: The message says what can be set instead.
     """
-    if settings.open_to == "network" and not settings.insecure_open:
-        raise click.UsageError(
-            f"on {settings.published_on or settings.host}, anyone who reaches this machine over the network could move "
-            "the robots. Ask for a login with --authentication true (docs/access.md), or accept that with "
-            "--insecure-open true"
-        )
+    if (fault := find_exposure_fault(settings)) is not None:
+        raise click.UsageError(fault)
 
 
 def check_ros(environment: Mapping[str, str], *, docking: bool = False) -> None:

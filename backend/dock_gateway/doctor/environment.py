@@ -17,20 +17,43 @@ from dock_gateway.doctor.installation import (
     find_package_fault,
     mend,
 )
+from dock_gateway.settings import Settings, unknown_variables
 
 DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
 
 
-def check_environment(environment: Mapping[str, str]) -> list[Check]:
-    """Check Python, ROS and its variables."""
+def check_environment(settings: Settings, environment: Mapping[str, str]) -> list[Check]:
+    """Check Python, the settings, ROS and its variables."""
     python = f"dock-gateway {__version__} on Python {platform.python_version()}, {sys.executable}"
     return [
         Check("python", Level.OK, python),
+        check_settings(settings, environment),
         _check_ros(environment),
         _check_docking(environment),
         _check_domain(environment),
         _check_discovery(environment),
     ]
+
+
+def check_settings(settings: Settings, environment: Mapping[str, str]) -> Check:
+    """Check that the gateway may start with its settings, and that each variable is one."""
+    if (fault := find_exposure_fault(settings)) is not None:
+        return Check("settings", Level.ERROR, fault)
+    unknown = ". ".join(unknown_variables(environment))
+    given = sorted(settings.model_fields_set)
+    found = f"{', '.join(given)} set, all others by default" if given else "all by default"
+    return judge("settings", unknown or None, found, Level.WARNING)
+
+
+def find_exposure_fault(settings: Settings) -> str | None:
+    """Return that everyone on a network could move the robots, and what can be set instead; None if not."""
+    if settings.open_to != "network" or settings.insecure_open:
+        return None
+    return (
+        f"on {settings.published_on or settings.host}, anyone who reaches this machine over the network could move "
+        "the robots. Ask for a login with --authentication true (docs/access.md), or accept that with "
+        "--insecure-open true"
+    )
 
 
 def _check_ros(environment: Mapping[str, str]) -> Check:

@@ -66,7 +66,7 @@ def find_installation(environment: Mapping[str, str]) -> Installation | None:
     prefix = _prefix(rclpy)
     wheels = rclpy.is_relative_to(sys.prefix)
     named = (match[1] for each in rclpy.parent.glob("ros_*_rclpy-*.dist-info") if (match := WHEEL.match(each.name)))
-    distribution = next(named, "") if wheels else environment.get("ROS_DISTRO", "")
+    distribution = (next(named, "") if wheels else "") or environment.get("ROS_DISTRO", "")
     sourced = environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     prefixes = [prefix] if wheels else [prefix, *map(Path, filter(None, sourced))]
     found = {each.name for each in prefixes if each.is_dir() for each in each.joinpath(INDEX).glob("rmw_*")}

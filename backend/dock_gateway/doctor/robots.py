@@ -76,7 +76,7 @@ class RobotChecks:
     def all(self) -> Iterator[Check]:
         """Yield the check of the graph, and one of each robot."""
         seen = self._snapshot
-        robots = sorted({*self._actions["dock"], *self._batteries})
+        robots = sorted({*self._actions["dock"], *self._batteries}, key=lambda robot: (len(robot), robot))
         counts = ((seen.nodes, "node"), (len(seen.actions), "action"), (len(robots), "robot"))
         texts = (f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts)
         found = f"{', '.join(texts)} in {seen.seconds:g} s"

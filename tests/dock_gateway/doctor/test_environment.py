@@ -6,15 +6,16 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.doctor.check import Level
-from dock_gateway.doctor.environment import check_environment
+from dock_gateway.doctor.environment import check_environment, check_settings
+from dock_gateway.settings import Settings
 
 
 def levels(environment: dict[str, str]) -> dict[str, Level]:
-    return {check.name: check.level for check in check_environment(environment)}
+    return {check.name: check.level for check in check_environment(Settings(), environment)}
 
 
 def text(name: str, environment: dict[str, str]) -> str:
-    return next(check.text for check in check_environment(environment) if check.name == name)
+    return next(check.text for check in check_environment(Settings(), environment) if check.name == name)
 
 
 def test_this_environment_works() -> None:
@@ -62,3 +63,13 @@ def test_what_does_not_work(environment: dict[str, str], name: str, level: Level
     found = levels(environment)
     assert found.pop(name) is level
     assert set(found.values()) == {Level.OK}
+
+
+def test_settings() -> None:
+    assert check_settings(Settings(), {"DOCK_GATEWAY_PORT": "8000"}).level is Level.OK
+    misspelled = check_settings(Settings(), {"DOCK_GATEWAY_PROT": "8000"})
+    assert misspelled.level is Level.WARNING
+    assert "Did you mean DOCK_GATEWAY_PORT?" in misspelled.text
+    exposed = check_settings(Settings(host="0.0.0.0"), {})
+    assert exposed.level is Level.ERROR
+    assert "--authentication true" in exposed.text
