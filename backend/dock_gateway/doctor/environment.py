@@ -12,6 +12,7 @@ from dock_gateway.doctor.check import Check, Level, judge
 from dock_gateway.doctor.installation import (
     DOCKING,
     MESSAGES,
+    SOURCED,
     find_installation,
     find_middleware_fault,
     find_package_fault,
@@ -75,8 +76,11 @@ def find_load_fault(environment: Mapping[str, str]) -> str | None:
         for package in MESSAGES:
             importlib.import_module(f"{package}.{package}_s__rosidl_typesupport_c")
     except Exception as error:  # noqa: BLE001 - whatever is wrong in them
-        why = str(error).partition("\n")[0]
-        return f"the ROS package {package} does not load ({why}): {mend(package, environment)}"
+        why, advice = str(error).partition("\n")[0], mend(package, environment)
+        installation = find_installation(environment)
+        if installation is not None and not installation.wheels and "shared object" in why:
+            advice = f"run `source {installation.prefix}/setup.bash`, or `unset {' '.join(SOURCED)}`"
+        return f"the ROS package {package} does not load ({why}): {advice}"
     try:
         require_supported()
     except UnsupportedRclpyError as error:

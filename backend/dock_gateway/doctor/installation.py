@@ -53,9 +53,14 @@ class Installation:
     middlewares: tuple[str, ...]
 
     @property
+    def prefix(self) -> Path:
+        """Where it is installed, such as `/opt/ros/jazzy`."""
+        return _prefix(self.rclpy)
+
+    @property
     def source(self) -> str:
         """Where it is from, in words."""
-        return f"the environment {sys.prefix}" if self.wheels else f"the sourced installation in {_prefix(self.rclpy)}"
+        return f"the environment {sys.prefix}" if self.wheels else f"the sourced installation in {self.prefix}"
 
 
 def find_installation(environment: Mapping[str, str]) -> Installation | None:
