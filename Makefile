@@ -13,6 +13,7 @@ STAMPS := $(VENV)/.stamps
 BENCH := benchmarks/.environments
 UV ?= $(shell command -v uv || echo .tools/uv/bin/uv)
 PYTHON_VERSIONS := >=3.11,<3.15
+WHEEL_PYTHONS ?= 3.11 3.12 3.13
 UP_ARGS ?=
 PYTEST_ARGS ?=
 BENCH_ARGS ?=
@@ -31,7 +32,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces format lock nav2-interfaces interfaces-wheel colcon-workspace clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces format lock nav2-interfaces wheels test-wheels interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -84,8 +85,14 @@ format: setup ## format Python and TypeScript, and write the tables of parameter
 lock: $(UV) ## write the locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
-	    --no-emit-package action-tutorials-interfaces --group dev --extra traces pyproject.toml -o requirements.lock
+	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group dev --extra traces pyproject.toml -o requirements.lock
 	scripts/lock-build-requirements
+
+wheels: frontend/dist/index.html $(UV) ## build into dist/ what dock-gateway is installed from (WHEEL_PYTHONS='3.12'); see docs/install.md
+	@scripts/wheels $(WHEEL_PYTHONS)
+
+test-wheels: setup wheels ## install from dist/ without a compiler, dock, stop; prints the seconds
+	@$(BIN)/pytest tests/wheels $(PYTEST_ARGS)
 
 interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (or another CPython)
 	scripts/interfaces-wheel $(or $(PYTHON),3.12)

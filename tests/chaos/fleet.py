@@ -4,22 +4,14 @@ import contextlib
 import random
 import re
 import signal
-import socket
 from collections import Counter
 from typing import Self
 
 from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.processes import Process
+from tests.support.processes import Process, free_port
 from tests.support.waiting import wait_until
 
 UUID = r"[0-9a-f]{8}-[0-9a-f-]{27}"
-
-
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        port: int = listener.getsockname()[1]
-        return port
 
 
 class Fleet:

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 import yaml
 
+import dock_gateway
 import robot_io
 from docking.core.parameter import NodeSettings, from_values, parameters_of
 from docking.parameters import DockSettings, UndockSettings
@@ -64,7 +65,7 @@ def test_the_workspace_and_the_wheel_have_the_same_programs() -> None:
 
 def test_there_is_one_version() -> None:
     arguments = setup_arguments()
-    assert {project()["version"], arguments["version"], manifest().findtext("version")} == {project()["version"]}
+    assert {arguments["version"], manifest().findtext("version")} == {dock_gateway.__version__}
     assert arguments["description"] + "." == manifest().findtext("description")
 
 

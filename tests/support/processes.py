@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -29,6 +30,14 @@ def ros_environment(domain: int, **more: str) -> dict[str, str]:
         "PYTHONFAULTHANDLER": "1",
         **more,
     }
+
+
+def free_port() -> int:
+    """A port of this machine that nothing listens on now."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        port: int = listener.getsockname()[1]
+        return port
 
 
 def _stopped(pid: int) -> bool:

@@ -15,20 +15,13 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import BIN, Process, free_port, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
 # The promise is 3 s; a machine that is shared gets twice that.
 GONE_WITHIN = 6.0
-
-
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        port: int = listener.getsockname()[1]
-        return port
 
 
 def alive(pid: int) -> bool:

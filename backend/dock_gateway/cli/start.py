@@ -7,7 +7,13 @@ import click
 
 from dock_gateway.core import ros_variables
 from dock_gateway.doctor.environment import find_exposure_fault, find_load_fault
-from dock_gateway.doctor.installation import DOCKING, MESSAGES, find_middleware_fault, find_package_fault
+from dock_gateway.doctor.installation import (
+    DOCKING,
+    MESSAGES,
+    find_middleware_fault,
+    find_package_fault,
+    find_twin_fault,
+)
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
 from dock_gateway.settings import Settings
 
@@ -24,6 +30,7 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
         click.ClickException: The message says why, and what to do.
     """
     check_exposure(settings)
+    _refuse(find_twin_fault())
     check_ros(environment, docking=docking)
     for setting in ("dock_action_type", "undock_action_type"):
         if action_type := getattr(settings, setting):

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.machinery import EXTENSION_SUFFIXES, PathFinder
+from importlib.metadata import distributions
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -111,6 +112,14 @@ def mend(package: str, environment: Mapping[str, str]) -> str:
         if folder is not None and folder.is_relative_to(Path(path).absolute()):
             return f"PYTHONPATH names that folder; run `unset {' '.join(SOURCED)}` and start again"
     return f"install it anew; {_install(package, environment)}"
+
+
+def find_twin_fault() -> str | None:
+    """Return that both distributions of the program are installed, which own the same files; None if one is."""
+    both = ("dock-gateway", "dock-gateway-core")
+    if all(any(distributions(name=name)) for name in both):
+        return f"{' and '.join(both)} are both installed: run `pip uninstall {' '.join(both)}`, and install one of them"
+    return None
 
 
 def find_middleware_fault(environment: Mapping[str, str]) -> str | None:
