@@ -32,7 +32,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces format lock nav2-interfaces wheels test-wheels interfaces-wheel colcon-workspace clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -93,6 +93,11 @@ wheels: frontend/dist/index.html $(UV) ## build into dist/ what dock-gateway is 
 
 test-wheels: setup wheels ## install from dist/ without a compiler, dock, stop; prints the seconds
 	@$(BIN)/pytest tests/wheels $(PYTEST_ARGS)
+
+release: $(UV) ## check tag, CHANGELOG.md and version; then wheels, their parts with licences, SHA256SUMS
+	@scripts/check-release >/dev/null
+	@$(MAKE) --no-print-directory frontend/dist/index.html
+	@scripts/release $(WHEEL_PYTHONS)
 
 interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (or another CPython)
 	scripts/interfaces-wheel $(or $(PYTHON),3.12)
