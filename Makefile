@@ -11,6 +11,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := $(VENV)/.stamps
 BENCH := benchmarks/.environments
+SITE := .site
 UV ?= $(shell command -v uv || echo .tools/uv/bin/uv)
 PYTHON_VERSIONS := >=3.11,<3.15
 WHEEL_PYTHONS ?= 3.11 3.12 3.13
@@ -32,7 +33,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -69,6 +70,15 @@ screenshots: setup ## renew the pictures in docs/images
 traces: setup $(STAMPS)/test-interfaces ## follow real requests through the code, and renew the lists in docs/architecture.md
 	@$(BIN)/python -m scripts.traces
 
+docs: $(SITE)/environment ## build the documentation site: site/index.html; a broken link fails
+	@$(SITE)/environment/bin/python -m scripts.docs_site $(SITE)/pages
+	@$(SITE)/environment/bin/zensical build --strict --clean
+
+$(SITE)/environment: docs-requirements.lock | $(UV)
+	@rm -rf $@ && $(UV) venv --quiet --python '$(PYTHON_VERSIONS)' $@
+	@$(UV) pip sync --quiet --python $@/bin/python --require-hashes docs-requirements.lock || { rm -rf $@; exit 1; }
+	@touch $@
+
 compare-screenshots: setup ## each page of the dashboard beside that of BASE=main, with the same data: what differs?
 	@$(BIN)/python -m scripts.screenshots --compare $(or $(BASE),main)
 
@@ -87,6 +97,8 @@ lock: $(UV) ## write the locks anew from the pyproject.toml files
 	    --no-emit-index-url --no-annotate --no-header \
 	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group dev --extra traces pyproject.toml -o requirements.lock
 	scripts/lock-build-requirements
+	echo zensical | $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
+	    --no-emit-index-url --no-annotate --no-header - -o docs-requirements.lock
 
 wheels: frontend/dist/index.html $(UV) ## build into dist/ what dock-gateway is installed from (WHEEL_PYTHONS='3.12'); see docs/install.md
 	@scripts/wheels $(WHEEL_PYTHONS)
@@ -106,7 +118,7 @@ colcon-workspace: $(UV) ## build and try both ROS packages with colcon, as on a 
 	scripts/colcon-workspace $(or $(PYTHON),3.12)
 
 clean: ## remove everything that the other targets made
-	rm -rf .venv .tools dist $(BENCH) frontend/dist frontend/node_modules test-results
+	rm -rf .venv .tools dist $(BENCH) $(SITE) .cache site frontend/dist frontend/node_modules test-results
 
 .tools/uv/bin/uv:
 	@scripts/get-uv .tools/uv

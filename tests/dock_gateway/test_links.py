@@ -2,6 +2,7 @@
 
 import ast
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -26,6 +27,11 @@ def test_every_link_leads_somewhere(page: Path) -> None:
         target = page.parent / path if path else page
         assert target.exists(), link
         assert not anchor or target.suffix != ".md" or anchor in anchors(target), link
+
+
+def test_every_page_is_in_the_navigation_of_the_site() -> None:
+    navigation = str(tomllib.loads((ROOT / "zensical.toml").read_text())["project"]["nav"])
+    assert {str(page.relative_to(ROOT)) for page in PAGES} - set(re.findall(r"'([\w/-]+\.md)'", navigation)) == set()
 
 
 def functions(path: Path) -> set[str]:
