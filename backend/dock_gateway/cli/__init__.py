@@ -1,4 +1,4 @@
-"""The command line: `up`, `serve`, `doctor`, `user`, `token`, `audit`, and a client of a running gateway."""
+"""The command line: `up`, `serve`, `doctor`, `user`, `token`, `audit` and others, and a client of a running gateway."""
 
 import gc
 import importlib
@@ -11,6 +11,7 @@ COMMANDS = {
     "up": "up",
     "serve": "serve",
     "doctor": "doctor",
+    "install-service": "install_service",
     "dock": "client",
     "undock": "client",
     "cancel": "client",
@@ -38,7 +39,8 @@ class LazyGroup(click.Group):
         if cmd_name not in COMMANDS:
             return None
         gc.disable()  # loaded modules stay
-        command: click.Command = getattr(importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}"), cmd_name)
+        module = importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}")
+        command: click.Command = getattr(module, cmd_name.replace("-", "_"))
         gc.enable()
         return command
 
