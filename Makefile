@@ -73,6 +73,7 @@ traces: setup $(STAMPS)/test-interfaces ## follow real requests through the code
 docs: $(SITE)/environment ## build the documentation site: site/index.html; a broken link fails
 	@$(SITE)/environment/bin/python -m scripts.docs_site $(SITE)/pages
 	@$(SITE)/environment/bin/zensical build --strict --clean
+	@! grep -rnoE --include='*.html' '<(script|link|img|iframe)[^>]* (src|href)="?https?:[^ ]*' site || { echo "The site has to work offline." >&2; exit 1; }
 
 $(SITE)/environment: docs-requirements.lock | $(UV)
 	@rm -rf $@ && $(UV) venv --quiet --python '$(PYTHON_VERSIONS)' $@

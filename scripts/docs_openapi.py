@@ -89,9 +89,10 @@ def answers(responses: Document) -> Iterator[str]:
     errors = sorted(status for status in responses if status >= "400")
     for status, answer in sorted(responses.items()):
         if status < "400":
-            kinds = [kind(content.get("schema", {})) for content in answer.get("content", {}).values()]
-            text = answer["description"].replace("Successful Response", "")
-            yield f"- **{status}** {' or '.join(dict.fromkeys(kinds))} {text}\n".replace("  ", " ")
+            schemas = [content["schema"] for content in answer.get("content", {}).values() if "schema" in content]
+            parts = [" or ".join(dict.fromkeys(map(kind, schemas))), answer["description"]]
+            text = ": ".join(part for part in parts if part and part != "Successful Response")
+            yield f"- **{status}** {text or 'no body'}\n"
     yield f"- errors: {', '.join(errors)}\n\n" if errors else "\n"
 
 
@@ -107,8 +108,8 @@ def operation(method: str, path: str, document: Document) -> Iterator[str]:
     for one in document.get("parameters", []):
         text = meaning(one["schema"], one.get("description", ""))
         if "example" in one:
-            text += f" `{one['example']}`"
-        yield f"| `{one['name']}` | {one['in']} | {cell(kind(one['schema']))} | {text} |\n"
+            text += f"; such as `{one['example']}`"
+        yield f"| `{one['name']}` | {one['in']} | {cell(kind(one['schema']))} | {text.removeprefix('; ')} |\n"
     yield "\n"
     if "requestBody" in document:
         yield from body(document["requestBody"])
