@@ -28,6 +28,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Prepare the process: see the comments."""
     # A suite that runs under `nohup` must not hand that on to the programs that it ends by a signal.
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    # Kilted's rclpy calls its own `warn`.
+    config.addinivalue_line("filterwarnings", "ignore:Deprecated in favor of .*RcutilsLogger:DeprecationWarning")
     # The one warning that importing ROS messages brings: its parser is older than Python's new `re`.
     config.addinivalue_line("filterwarnings", "ignore:module 'sre_.*' is deprecated:DeprecationWarning")
 

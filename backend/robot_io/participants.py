@@ -6,6 +6,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from robot_io.rclpy_private import require_supported
 
@@ -31,6 +32,11 @@ def create_context(args: Sequence[str] | None = None, *, domain_id: int | None =
         signal_handler_options=SignalHandlerOptions.NO,
     )
     return context
+
+
+def middleware() -> str:
+    """Return the name of the RMW implementation that is loaded, such as `rmw_fastrtps_cpp`."""
+    return str(get_rmw_implementation_identifier())
 
 
 class SecondParticipant:

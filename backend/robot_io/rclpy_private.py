@@ -94,7 +94,8 @@ def require_supported() -> None:
     except importlib.metadata.PackageNotFoundError:
         version = "of an unknown version"
     raise UnsupportedRclpyError(
-        f"rclpy {version} is not supported, because it lacks {', '.join(missing)}: use that of ROS 2 Jazzy (7.1)"
+        f"rclpy {version} is not supported, because it lacks {', '.join(missing)}: use that of ROS 2 Jazzy (7.1) or "
+        "Kilted (9.1)"
     )
 
 
@@ -308,6 +309,14 @@ class SubscriptionWaitable(Waitable):  # type: ignore[misc] # rclpy has no types
         self.subscription = subscription
         self._take = take
         self._index = -1
+
+    def __enter__(self) -> None:
+        self.subscription.handle.__enter__()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.subscription.handle.__exit__(kind, error, trace)
 
     def get_num_entities(self) -> NumberOfEntities:
         """Return how many entities it adds to a wait set."""

@@ -5,8 +5,10 @@
 
 cmake_path(GET Python3_EXECUTABLE PARENT_PATH _bin)
 cmake_path(GET _bin PARENT_PATH _prefix)
-set(ENV{AMENT_PREFIX_PATH} "${_prefix}")
-list(PREPEND CMAKE_PREFIX_PATH "${_prefix}")
+if(EXISTS "${_prefix}/share/ament_index") # otherwise ROS is sourced
+  set(ENV{AMENT_PREFIX_PATH} "${_prefix}")
+  list(PREPEND CMAKE_PREFIX_PATH "${_prefix}")
+endif()
 
 # The ROS wheels export include directories of the machine that built them
 # (/opt/python/...). CMake refuses an imported target with a directory that does

@@ -19,6 +19,7 @@ from dock_gateway.core import ros_variables
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.doctor.environment import describe_ros
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.edge.certificates import Certificates, load_certificates
 from dock_gateway.http.edge.connection import Connection
@@ -107,6 +108,7 @@ def run(settings: Settings) -> bool:
     """
     certificates = load_certificates(settings)
     configure_logs(settings)
+    log.info("%s", describe_ros(os.environ))
     for sentence in unknown_variables(os.environ):
         log.warning(sentence)
     for finding in ros_variables.check(os.environ):

@@ -11,6 +11,7 @@ from dock_gateway.doctor.installation import (
     DOCKING,
     MESSAGES,
     find_middleware_fault,
+    find_mixture_fault,
     find_package_fault,
     find_twin_fault,
 )
@@ -60,6 +61,7 @@ def check_ros(environment: Mapping[str, str], *, docking: bool = False) -> None:
             raise click.ClickException(finding.sentence)
     packages = (*MESSAGES, *([DOCKING] if docking else []))
     _refuse(find_package_fault(environment, packages))
+    _refuse(find_mixture_fault(environment))
     _refuse(find_middleware_fault(environment))
 
 

@@ -15,12 +15,11 @@ from dock_gateway.doctor.installation import (
     SOURCED,
     find_installation,
     find_middleware_fault,
+    find_mixture_fault,
     find_package_fault,
     mend,
 )
 from dock_gateway.settings import Settings, unknown_variables
-
-DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
 
 
 def check_environment(settings: Settings, environment: Mapping[str, str]) -> list[Check]:
@@ -58,13 +57,20 @@ def find_exposure_fault(settings: Settings) -> str | None:
 
 
 def _check_ros(environment: Mapping[str, str]) -> Check:
+    finders = (find_package_fault, find_mixture_fault, find_middleware_fault, find_load_fault)
+    fault = next(filter(None, (find(environment) for find in finders)), None)
+    return judge("ros", fault, "" if fault else describe_ros(environment))
+
+
+def describe_ros(environment: Mapping[str, str]) -> str:
+    """Return which ROS is loaded, with which RMW, and from where. `find_load_fault` must have found nothing."""
+    from robot_io.participants import middleware  # noqa: PLC0415 - takes a second
+
     installation = find_installation(environment)
-    fault = find_package_fault(environment) or find_middleware_fault(environment) or find_load_fault(environment)
-    if installation is None or fault is not None:
-        return judge("ros", fault, "")
-    middleware = environment.get("RMW_IMPLEMENTATION") or next(iter(installation.middlewares), DEFAULT_MIDDLEWARE)
+    if installation is None:
+        raise LookupError("there is no rclpy")
     name = f"ROS 2 {installation.distribution.capitalize()}".rstrip()
-    return Check("ros", Level.OK, f"{name} (rclpy {installation.version}) with {middleware}, in {installation.source}")
+    return f"{name} (rclpy {installation.version}) with {middleware()}, in {installation.source}"
 
 
 def find_load_fault(environment: Mapping[str, str]) -> str | None:

@@ -6,6 +6,7 @@ Nothing of ROS is imported: a ROS that does not fit ends the process.
 import os
 import re
 import sys
+import sysconfig
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.machinery import EXTENSION_SUFFIXES, PathFinder
@@ -120,6 +121,18 @@ def find_twin_fault() -> str | None:
     if all(any(distributions(name=name)) for name in both):
         return f"{' and '.join(both)} are both installed: run `pip uninstall {' '.join(both)}`, and install one of them"
     return None
+
+
+def find_mixture_fault(environment: Mapping[str, str]) -> str | None:
+    """Return that ROS is sourced next to the ROS wheels, whose libraries would mix, and what mends it; None if not."""
+    installation = find_installation(environment)
+    wheels = any(WHEEL.match(each.name) for each in Path(sysconfig.get_path("purelib")).iterdir())
+    if installation is None or installation.wheels or not wheels:
+        return None
+    return (
+        f"ROS is there twice, as wheels in the environment {sys.prefix} and as {installation.source}: run `unset "
+        f"{' '.join(SOURCED)}`, or use an environment with dock-gateway-core (docs/install.md)"
+    )
 
 
 def find_middleware_fault(environment: Mapping[str, str]) -> str | None:

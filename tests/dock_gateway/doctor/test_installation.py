@@ -10,6 +10,7 @@ from dock_gateway.doctor.installation import (
     INDEX,
     find_installation,
     find_middleware_fault,
+    find_mixture_fault,
     find_package_fault,
     find_twin_fault,
 )
@@ -44,6 +45,7 @@ def test_this_environment_works() -> None:
     assert installation.version.startswith("7.1.")
     assert installation.middlewares == ("rmw_fastrtps_cpp",)
     assert find_package_fault({}) is None
+    assert find_mixture_fault({}) is None
     assert find_middleware_fault({"RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}) is None
 
 
@@ -73,6 +75,12 @@ def test_a_sourced_installation_and_its_overlay(site: Path, tmp_path: Path) -> N
     fault = find_middleware_fault(environment | {"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}) or ""
     assert "`unset RMW_IMPLEMENTATION`" in fault
     assert "ros-kilted-rmw-cyclonedds-cpp" in fault
+
+
+def test_wheels_and_a_sourced_installation_do_not_mix(site: Path) -> None:
+    assert find_mixture_fault({}) is None
+    add_package(site, "rclpy", "_rclpy_pybind11")
+    assert "run `unset PYTHONPATH AMENT_PREFIX_PATH LD_LIBRARY_PATH`" in (find_mixture_fault({}) or "")
 
 
 @pytest.mark.parametrize(
