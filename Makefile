@@ -33,7 +33,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace test-ros clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -118,8 +118,11 @@ interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (o
 colcon-workspace: $(UV) ## build and try both ROS packages with colcon, as on a ROS installation, on PYTHON=3.12
 	scripts/colcon-workspace $(or $(PYTHON),3.12)
 
+test-ros: $(UV) ## the gateway on sourced ROS installations, without ROS wheels (ROS=jazzy or kilted; both by default)
+	@scripts/test-ros $(or $(ROS),jazzy kilted)
+
 clean: ## remove everything that the other targets made
-	rm -rf .venv .tools dist $(BENCH) $(SITE) .cache site frontend/dist frontend/node_modules test-results
+	rm -rf .venv .tools .ros-prefix dist $(BENCH) $(SITE) .cache site frontend/dist frontend/node_modules test-results
 
 .tools/uv/bin/uv:
 	@scripts/get-uv .tools/uv
