@@ -1,5 +1,6 @@
 """The Compose files: the gateway knows where its port is published, and who else is on its network."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,11 @@ ROOT = Path(__file__).parents[2]
 
 
 class Loader(yaml.SafeLoader):
-    """Reads Compose's `!reset`, too."""
+    """Reads Compose's `!reset` and `!override`, too."""
 
 
-Loader.add_constructor("!reset", lambda loader, node: loader.construct_sequence(node))
+for tag in ("!reset", "!override"):
+    Loader.add_constructor(tag, lambda loader, node: loader.construct_sequence(node))
 
 
 def services(name: str) -> dict[str, Any]:
@@ -21,6 +23,8 @@ def services(name: str) -> dict[str, Any]:
 
 
 DEFAULT, ON_HOST = services("docker-compose.yml"), services("docker-compose.host.yml")
+ON_POSTGRESQL, BEHIND_PROXY = services("docker-compose.postgresql.yml"), services("docker-compose.proxy.yml")
+GATEWAYS = ("gateway", "gateway2")
 
 
 def test_the_gateway_is_told_where_its_port_is_published() -> None:
@@ -42,3 +46,50 @@ def test_on_the_network_of_the_host_its_own_address_counts() -> None:
 def test_who_else_is_on_its_bridge() -> None:
     """As docs/deployment.md says: they reach its port without a login."""
     assert {name for name, service in DEFAULT.items() if "network_mode" not in service} == {"network", "grafana"}
+
+
+def test_only_the_gateways_reach_the_database() -> None:
+    """By its socket, in a volume: it is on no network."""
+    database = ON_POSTGRESQL["database"]
+    assert database["network_mode"] == "none"
+    assert "listen_addresses=" in database["command"]
+    (sockets,) = (each for each in database["volumes"] if each.startswith("database-socket:"))
+    name, user = database["environment"]["POSTGRES_DB"], database["environment"]["POSTGRES_USER"]
+    for gateway in GATEWAYS:
+        assert ON_POSTGRESQL[gateway]["volumes"] == [sockets]
+        url = ON_POSTGRESQL[gateway]["environment"]["DOCK_GATEWAY_DATABASE_URL"]
+        assert url == f"postgresql://{user}@/{name}?host={sockets.partition(':')[2]}"
+    assert set(ON_POSTGRESQL) == {"database", *GATEWAYS}
+
+
+def test_behind_the_proxy_no_one_passes_without_a_login() -> None:
+    for gateway in GATEWAYS:
+        environment = BEHIND_PROXY[gateway]["environment"]
+        assert environment["DOCK_GATEWAY_HOST"] == environment["DOCK_GATEWAY_TRUSTED_PROXIES"] == "127.0.0.1"
+        assert environment["DOCK_GATEWAY_AUTHENTICATION"] == "true"
+    (published,) = BEHIND_PROXY["network"]["ports"]
+    assert published.endswith(":443"), "the gateways' own ports are not published"
+    assert BEHIND_PROXY["proxy"]["network_mode"] == DEFAULT["gateway2"]["network_mode"] == "service:network"
+
+
+def test_the_second_gateway_starts_with_the_proxy_alone_and_has_files_of_its_own() -> None:
+    assert DEFAULT["gateway2"]["profiles"] == ["never"]
+    assert BEHIND_PROXY["gateway2"]["profiles"] == []
+    first, second = (DEFAULT[gateway]["environment"] for gateway in GATEWAYS)
+    for setting in ("PORT", "NODE_NAME", "SPOOL_PATH", "STOP_PATH"):
+        assert second[f"DOCK_GATEWAY_{setting}"] != first.get(f"DOCK_GATEWAY_{setting}")
+    assert ON_HOST["gateway2"]["environment"]["DOCK_GATEWAY_PORT"] == second["DOCK_GATEWAY_PORT"]
+
+
+def test_the_proxy_and_prometheus_find_both_gateways() -> None:
+    ports = [DEFAULT[gateway]["environment"]["DOCK_GATEWAY_PORT"] for gateway in GATEWAYS]
+    targets = [f"127.0.0.1:{port}" for port in ports]
+    upstreams = re.search(r"reverse_proxy (.*) \{", (ROOT / "proxy/Caddyfile").read_text())
+    assert upstreams is not None
+    assert upstreams[1].split() == targets
+    assert "./proxy:/etc/caddy:ro" in BEHIND_PROXY["proxy"]["volumes"]
+    config, token = (volume.split(":") for volume in BEHIND_PROXY["prometheus"]["volumes"])
+    assert config[1] in {volume.split(":")[1] for volume in DEFAULT["prometheus"]["volumes"]}, "in place of the other"
+    (job,) = yaml.safe_load((ROOT / config[0]).read_text())["scrape_configs"]
+    assert job["static_configs"] == [{"targets": targets}]
+    assert job["authorization"]["credentials_file"].startswith(f"{token[1]}/")
