@@ -70,7 +70,7 @@ screenshots: setup ## renew the pictures in docs/images
 traces: setup $(STAMPS)/test-interfaces ## follow real requests through the code, and renew the lists in docs/architecture.md
 	@$(BIN)/python -m scripts.traces
 
-docs: $(SITE)/environment ## build the documentation site: site/index.html; a broken link fails
+docs: frontend/dist/index.html $(SITE)/environment ## build the documentation site: site/index.html; a broken link fails
 	@$(SITE)/environment/bin/python -m scripts.docs_site $(SITE)/pages
 	@$(SITE)/environment/bin/zensical build --strict --clean
 	@! grep -rnoE --include='*.html' '<(script|link|img|iframe)[^>]* (src|href)="?https?:[^ ]*' site || { echo "The site has to work offline." >&2; exit 1; }

@@ -17,6 +17,8 @@ ROOT = Path(__file__).parents[1]
 TOP_PAGES = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"]
 FILES = Path("docs/files.md")
 FILES_HEAD = "# Files of the repository\n\nFiles that other pages link to.\n"
+# The search of a site that is read from files, without a web server.
+SEARCH = Path("frontend/node_modules/iframe-worker/shim/index.js")
 LANGUAGES = {".py": "python"}
 LINK = re.compile(r"\[([^\]]*)\]\(([^)\s:#]+)(#[^)\s]*)?\)")
 
@@ -63,6 +65,7 @@ def gather(target: Path) -> None:
     """Write all pages to a folder, which is emptied first."""
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(ROOT / "docs", target / "docs")
+    shutil.copy(ROOT / SEARCH, target / "docs/assets/iframe-worker.js")
     linked: set[Path] = set()
     for page in [*map(Path, TOP_PAGES), *(path.relative_to(ROOT) for path in (ROOT / "docs").glob("*.md"))]:
         (target / page).write_text(with_links(page, linked))
