@@ -33,7 +33,8 @@ def analyze(*arguments: str, folder: Path) -> str:
     result = subprocess.run(
         ["systemd-analyze", *arguments], env=environment, capture_output=True, text=True, timeout=60, check=False
     )
-    assert (result.returncode, result.stderr) == (0, ""), result.stderr
+    assert result.returncode == 0, result.stderr
+    assert "dock-gateway" not in result.stderr, result.stderr  # what is said of other units of the machine is not ours
     return result.stdout
 
 
