@@ -118,8 +118,8 @@ interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (o
 colcon-workspace: $(UV) ## build and try both ROS packages with colcon, as on a ROS installation, on PYTHON=3.12
 	scripts/colcon-workspace $(or $(PYTHON),3.12)
 
-test-ros: $(UV) ## the gateway on sourced ROS installations, without ROS wheels (ROS=jazzy or kilted; both by default)
-	@scripts/test-ros $(or $(ROS),jazzy kilted)
+test-ros: $(UV) ## the gateway on sourced ROS installations, without ROS wheels (ROS=jazzy or kilted; both by default; PYTHON=3.12)
+	@PYTHON=$(PYTHON) PYTEST_ARGS='$(PYTEST_ARGS)' scripts/test-ros $(or $(ROS),jazzy kilted)
 
 clean: ## remove everything that the other targets made
 	rm -rf .venv .tools .ros-prefix dist $(BENCH) $(SITE) .cache site frontend/dist frontend/node_modules test-results

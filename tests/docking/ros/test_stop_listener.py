@@ -23,6 +23,7 @@ class Robot:
     """A node that obeys stops, and looks ten times a second who is there."""
 
     def __init__(self, node: Node) -> None:
+        self.node = node
         self.changes: list[bool] = []
         self.stops = StopListener(node, lambda: self.changes.append(self.stops.held))
         node.create_timer(0.1, self.stops.look)
@@ -44,9 +45,13 @@ def robot(domain: int) -> Iterator[Robot]:
 
 @pytest.mark.parametrize("quality", [10, BEST_EFFORT, LATCHED], ids=["volatile", "best effort", "latched"])
 def test_every_publisher_is_heard(robot: Robot, observer: Observer, quality: QoSProfile | int) -> None:
-    observer.publish(STOP, "stop_latched", quality)
+    publisher = observer.call(lambda: observer.node.create_publisher(Bool, "stop_latched", quality))
+    # Each side finds the other by itself, and a message that comes in between is lost.
+    wait_until(publisher.get_subscription_count, "the publisher has a subscriber")
+    wait_until(lambda: robot.node.count_publishers("stop_latched"), "the robot knows the publisher")
+    observer.call(lambda: publisher.publish(STOP))
     robot.wait_for(True)
-    observer.publish(GO, "stop_latched", quality)
+    observer.call(lambda: publisher.publish(GO))
     robot.wait_for(True, False)
 
 
