@@ -82,7 +82,7 @@ def running_site(folder: Path) -> Iterator[Site]:
         for name in (ROBOT, OTHER):
             wait_until(lambda name=name: gateway.http.get("/dock", params={"robot": name}).status_code == 200, name)
         wait_until(lambda: gateway.http.get("/simulator", params=AT).status_code == 200, "the simulator")
-        gateway.http.put("/simulator/faults/dead_charger", params=AT, json={"active": True}).raise_for_status()
+        gateway.set_fault("dead_charger", robot=ROBOT)
         yield Site(gateway, simulator, server, domain, database)
 
 

@@ -55,10 +55,6 @@ def page(page: Page, gateway: RunningGateway) -> Page:
     return page
 
 
-def charger_dies(gateway: RunningGateway, query: str = "") -> None:
-    gateway.http.put(f"/simulator/faults/dead_charger{query}", json={"active": True}).raise_for_status()
-
-
 def press(page: Page, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).click()
 
@@ -255,7 +251,7 @@ def test_accessibility(page: Page) -> None:
 
 def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     """Nobody is asked about a simulated robot; who opens the page later sees what was before, too."""
-    charger_dies(gateway)
+    gateway.set_fault("dead_charger")
     expect(page.get_by_role("switch", name="off in simulation")).to_be_visible()
     press(page, "Dock")
     expect(page.get_by_role("dialog")).to_be_hidden()
@@ -266,7 +262,7 @@ def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     expect(steps.first).to_have_text(re.compile(r"Perception: done\d+(\.\d)? s$"))
     page.get_by_text("Feedback as it comes").click()
     expect(page.get_by_test_id("feedback-log").get_by_role("listitem").first).to_contain_text("not charging")
-    gateway.http.put("/simulator/faults/dead_charger", json={"active": False}).raise_for_status()
+    gateway.set_fault("dead_charger", active=False)
     expect(page.get_by_test_id("goal-status")).to_have_text("succeeded")
     expect(steps.filter(has_text=re.compile(r"Controlling: done\d+(\.\d)? s$"))).to_be_visible()
     expect(page.get_by_test_id("stage-bar")).to_be_visible()
@@ -282,7 +278,7 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
         stack.enter_context(running_program(domain, "dock_simulator", *NEAR, *namespace))
         stack.enter_context(running_program(domain, "docking_server", *SERVER, *namespace))
         wait_until(lambda: gateway.http.get("/simulator?robot=/robot1").status_code == 200, "its simulator")
-        charger_dies(gateway, "?robot=/robot1")
+        gateway.set_fault("dead_charger", robot="/robot1")
         page.goto(f"{gateway.url}/ui/robot?robot=/robot1")
         expect(page.get_by_role("heading", name="/robot1", level=1)).to_be_visible()
         expect(page.get_by_test_id("action-server")).to_have_text("action server answering")

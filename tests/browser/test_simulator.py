@@ -99,10 +99,6 @@ def top(locator: Locator) -> float:
     return box["y"]
 
 
-def hide_marker(gateway: RunningGateway, *, hidden: bool = True) -> None:
-    gateway.http.put("/simulator/faults/occluded_marker", json={"active": hidden}).raise_for_status()
-
-
 def start_docking(page: Page) -> None:
     dock = page.get_by_role("button", name="Dock", exact=True)
     expect(dock).to_be_enabled()
@@ -111,7 +107,7 @@ def start_docking(page: Page) -> None:
 
 def start_searching(page: Page, gateway: RunningGateway) -> None:
     """A goal that runs until it is stopped."""
-    hide_marker(gateway)
+    gateway.set_fault("occluded_marker")
     start_docking(page)
     expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
 
@@ -121,7 +117,7 @@ def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
     expect(page.get_by_role("button", name="Undock")).to_have_accessible_description(
         "A goal is running. Cancel it first."
     )
-    hide_marker(gateway, hidden=False)
+    gateway.set_fault("occluded_marker", active=False)
     expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Docked.")
     expect(page.get_by_test_id("battery-status")).to_have_text("Charging")

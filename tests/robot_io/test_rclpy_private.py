@@ -25,10 +25,7 @@ MODULES = sorted(
 PRIVATE_MODULES = {"ctypes", "rclpy.impl", "rclpy.waitable", "rclpy.handle", "rclpy._rclpy_pybind11"}
 PRIVATE_NAMES = {"take_message", "pointer", "WaitSet", "await_or_execute", "rclpy_implementation"}
 # Programs end their children with themselves by ctypes, `doctor` asks the clock: neither has to do with ROS.
-OTHERS = {
-    name: {"ctypes"}
-    for name in ("dock_gateway/cli/up.py", "dock_gateway/doctor/machine.py", "docking/nodes/simulated_fleet.py")
-}
+OTHERS = {name: {"ctypes"} for name in ("dock_gateway/doctor/machine.py", "robot_io/children.py")}
 
 
 def private_parts(source: str) -> set[str]:

@@ -124,6 +124,11 @@ class RunningGateway:
         report: dict[str, Any] = answer.raise_for_status().json()
         return report
 
+    def set_fault(self, name: str, *, active: bool = True, robot: str = "") -> None:
+        """Switch a fault of the simulator on or off; without a robot, that of the settings."""
+        params = {"robot": robot} if robot else {}
+        self.http.put(f"/simulator/faults/{name}", params=params, json={"active": active}).raise_for_status()
+
     def publish(self, state: dict[str, Any], rate_hz: float = 5.0) -> None:
         self.http.put("/battery/publisher", json={"state": state, "rate_hz": rate_hz}).raise_for_status()
 

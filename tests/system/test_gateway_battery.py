@@ -105,11 +105,11 @@ def test_the_simulators_fault_is_one_of_them(domain: int) -> None:
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
         wait_until(lambda: battery(gateway)["percentage"], "the battery")
         assert alerts(gateway) == {}
-        gateway.http.put("/simulator/faults/percentage_0_to_100", json={"active": True}).raise_for_status()
+        gateway.set_fault("percentage_0_to_100")
         alert = wait_until(lambda: alerts(gateway).get("battery_implausible"), "the alert")
         assert SETTING in alert["detail"]
         assert battery(gateway)["percentage"] is None
-        gateway.http.put("/simulator/faults/percentage_0_to_100", json={"active": False}).raise_for_status()
+        gateway.set_fault("percentage_0_to_100", active=False)
         wait_until(lambda: alerts(gateway) == {}, "no alert")
         assert battery(gateway)["percentage"] == pytest.approx(0.24, abs=0.02)
 
@@ -130,7 +130,7 @@ def test_a_docked_robot_whose_battery_has_no_status(domain: int) -> None:
         wait_until(lambda: robot(gateway)["docked"], "the dock")
         wait_until(lambda: robot(gateway)["charging"], "charging")
         wait_until(lambda: alerts(gateway) == {}, "no alert")
-        gateway.http.put("/simulator/faults/dead_charger", json={"active": True}).raise_for_status()
+        gateway.set_fault("dead_charger")
         wait_until(lambda: "discharging_on_dock" in alerts(gateway), "the alert of a dead charger")
         assert robot(gateway)["charging"] is False
         assert "although it is docked" in alerts(gateway)["low_battery"]["detail"]

@@ -60,7 +60,7 @@ def do(gateway: RunningGateway, verb: str) -> dict[str, Any]:
 
 def test_a_dead_charger_is_the_goals_error(gateway: RunningGateway) -> None:
     place(gateway, -1.0, 0.1, 0.0)
-    gateway.http.put("/simulator/faults/dead_charger", json={"active": True}).raise_for_status()
+    gateway.set_fault("dead_charger")
     with gateway.stream("?include=cmd_vel,scene") as stream:
         goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
         planned = stream.until(lambda e: e["type"] == "scene" and e["scene"]["docked"] and e["scene"]["staging"])

@@ -161,7 +161,7 @@ def send(send_once: Callable[..., Goal], *, no_wait: bool, as_json: bool) -> Non
 @url_option
 def cancel(url: str, goal_id: str | None) -> None:
     """Cancel a goal; without GOAL_ID, the running one."""
-    running = {"status": ["pending", "accepted", "executing", "canceling"]}
+    running = {"status": [str(status) for status in GoalStatus if not status.terminal]}
     with gateway(url) as client:
         if goal_id is None:
             pages = [client.request("GET", path, params=running) for path in ("/dock", "/undock")]

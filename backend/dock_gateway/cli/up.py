@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import ctypes
 import os
 import shutil
 import signal
@@ -21,12 +20,12 @@ from dock_gateway.cli.start import check_start
 from dock_gateway.client.connection import tls_context
 from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
+from robot_io.children import end_with_parent
 
 # Simulated robots at most: each takes a tenth of a processor.
 MAX_ROBOTS = 20
 # Seconds that the parts have to end by themselves.
 END_TIMEOUT = 2.3
-PR_SET_PDEATHSIG = 1
 
 Programs = dict[str, tuple[str, tuple[str, ...]]]
 
@@ -59,7 +58,7 @@ class Part:
         """Start the process in its own session: Ctrl-C reaches only the supervisor, which ends the parts in order."""
         self._restart_at = None
         self.started_at = time.monotonic()
-        self.process = subprocess.Popen(self._command, start_new_session=True, preexec_fn=_die_with_parent)
+        self.process = subprocess.Popen(self._command, start_new_session=True, preexec_fn=end_with_parent)
 
     def look(self) -> None:
         """Restart the process if it has died, after a growing delay."""
@@ -74,11 +73,6 @@ class Part:
                 err=True,
             )
             self._restart_at = now + self._backoff
-
-
-def _die_with_parent() -> None:
-    """Let the kernel end this child process when the supervisor is killed."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 def _end(parts: Sequence[Part], timeout: float) -> None:

@@ -112,7 +112,7 @@ def mend(package: str, environment: Mapping[str, str]) -> str:
     for path in filter(None, environment.get("PYTHONPATH", "").split(os.pathsep)):
         if folder is not None and folder.is_relative_to(Path(path).absolute()):
             return f"PYTHONPATH names that folder; run `unset {' '.join(SOURCED)}` and start again"
-    return f"install it anew; {_install(package, environment)}"
+    return f"reinstall it; {_install(package, environment)}"
 
 
 def find_twin_fault() -> str | None:

@@ -167,8 +167,8 @@ def _check_file(path: Path) -> Check:
         with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=PATIENCE)) as database:
             database.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except sqlite3.Error as error:
-        aside = "a gateway that starts renames a damaged file and makes a new one"
-        return Check("database", Level.WARNING, f"{path} cannot be read: {error}; {aside}")
+        advice = "a gateway that starts renames a damaged file and makes a new one"
+        return Check("database", Level.WARNING, f"{path} cannot be read: {error}; {advice}")
     return Check("database", Level.OK, f"{path}, {path.stat().st_size / 1e6:.1f} MB")
 
 

@@ -12,7 +12,8 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 from rclpy.client import Client
@@ -89,6 +90,20 @@ class PendingCall:
         self._client.remove_pending_request(self._ros_future)
 
 
+@contextmanager
+def starting() -> Iterator[None]:
+    """A context and a node are made within.
+
+    Raises:
+        Unavailable: ROS does not start (`ros_unavailable`).
+    """
+    try:
+        yield
+    except RCLError as error:
+        why = str(error).partition("\n")[0].partition(", at ")[0]
+        raise Unavailable(f"ROS does not start: {why}", code="ros_unavailable") from error
+
+
 class Bridge:
     """An rclpy context, node and executor, spun in their own thread, and the listeners of the node.
 
@@ -125,14 +140,11 @@ class Bridge:
         os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", TRANSPORTS)
         # A second node of the same name must not register services and topics that the first one has.
         own = {} if loop is None else {"enable_rosout": False, "start_parameter_services": False}
-        try:
+        with starting():
             self._context = create_context()
             self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
             self._answers = AnswerListener("ros-answers", self._context)
             self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers, **own)
-        except RCLError as error:
-            why = str(error).partition("\n")[0].partition(", at ")[0]
-            raise Unavailable(f"ROS does not start: {why}", code="ros_unavailable") from error
         always_answer(self.node, log.exception)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)

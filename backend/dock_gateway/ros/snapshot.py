@@ -10,9 +10,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.core.battery import infinities
-from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.graph import ACTION_PART, STATUS
 from dock_gateway.core.snapshot import GraphSnapshot
+from dock_gateway.ros.bridge import starting
 from dock_gateway.ros.graph import Scan, count_publishers, find_gateways, read_topic, scan
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.types import type_name
@@ -20,7 +20,6 @@ from dock_gateway.ros.robot_ports import FLOATS
 from dock_gateway.settings import Settings
 from robot_io.participants import create_context
 from robot_io.qos import LATEST
-from robot_io.rclpy_private import RCLError
 
 # Seconds between two scans.
 SCAN_INTERVAL = 0.5
@@ -38,7 +37,7 @@ def take_snapshot(settings: Settings, seconds: float) -> GraphSnapshot:
     Raises:
         Unavailable: ROS does not start (`ros_unavailable`).
     """
-    try:
+    with starting():
         context = create_context([])
         node = Node(
             f"{settings.node_name}_doctor",
@@ -47,9 +46,6 @@ def take_snapshot(settings: Settings, seconds: float) -> GraphSnapshot:
             start_parameter_services=False,
             use_global_arguments=False,
         )
-    except RCLError as error:
-        why = str(error).partition("\n")[0].partition(", at ")[0]
-        raise Unavailable(f"ROS does not start: {why}", code="ros_unavailable") from error
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     states: States = {}

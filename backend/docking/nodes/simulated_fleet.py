@@ -5,7 +5,6 @@ They are forks of a process that has imported everything, so that a robot starts
 """
 
 import argparse
-import ctypes
 import gc
 import multiprocessing
 import signal
@@ -19,17 +18,17 @@ from rclpy.context import Context
 from docking.nodes.docking_server import make_servers
 from docking.nodes.simulator import DockSimulator
 from docking.ros.server_process import serve
+from robot_io.children import end_with_parent
 
 MAX_ROBOTS = 20
 LOOK_PERIOD = 0.5
 """Seconds between two looks whether a signal has come or a robot has to be started again."""
-PR_SET_PDEATHSIG = 1
 
 _context = multiprocessing.get_context("fork")
 
 
 def _run(number: int) -> None:
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    end_with_parent()
     parameters = ("-p", "controller:=dock_pose", "-p", f"seed:={number}")
     args = ("--ros-args", "-r", f"__ns:=/robot{number}", *parameters)
     sys.exit(serve(make_servers, args, _simulate))
