@@ -110,6 +110,19 @@ def test_every_way_in(gateway: RunningGateway, authority: Authority) -> None:
             assert stream.until_type("result")["status"] == "canceled"
 
 
+def test_clients_get_no_session_tickets(gateway: RunningGateway, authority: Authority) -> None:
+    """One that comes while `websockets.sync` writes its first request can lose it: it waits for an answer in vain."""
+    with (
+        socket.create_connection(address(gateway)) as plain,
+        authority.context().wrap_socket(plain, server_hostname="localhost") as tls,
+    ):
+        tls.sendall(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        assert tls.recv(100).startswith(b"HTTP/1.1 200")  # a ticket would stand before the answer
+        assert tls.version() == "TLSv1.3"
+        assert tls.session is not None
+        assert not tls.session.has_ticket
+
+
 def test_the_cookie_is_secure(domain: int, pair: Pair, tmp_path: Path) -> None:
     stored = {"database_url": f"sqlite:///{tmp_path}/history.db"}
     with running_gateway(domain, **pair.settings, **stored, authentication="true") as gateway:

@@ -81,6 +81,9 @@ class Certificates:
                 raise CertificateError(f"{path} cannot be read: {error.strerror}") from None
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         context.minimum_version = ssl.TLSVersion.TLSv1_2
+        # A ticket arrives after the handshake. A client that reads in one thread while it writes its first request in
+        # another, as `websockets.sync` does, can lose that request then (seen with CPython 3.11).
+        context.num_tickets = 0
         try:
             context.load_cert_chain(self._cert, self._key, password="")  # an empty one, as none would be asked for
         except ssl.SSLError as error:
