@@ -301,6 +301,9 @@ def test_notes_and_tags(page: Page, browser: Browser, gateway: RunningGateway) -
     (row,) = csv.DictReader(io.StringIO(export(page, "CSV")))
     assert (row["goal_id"], row["tags"]) == (goal_id, "blocked")
     rows.get_by_role("link").first.click()
+    expect(page.get_by_test_id("feedback-table")).to_be_visible()
+    press(page, "Delete the note by Ada")
+    press(page, "Keep")
     press(page, "Delete the note by Ada")
     press(page, "Really delete the note by Ada")
     for each in (notes, others):

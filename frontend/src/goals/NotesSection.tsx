@@ -1,4 +1,4 @@
-import { Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
+import { Button, Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, type KeyboardEvent, useMemo, useState } from "react";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
@@ -157,19 +157,24 @@ interface DeleteButtonProps {
 function DeleteButton({ note, reason, onDelete }: DeleteButtonProps) {
   const [asked, setAsked] = useState(false);
   return (
-    <ReasonButton
-      variant={asked ? "filled" : "subtle"}
-      color={asked ? "red" : "gray"}
-      c={asked ? undefined : "dimmed"}
-      size="compact-xs"
-      flex="none"
-      reason={reason}
-      aria-label={asked ? `Really delete the note by ${note.by}` : `Delete the note by ${note.by}`}
-      onBlur={() => setAsked(false)}
-      onClick={() => (asked ? onDelete() : setAsked(true))}
-    >
-      {asked ? "Really delete" : "Delete"}
-    </ReasonButton>
+    <Group gap={4} wrap="nowrap" flex="none">
+      {asked && (
+        <Button variant="subtle" color="gray" size="compact-xs" onClick={() => setAsked(false)}>
+          Keep
+        </Button>
+      )}
+      <ReasonButton
+        variant={asked ? "filled" : "subtle"}
+        color={asked ? "red" : "gray"}
+        c={asked ? undefined : "dimmed"}
+        size="compact-xs"
+        reason={reason}
+        aria-label={asked ? `Really delete the note by ${note.by}` : `Delete the note by ${note.by}`}
+        onClick={() => (asked ? onDelete() : setAsked(true))}
+      >
+        {asked ? "Really delete" : "Delete"}
+      </ReasonButton>
+    </Group>
   );
 }
 

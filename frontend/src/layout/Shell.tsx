@@ -1,5 +1,5 @@
 import { Container, Skeleton, Stack } from "@mantine/core";
-import { type RefObject, Suspense, useEffect, useRef } from "react";
+import { type RefObject, Suspense, useLayoutEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
 import { LoginEnded } from "../access/Entrance";
 import { OpenBanner } from "../access/OpenNotice";
@@ -56,7 +56,8 @@ export function Shell() {
 /** A new page begins at its top, for the eyes and for the keyboard. */
 function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>, pathname: string): void {
   const shown = useRef(pathname);
-  useEffect(() => {
+  // Before the page can be used: later it would take the focus from what was pressed.
+  useLayoutEffect(() => {
     if (shown.current === pathname) return;
     shown.current = pathname;
     window.scrollTo(0, 0);
