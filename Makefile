@@ -31,7 +31,7 @@ TF := backend/tf2_msgs
 TF_SOURCES := $(shell find $(TF) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
-DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
+DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
 
 .PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace test-ros clean
 
@@ -91,7 +91,7 @@ format: setup ## format Python and TypeScript, and write the tables of parameter
 	$(BIN)/python -m scripts.docking_tables
 	$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .
-	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests
+	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests client
 
 lock: $(UV) ## write the locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
@@ -122,7 +122,7 @@ test-ros: $(UV) ## the gateway on sourced ROS installations, without ROS wheels 
 	@PYTHON=$(PYTHON) PYTEST_ARGS='$(PYTEST_ARGS)' scripts/test-ros $(or $(ROS),jazzy kilted)
 
 clean: ## remove everything that the other targets made
-	rm -rf .venv .tools .ros-prefix dist $(BENCH) $(SITE) .cache site frontend/dist frontend/node_modules test-results
+	rm -rf .venv .tools .ros-prefix dist $(BENCH) $(SITE) .cache site frontend/dist frontend/client/dist frontend/node_modules test-results
 
 .tools/uv/bin/uv:
 	@scripts/get-uv .tools/uv

@@ -1,5 +1,6 @@
 // Part of `npm run lint`: a folder of src imports only from itself and from folders that are listed before it. So no two
-// folders import each other, and nothing that others build on knows what is built on it.
+// folders import each other, and nothing that others build on knows what is built on it. The client is a package of its own:
+// it imports only itself and its dependencies.
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join, relative, sep } from "node:path";
 import ts from "typescript";
@@ -35,6 +36,17 @@ for (const file of readdirSync("src", { recursive: true })) {
     const imported = relative("src", join("src", dirname(file), fileName));
     if (layerOf(imported) > layer)
       problems.push(`src/${file} imports ${imported}: layers.mjs lists ${LAYERS[layer]} before it.`);
+  }
+}
+
+const { dependencies } = JSON.parse(readFileSync("client/package.json", "utf8"));
+for (const file of readdirSync("client/src", { recursive: true })) {
+  for (const { fileName } of ts.preProcessFile(readFileSync(join("client/src", file), "utf8"))
+    .importedFiles) {
+    const own = fileName.startsWith("./");
+    const declared = Object.keys(dependencies).some((name) => `${fileName}/`.startsWith(`${name}/`));
+    if (!own && !declared)
+      problems.push(`client/src/${file} imports ${fileName}: it is no dependency in client/package.json.`);
   }
 }
 process.stderr.write(problems.map((problem) => `${problem}\n`).join(""));

@@ -29,6 +29,7 @@ const apiPaths = [
 
 export default defineConfig({
   plugins: [react(), precompress()],
+  resolve: { tsconfigPaths: true },
   server: {
     // The Host header is passed on as it is, so that the gateway's check of the Origin holds here too.
     proxy: {

@@ -1,7 +1,7 @@
 import { EditorView } from "@codemirror/view";
+import type { ActionInfo, Goal } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { ActionInfo, Goal } from "../src/api/types";
 import { openStream } from "../src/stream/stream";
 import { at, feedback, fibonacciAction, goal, latched, result, status } from "./events";
 import schemas from "./form/schemas.json";

@@ -1,10 +1,9 @@
+import { ClientError, type GatewayEvent, type Goal } from "@dock-gateway/client";
 import { notifications } from "@mantine/notifications";
 import { onlineManager } from "@tanstack/react-query";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import type { UserEvent } from "@testing-library/user-event";
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { CommandError } from "../src/api/errors";
-import type { GatewayEvent, Goal } from "../src/api/types";
 import {
   battery,
   batteryEvent,
@@ -80,7 +79,7 @@ describe("Stop", () => {
   });
 
   it("says loudly where it did not get through, and where a goal was not canceled", async () => {
-    const error = new CommandError("gateway_unreachable", "The gateway cannot be reached", "No answer.");
+    const error = new ClientError("gateway_unreachable", "The gateway cannot be reached", "No answer.");
     const stop = vi.fn().mockRejectedValueOnce(error);
     const failure = { action_name: "/dock", robot: null, code: "action_server_timeout", detail: "no answer" };
     stop.mockResolvedValueOnce(stopReport({ failed: [failure] }));
@@ -164,7 +163,7 @@ describe("docking", () => {
   });
 
   it("says why a goal was rejected and what to do", async () => {
-    const error = new CommandError("dock_busy", "The dock is busy with another goal", "goal 7 is running");
+    const error = new ClientError("dock_busy", "The dock is busy with another goal", "goal 7 is running");
     const { user } = renderPage(fakeGateway({ dock: vi.fn().mockRejectedValue(error) }));
     await move(user, "Dock");
     const alert = await screen.findByRole("alert");

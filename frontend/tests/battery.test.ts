@@ -1,6 +1,6 @@
+import type { BatteryHistory, BatteryState } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
 import type { GraphTopic } from "../src/api/graph";
-import type { BatteryHistory, BatteryState } from "../src/api/types";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
 import { whoPublishes } from "../src/battery/PublisherCard";
 import { describe as describeQuantity, fromHistory, gapLimit, join } from "../src/battery/points";

@@ -1,7 +1,6 @@
+import { type Calibration, ClientError } from "@dock-gateway/client";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
-import { CommandError } from "../src/api/errors";
-import type { Calibration } from "../src/api/types";
 import { status } from "./events";
 import { fakeGateway, isDisabled, renderPage } from "./page";
 
@@ -60,7 +59,7 @@ describe("the calibration of a dock", () => {
   });
 
   it("says why it was refused", async () => {
-    const refused = new CommandError("calibration_refused", "The docking server refused", "the robot moved");
+    const refused = new ClientError("calibration_refused", "The docking server refused", "the robot moved");
     offered({ calibrate: vi.fn(async () => Promise.reject(refused)) });
     press("Calibrate…", await card());
     press("Calibrate");

@@ -1,6 +1,7 @@
+import { ClientError, fromProblem } from "@dock-gateway/client";
 import { describe, expect, it, vi } from "vitest";
 import { createGateway } from "../src/api/client";
-import { CommandError, fromProblem } from "../src/api/errors";
+import { adviceFor } from "../src/api/errors";
 import { createHttp } from "../src/api/http";
 import { goal, released, simulator, stopReport } from "./events";
 
@@ -19,12 +20,12 @@ function answer(status: number, body: unknown, type = "application/json") {
 
 const gateway = createGateway(createHttp("http://gateway:8000"));
 
-async function failure(promise: Promise<unknown>): Promise<CommandError> {
+async function failure(promise: Promise<unknown>): Promise<ClientError> {
   const error = await promise.then(
     () => null,
     (reason: unknown) => reason,
   );
-  if (!(error instanceof CommandError)) throw new Error(`not a CommandError: ${String(error)}`);
+  if (!(error instanceof ClientError)) throw new Error(`not a ClientError: ${String(error)}`);
   return error;
 }
 
@@ -113,7 +114,7 @@ describe("errors", () => {
     );
     const error = await failure(gateway.dock(1));
     expect(error).toMatchObject({ code: "dock_busy", detail: "goal 1 runs" });
-    expect(error.advice).toMatch(/cancel it/);
+    expect(adviceFor(error.code)).toMatch(/cancel it/);
   });
 
   it("name the fields that are wrong", () => {
@@ -124,7 +125,7 @@ describe("errors", () => {
 
   it("keep an unknown code and its title", () => {
     const error = fromProblem(418, { code: "teapot", title: "Teapot", detail: "short and stout" });
-    expect(error).toMatchObject({ code: "teapot", title: "Teapot", advice: null });
+    expect(error).toMatchObject({ code: "teapot", title: "Teapot" });
   });
 
   it("tell a proxy's page from the gateway", async () => {

@@ -1,6 +1,6 @@
+import type { GatewayEvent } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { GatewayEvent } from "../src/api/types";
 import { whyNotSend } from "../src/docking/families";
 import { at, goal, robot, server, simulator, undockServer } from "./events";
 import { fakeGateway, renderPage } from "./page";

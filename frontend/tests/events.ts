@@ -11,7 +11,7 @@ import type {
   Simulator,
   StopReport,
   StopState,
-} from "../src/api/types";
+} from "@dock-gateway/client";
 
 export const START = Date.parse("2026-11-21T03:32:40Z");
 

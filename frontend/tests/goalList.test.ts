@@ -1,6 +1,6 @@
+import type { AnyGoal, AnyGoalPage } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
 import { goalExportUrl, goalsExportUrl } from "../src/api/goals";
-import type { AnyGoal, AnyGoalPage } from "../src/api/types";
 import { goalFilter, matches, toQuery } from "../src/goals/filter";
 import { mergeGoalList } from "../src/goals/useGoalList";
 import { at, goal, START } from "./events";

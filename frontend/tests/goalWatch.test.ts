@@ -1,8 +1,14 @@
 // @vitest-environment jsdom
+
+import {
+  type AnyGoal,
+  ClientError,
+  type GatewayEvent,
+  type GoalEvent,
+  type GoalHistory,
+} from "@dock-gateway/client";
 import { describe, expect, it, type Mock, vi } from "vitest";
-import { CommandError } from "../src/api/errors";
 import type { GoalsApi } from "../src/api/goals";
-import type { AnyGoal, GatewayEvent, GoalEvent, GoalHistory } from "../src/api/types";
 import { timelineOf } from "../src/goal/timeline";
 import { ChangedRows, FeedbackLog } from "../src/goals/feedbackLog";
 import { FieldsFound, mostTelling, numberAt } from "../src/goals/fields";
@@ -117,7 +123,7 @@ describe("a goal that is watched", () => {
   });
 
   it("says why there is none, and tries once more when asked", async () => {
-    const missing = new CommandError("goal_not_found", "The gateway does not know this goal", "no goal a");
+    const missing = new ClientError("goal_not_found", "The gateway does not know this goal", "no goal a");
     const { watch, api } = await watching({ goal: vi.fn<GoalsApi["goal"]>().mockRejectedValueOnce(missing) });
     expect(watch.get("error")).toBe(missing);
     api.goal.mockResolvedValueOnce(goal("a"));
@@ -126,7 +132,7 @@ describe("a goal that is watched", () => {
   });
 
   it("keeps what it has where the history fails, and says so", async () => {
-    const failure = new CommandError("history_unavailable", "The history does not answer", "no");
+    const failure = new ClientError("history_unavailable", "The history does not answer", "no");
     const { watch, tell } = await watching({ history: vi.fn().mockRejectedValue(failure) });
     tell(snapshot({ goals: [goal("a")] }), feedback("a"));
     await vi.waitFor(() => expect(watch.get("past").error).toBe(failure));

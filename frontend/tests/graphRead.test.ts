@@ -1,5 +1,5 @@
+import { ClientError } from "@dock-gateway/client";
 import { expect, test, vi } from "vitest";
-import { CommandError } from "../src/api/errors";
 import { readGraph } from "../src/api/graph";
 import { createHttp } from "../src/api/http";
 import { fleetGraph } from "./graph";
@@ -35,5 +35,5 @@ test("a graph that has changed takes its place", async () => {
 test("what goes wrong is an error of the gateway's words", async () => {
   const problem = { code: "ros_unavailable", title: "no ROS", detail: "it ended", status: 503 };
   answerWith(() => Response.json(problem, { status: 503 }));
-  await expect(readGraph(http, undefined)).rejects.toBeInstanceOf(CommandError);
+  await expect(readGraph(http, undefined)).rejects.toBeInstanceOf(ClientError);
 });

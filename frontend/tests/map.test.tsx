@@ -1,6 +1,6 @@
+import type { GatewayEvent, Scene } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { GatewayEvent, Scene } from "../src/api/types";
 import { placement } from "../src/pages/map/MapPage";
 import { FleetScenes, FleetStage } from "../src/pages/map/stage";
 import { Camera } from "../src/scene/camera";

@@ -1,6 +1,6 @@
+import type { Alert } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { Alert } from "../src/api/types";
 import type { Delivery, Webhook, WebhookBody } from "../src/api/webhooks";
 import { Naming } from "../src/fleet/names";
 import { ALL_ROBOTS } from "../src/fleet/robotChoice";

@@ -1,9 +1,8 @@
+import { ClientError, type Robot } from "@dock-gateway/client";
 import { notifications } from "@mantine/notifications";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Gateway } from "../src/api/client";
-import { CommandError } from "../src/api/errors";
-import type { Robot } from "../src/api/types";
 import { divide, fewAtOnce, whyNot } from "../src/operations/operation";
 import { at, goal, latched, robot, stopReport } from "./events";
 import { descriptionOf, fakeGateway, loadRobotTable, renderPage } from "./page";
@@ -138,7 +137,7 @@ describe("the robots that are selected", () => {
   const selectAll = (count: number) => box(`Select all ${count} that are listed`);
 
   it("of a group are asked about once, and each tells what came of it", async () => {
-    const dock = vi.fn().mockRejectedValue(new CommandError("goal_rejected", "Rejected", "too far away"));
+    const dock = vi.fn().mockRejectedValue(new ClientError("goal_rejected", "Rejected", "too far away"));
     const { user, gatewayOf } = open(robots, "/?group=Hall+1", { "/robot2": { dock } });
     await user.click(selectAll(3));
     expect(screen.getByText("3 selected")).toBeDefined();

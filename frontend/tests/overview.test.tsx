@@ -1,6 +1,6 @@
+import type { BatteryState, Robot } from "@dock-gateway/client";
 import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
-import type { BatteryState, Robot } from "../src/api/types";
 import { listed, overviewView } from "../src/pages/overview/list";
 import { alert, at, battery, goal, latched, robot, server } from "./events";
 import { fakeGateway, loadRobotTable, renderPage } from "./page";

@@ -1,3 +1,4 @@
+import type { EventOf, GatewayEvent } from "@dock-gateway/client";
 import { MantineProvider } from "@mantine/core";
 import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
@@ -9,7 +10,6 @@ import { vi } from "vitest";
 import type { Gateway } from "../src/api/client";
 import { createHttp } from "../src/api/http";
 import { createQueryClient } from "../src/api/queryClient";
-import type { EventOf, GatewayEvent } from "../src/api/types";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
 import { App } from "../src/layout/App";

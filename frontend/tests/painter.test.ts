@@ -1,6 +1,7 @@
 // @vitest-environment jsdom
+
+import type { Pose } from "@dock-gateway/client";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import type { Pose } from "../src/api/types";
 import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
 import { Gestures } from "../src/scene/gestures";

@@ -1,7 +1,7 @@
+import type { GatewayEvent } from "@dock-gateway/client";
 import { act, screen } from "@testing-library/react";
 import { type ComponentType, Profiler } from "react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { GatewayEvent } from "../src/api/types";
 import { BatteryCard } from "../src/battery/BatteryCard";
 import { PublisherCard } from "../src/battery/PublisherCard";
 import { DockingCard } from "../src/docking/DockingCard";

@@ -1,5 +1,5 @@
+import type { PoseEvent } from "@dock-gateway/client";
 import { describe, expect, it, vi } from "vitest";
-import type { PoseEvent } from "../src/api/types";
 import { RecordedScene } from "../src/scene/recorded";
 import { at, emptyScene, START } from "./events";
 

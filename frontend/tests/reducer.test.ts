@@ -1,5 +1,5 @@
+import type { GatewayEvent, Goal } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
-import type { GatewayEvent, Goal } from "../src/api/types";
 import { meaning, outcome } from "../src/goal/words";
 import { mergeGoals, newestFirst } from "../src/store/goals";
 import { reduce } from "../src/store/reducer";

@@ -1,6 +1,7 @@
 // @vitest-environment jsdom
+
+import type { Pose, PoseEvent } from "@dock-gateway/client";
 import { describe, expect, it, vi } from "vitest";
-import type { Pose, PoseEvent } from "../src/api/types";
 import { arrowRadius, footprintOf, pointsOf, shapesOf } from "../src/scene/shapes";
 import {
   fitTo,

@@ -1,7 +1,6 @@
+import { ClientError, type EventOf } from "@dock-gateway/client";
 import { act, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { CommandError } from "../src/api/errors";
-import type { EventOf } from "../src/api/types";
 import { SCENE_STALE_MS } from "../src/store/context";
 import { at, sceneEvent, simulator } from "./events";
 import { fakeGateway, isDisabled, renderPage } from "./page";
@@ -110,7 +109,7 @@ describe("the simulator", () => {
   });
 
   it("is reset, and says why where that did not work", async () => {
-    const error = new CommandError("simulator_timeout", "The simulator does not answer", "no answer");
+    const error = new ClientError("simulator_timeout", "The simulator does not answer", "no answer");
     const resetSimulator = vi.fn().mockRejectedValueOnce(error).mockResolvedValueOnce(undefined);
     const { user } = developerPage({ resetSimulator });
     const reset = await screen.findByRole("button", { name: "Reset" });

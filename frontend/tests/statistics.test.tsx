@@ -1,6 +1,6 @@
+import type { GoalCounts, GoalGroup, Statistics } from "@dock-gateway/client";
 import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
-import type { GoalCounts, GoalGroup, Statistics } from "../src/api/types";
 import { goalsLink, percent } from "../src/statistics/cells";
 import { statisticsView, toQuery } from "../src/statistics/view";
 import { dayOf } from "../src/ui/time";

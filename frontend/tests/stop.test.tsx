@@ -1,8 +1,8 @@
+import { ClientError } from "@dock-gateway/client";
 import { notifications } from "@mantine/notifications";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { ownName, setOwnName } from "../src/access/who";
-import { CommandError } from "../src/api/errors";
 import { Naming } from "../src/fleet/names";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
 import { showStopped } from "../src/stop/notices";
@@ -55,7 +55,7 @@ describe("a latched stop", () => {
   });
 
   it("stays, and says why, where the release did not work", async () => {
-    const error = new CommandError("ros_unavailable", "The gateway has lost ROS", "the thread ended");
+    const error = new ClientError("ros_unavailable", "The gateway has lost ROS", "the thread ended");
     const gateway = fakeGateway({ release: vi.fn().mockRejectedValue(error) });
     const { user } = renderPage(gateway, { stop: latched("Ada") });
     await user.click(button("Release …"));
@@ -212,7 +212,7 @@ describe("the question whether to release a stop", () => {
 
 describe("a Stop that was not delivered", () => {
   const failing = () =>
-    fakeGateway({ stop: vi.fn().mockRejectedValue(new CommandError("offline", "No answer", "down")) });
+    fakeGateway({ stop: vi.fn().mockRejectedValue(new ClientError("offline", "No answer", "down")) });
 
   it("is said until the gateway answers again, and then what is stopped", async () => {
     const { store, user } = renderPage(failing());
@@ -239,7 +239,7 @@ describe("a Stop that was not delivered", () => {
 
 describe("a Stop's notice", () => {
   it("is shown although other notices take all the room", async () => {
-    const error = new CommandError("offline", "No answer", "down");
+    const error = new ClientError("offline", "No answer", "down");
     const { user } = renderPage(fakeGateway({ stop: vi.fn().mockRejectedValue(error) }));
     act(() => {
       for (const number of [1, 2, 3, 4, 5])
@@ -253,7 +253,7 @@ describe("a Stop's notice", () => {
 describe("the Stop of one robot of several", () => {
   const robots = [robot("/a", { default: true }), robot("/b")];
   const failing = () =>
-    fakeGateway({ stop: vi.fn().mockRejectedValue(new CommandError("offline", "No answer", "down")) });
+    fakeGateway({ stop: vi.fn().mockRejectedValue(new ClientError("offline", "No answer", "down")) });
   const stopB = async (gateway = failing()) => {
     const page = renderPage(gateway, { robots }, "/ui/robot?robot=/b", () => fakeGateway());
     await page.user.click(button("Stop /b"));
@@ -277,7 +277,7 @@ describe("the Stop of one robot of several", () => {
     const crumbs = screen.getByRole("navigation", { name: "Breadcrumb" });
     await user.click(within(crumbs).getByRole("link", { name: "Overview" }));
     await waitFor(() => expect(screen.queryByRole("button", { name: "Stop /b" })).toBeNull());
-    act(() => fail(new CommandError("gateway_timeout", "The gateway did not answer", "No answer.")));
+    act(() => fail(new ClientError("gateway_timeout", "The gateway did not answer", "No answer.")));
     expect(await screen.findByText("Stop was NOT delivered to /b")).toBeDefined();
   });
 
@@ -304,7 +304,7 @@ describe("Stop", () => {
   });
 
   it("says which robot it did not reach", async () => {
-    const gone = new CommandError("robot_not_found", "No such robot", "it has gone");
+    const gone = new ClientError("robot_not_found", "No such robot", "it has gone");
     const stop = vi.fn().mockResolvedValueOnce(stopReport()).mockRejectedValue(gone);
     const robots = [robot("/a", { default: true }), robot("/b")];
     const { user } = renderPage(fakeGateway({ stop }), { robots }, "/ui/robot");

@@ -1,6 +1,7 @@
 // @vitest-environment jsdom
+
+import type { GatewayEvent } from "@dock-gateway/client";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { GatewayEvent } from "../src/api/types";
 import { BEAT_MS } from "../src/clock/beat";
 import { Store } from "../src/store/store";
 import { RENDER_INTERVAL_MS } from "../src/store/streamStore";

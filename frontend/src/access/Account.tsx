@@ -4,7 +4,7 @@ import { notifications } from "@mantine/notifications";
 import { Suspense } from "react";
 import { Link } from "react-router";
 import { logOut, logOutEverywhere } from "../api/access";
-import { toCommandError } from "../api/errors";
+import { toClientError } from "../api/errors";
 import { hasSession, useSession } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { lazyPart } from "../ui/lazyPart";
@@ -89,7 +89,7 @@ function useLogOut(): (everywhere?: boolean) => void {
     void (everywhere ? logOutEverywhere(http) : logOut(http)).then(
       () => window.location.reload(),
       (error: unknown) => {
-        const { title, detail } = toCommandError(error);
+        const { title, detail } = toClientError(error);
         notifications.show({ color: "red", title: `You are still logged in: ${title}`, message: detail });
       },
     );

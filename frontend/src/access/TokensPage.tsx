@@ -1,8 +1,8 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Code, Group, Skeleton, Stack, Text } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
-import type { CommandError } from "../api/errors";
 import { useForbidden } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { CopyButton } from "../ui/CopyButton";
@@ -116,7 +116,7 @@ function Secret({ secret }: { secret: string }) {
 interface RevokeDialogProps {
   /** Null for none: then it is closed. */
   token: Token | null;
-  revoke: UseMutationResult<void, CommandError, string>;
+  revoke: UseMutationResult<void, ClientError, string>;
   onClose: () => void;
 }
 

@@ -1,8 +1,8 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
 import type { User } from "../api/access";
-import type { CommandError } from "../api/errors";
 import { useForbidden, useSession } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
@@ -106,7 +106,7 @@ export default function UsersPage() {
 function told(name: string) {
   return {
     onSuccess: () => void notifications.show({ message: `${name} is logged out everywhere.` }),
-    onError: ({ title, detail }: CommandError) =>
+    onError: ({ title, detail }: ClientError) =>
       void notifications.show({
         color: "red",
         title: `${name} is still logged in: ${title}`,

@@ -1,8 +1,8 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Fieldset, NativeSelect, NumberInput, Stack, Switch, TagsInput, TextInput } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import type { CreatedToken, Token, TokenBody, User, UserBody } from "../api/access";
-import type { CommandError } from "../api/errors";
 import { ROLES, type Role } from "../api/session";
 import { useFleetTopic } from "../fleet/context";
 import { SaveBar } from "../ui/Dialog";
@@ -16,7 +16,7 @@ interface UserFormProps {
   user: User | null;
   /** Names that are taken. */
   taken: readonly string[];
-  save: UseMutationResult<void, CommandError, { name: string; body: UserBody }>;
+  save: UseMutationResult<void, ClientError, { name: string; body: UserBody }>;
   onDone: () => void;
 }
 
@@ -98,7 +98,7 @@ const MAX_DAYS = 3650;
 const USUAL_DAYS = 90;
 
 interface TokenFormProps {
-  create: UseMutationResult<CreatedToken, CommandError, TokenBody>;
+  create: UseMutationResult<CreatedToken, ClientError, TokenBody>;
   onDone: (created: CreatedToken) => void;
   onCancel: () => void;
 }

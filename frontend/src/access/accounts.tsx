@@ -1,3 +1,4 @@
+import type { Http } from "@dock-gateway/client";
 import { Badge, Group, Paper, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
@@ -14,7 +15,6 @@ import {
   type TokenBody,
   type UserBody,
 } from "../api/access";
-import type { Http } from "../api/http";
 import { type Command, useForbidden } from "../api/session";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { Fact, FactList } from "../ui/Fact";

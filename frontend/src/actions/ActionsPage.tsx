@@ -1,6 +1,6 @@
+import type { ActionInfo } from "@dock-gateway/client";
 import { Group, Skeleton, Stack, Text, TextInput } from "@mantine/core";
 import { useSearchParams } from "react-router";
-import type { ActionInfo } from "../api/types";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { PageTitle, Section } from "../ui/Section";

@@ -1,8 +1,8 @@
+import type { ActionInfo, Goal } from "@dock-gateway/client";
 import { Anchor, Badge, Table, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { Link } from "react-router";
 import { actionPath } from "../api/actions";
-import type { ActionInfo, Goal } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import { GoalStatusBadge } from "../goal/facts";
 import { isTerminal, newestFirst } from "../store/goals";

@@ -1,9 +1,8 @@
+import { type ActionInfo, type AnyGoal, ClientError } from "@dock-gateway/client";
 import { Anchor, Button, Checkbox, Code, Group, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { type FormEvent, useCallback, useId, useMemo, useState } from "react";
 import { Link } from "react-router";
-import { CommandError } from "../api/errors";
-import type { ActionInfo, AnyGoal } from "../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { heldStops } from "../stop/held";
 import { Command } from "../ui/CopyButton";
@@ -47,7 +46,7 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
       onSent(goal);
       return goal;
     } catch (error) {
-      if (error instanceof CommandError && error.fields.length > 0) {
+      if (error instanceof ClientError && error.fields.length > 0) {
         const refused = error.fields.map(({ path, expected, detail }) => ({
           path,
           detail: expected === undefined ? detail : `expected ${expected}, ${detail}`,

@@ -1,10 +1,10 @@
+import type { AnyGoal, Goal } from "@dock-gateway/client";
 import { Anchor, Badge, Group, Text } from "@mantine/core";
 import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
 import type { ActionSchemas } from "../api/actions";
 import { createGoalsApi } from "../api/goals";
 import type { JsonSchema } from "../api/jsonSchema";
-import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { FleetStore } from "../fleet/store";
 import { FeedbackCount, GoalDuration, GoalExplanation, GoalStatusBadge } from "../goal/facts";

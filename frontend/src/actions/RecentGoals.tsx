@@ -1,8 +1,8 @@
+import type { AnyGoal, Goal } from "@dock-gateway/client";
 import { Anchor, Button, Table, Text, VisuallyHidden } from "@mantine/core";
 import { useEffect, useMemo } from "react";
 import { Link } from "react-router";
 import type { Json } from "../api/jsonSchema";
-import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { newestFirst } from "../store/goals";

@@ -1,7 +1,7 @@
+import type { ActionInfo } from "@dock-gateway/client";
 import { useMemo } from "react";
 import { createActionsApi, goalsPath } from "../api/actions";
 import { whyForbidden } from "../api/session";
-import type { ActionInfo } from "../api/types";
 import { NOT_CONNECTED, useFleet } from "../fleet/context";
 import { isUnder } from "../fleet/names";
 import type { HeldStop } from "../stop/held";

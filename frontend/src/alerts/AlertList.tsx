@@ -1,10 +1,10 @@
+import type { Alert } from "@dock-gateway/client";
 import { Anchor, Button, Group, Paper, Stack, Text, TextInput, Title } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type FormEvent, memo, useId, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { createAlerts } from "../api/client";
-import type { Alert } from "../api/types";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import { robotPath } from "../fleet/names";
 import { Dialog } from "../ui/Dialog";

@@ -1,4 +1,4 @@
-import type { Alert } from "../api/types";
+import type { Alert } from "@dock-gateway/client";
 import { isUnder, type Naming } from "../fleet/names";
 
 /** What needs eyes first: not acknowledged before acknowledged, critical before warning, new before old. */

@@ -1,5 +1,4 @@
-import { deadline, type Http, settle } from "./http";
-import type { components, paths } from "./schema.gen";
+import { type components, deadline, type Http, type paths, settle } from "@dock-gateway/client";
 
 type Schemas = components["schemas"];
 
@@ -19,7 +18,7 @@ export type UserBody = paths["/users/{user}"]["put"]["requestBody"]["content"]["
 /** A name and a password, or a token. */
 export type LoginBody = paths["/session"]["post"]["requestBody"]["content"]["application/json"];
 
-/** Logs this browser in; throws a CommandError with `invalid_login` or `invalid_token` where that is wrong. */
+/** Logs this browser in; throws a ClientError with `invalid_login` or `invalid_token` where that is wrong. */
 export function logIn(http: Http, body: LoginBody): Promise<Schemas["Session"]> {
   return settle(http.POST("/session", { body, signal: deadline() }));
 }

@@ -1,6 +1,5 @@
-import { deadline, type Http, settle } from "./http";
+import { type ActionInfo, type AnyGoal, deadline, type Http, settle } from "@dock-gateway/client";
 import type { JsonSchema } from "./jsonSchema";
-import type { ActionInfo, AnyGoal } from "./types";
 
 /** JSON Schemas of an action's messages. */
 export interface ActionSchemas {
@@ -9,7 +8,7 @@ export interface ActionSchemas {
   feedback: JsonSchema;
 }
 
-/** What can be asked of any action on the graph. Each call is one request; every failure is a CommandError. */
+/** What can be asked of any action on the graph. Each call is one request; every failure is a ClientError. */
 export function createActionsApi(http: Http) {
   return {
     list: async (): Promise<ActionInfo[]> =>

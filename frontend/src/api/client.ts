@@ -1,20 +1,22 @@
-import { CommandError } from "./errors";
-import { deadline, type Http, settle } from "./http";
-import type { components } from "./schema.gen";
-import type {
-  Alert,
-  BatteryStateInput,
-  Calibration,
-  CalibrationService,
-  DockList,
-  Fault,
-  Goal,
-  Pose,
-  Publisher,
-  Simulator,
-  StopReport,
-  StopState,
-} from "./types";
+import {
+  type Alert,
+  type BatteryStateInput,
+  type Calibration,
+  type CalibrationService,
+  ClientError,
+  type components,
+  type DockList,
+  deadline,
+  type Fault,
+  type Goal,
+  type Http,
+  type Pose,
+  type Publisher,
+  type Simulator,
+  type StopReport,
+  type StopState,
+  settle,
+} from "@dock-gateway/client";
 
 /** The gateway waits up to 18 s for the docking server. */
 const CALIBRATION_TIMEOUT_MS = 25_000;
@@ -29,7 +31,7 @@ function newKey(): string {
 
 /**
  * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
- * that arrives late is worse than one that fails. Every failure is a CommandError.
+ * that arrives late is worse than one that fails. Every failure is a ClientError.
  *
  * @param robot The robot's namespace; null for the one that the gateway is configured for (to stop: for all of them).
  */
@@ -77,7 +79,7 @@ export function createGateway(http: Http, robot: string | null = null) {
     /** Null where there is no simulator. */
     simulator: (): Promise<Simulator | null> =>
       settle<Simulator>(http.GET("/simulator", options())).catch((error: unknown) => {
-        if (error instanceof CommandError && error.code === "simulator_not_found") return null;
+        if (error instanceof ClientError && error.code === "simulator_not_found") return null;
         throw error;
       }),
     resetSimulator: async () => {
@@ -104,7 +106,7 @@ export function createGateway(http: Http, robot: string | null = null) {
 
 export type Gateway = ReturnType<typeof createGateway>;
 
-/** What can be done about alerts; each call is one request, and every failure a CommandError. */
+/** What can be done about alerts; each call is one request, and every failure a ClientError. */
 export function createAlerts(http: Http) {
   const options = (id: string) => ({ params: { path: { alert_id: id } }, signal: deadline() });
   return {
@@ -118,7 +120,7 @@ export function createAlerts(http: Http) {
 
 type RobotLabel = components["schemas"]["Label"];
 
-/** Replaces the display name and the groups of a robot; throws a CommandError where it fails. */
+/** Replaces the display name and the groups of a robot; throws a ClientError where it fails. */
 export function putLabel(http: Http, label: RobotLabel): Promise<RobotLabel> {
   return settle(http.PUT("/robots/label", { body: label, signal: deadline() }));
 }

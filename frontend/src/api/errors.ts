@@ -1,32 +1,8 @@
-import type { Problem } from "./types";
-
-/** A command that did not work: a stable code, what happened, and what can be done about it. */
-export class CommandError extends Error {
-  override readonly name = "CommandError";
-
-  constructor(
-    readonly code: string,
-    readonly title: string,
-    readonly detail: string,
-    readonly fields: readonly FieldProblem[] = [],
-  ) {
-    super(`${title}: ${detail}`);
-  }
-
-  get advice(): string | null {
-    return adviceFor(this.code);
-  }
-}
-
-/** What is wrong with a field of what was sent. */
-interface FieldProblem {
-  path: string;
-  expected?: string;
-  detail: string;
-}
+import { ClientError } from "@dock-gateway/client";
 
 interface Words {
-  title: string;
+  /** Where the gateway's own is not clear enough on a page. */
+  title?: string;
   advice: string | null;
 }
 
@@ -78,11 +54,9 @@ const WORDS: Record<string, Words> = {
     advice: "Each of them would move the robot: shut down all but one, then send the goal again.",
   },
   gateway_timeout: {
-    title: "The gateway did not answer",
     advice: "The command may have arrived. Look at the goals before you send it again.",
   },
   gateway_unreachable: {
-    title: "The gateway cannot be reached",
     advice:
       "Check that dock-gateway runs and that this computer is on its network. Nothing is sent again by itself.",
   },
@@ -175,40 +149,18 @@ const WORDS: Record<string, Words> = {
   },
 };
 
+/** What went wrong, in a few words. */
+export function titleOf(error: ClientError): string {
+  return WORDS[error.code]?.title ?? error.title;
+}
+
+/** What can be done about it. */
 export function adviceFor(code: string): string | null {
   return WORDS[code]?.advice ?? null;
 }
 
-function isProblem(body: unknown): body is Problem {
-  return typeof body === "object" && body !== null && "code" in body && typeof body.code === "string";
-}
-
-/** The error that an HTTP answer tells of, also where it is no problem+json (a proxy's page, say). */
-export function fromProblem(status: number, body: unknown): CommandError {
-  if (isProblem(body)) {
-    return new CommandError(
-      body.code,
-      WORDS[body.code]?.title ?? body.title,
-      body.detail ?? "",
-      body.errors ?? [],
-    );
-  }
-  if (status >= 502 && status <= 504) return unreachable(`HTTP ${status} from something before the gateway`);
-  return new CommandError("http_error", "The gateway refused", `It answered with HTTP status ${status}.`);
-}
-
-/** The error of a request that got no answer. */
-export function unreachable(cause: unknown): CommandError {
-  const timedOut = cause instanceof DOMException && cause.name === "TimeoutError";
-  const code = timedOut ? "gateway_timeout" : "gateway_unreachable";
-  const detail = timedOut
-    ? "There was no answer in time."
-    : "The request was NOT delivered, as far as this page knows.";
-  return new CommandError(code, WORDS[code]?.title ?? code, detail);
-}
-
-export function toCommandError(error: unknown): CommandError {
-  return error instanceof CommandError
+export function toClientError(error: unknown): ClientError {
+  return error instanceof ClientError
     ? error
-    : new CommandError("page_error", "This page made a mistake", String(error));
+    : new ClientError("page_error", "This page made a mistake", String(error));
 }

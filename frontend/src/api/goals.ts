@@ -1,6 +1,14 @@
-import { deadline, type Http, settle } from "./http";
-import type { components, paths } from "./schema.gen";
-import type { AnyGoal, AnyGoalPage, GoalHistory, PoseEvent } from "./types";
+import {
+  type AnyGoal,
+  type AnyGoalPage,
+  type components,
+  deadline,
+  type GoalHistory,
+  type Http,
+  type PoseEvent,
+  type paths,
+  settle,
+} from "@dock-gateway/client";
 
 /** What `GET /goals` can be narrowed by. */
 export type GoalQuery = Omit<NonNullable<paths["/goals"]["get"]["parameters"]["query"]>, "limit" | "cursor">;
@@ -9,7 +17,7 @@ export type GoalQuery = Omit<NonNullable<paths["/goals"]["get"]["parameters"]["q
 const PAGE = 50;
 const EVENTS = 2000;
 
-/** Goals on any action, sent by whomever. Every failure is a CommandError. */
+/** Goals on any action, sent by whomever. Every failure is a ClientError. */
 export function createGoalsApi(http: Http) {
   const one = (goalId: string) => ({ params: { path: { goal_id: goalId } }, signal: deadline() });
   return {
@@ -79,7 +87,7 @@ export type GoalNotes = components["schemas"]["GoalNotes"];
 
 export type Note = components["schemas"]["Note"];
 
-/** Notes and tags of a goal. Each call gives what the goal has then; every failure is a CommandError. */
+/** Notes and tags of a goal. Each call gives what the goal has then; every failure is a ClientError. */
 export function createNotesApi(http: Http, goalId: string) {
   const path = { goal_id: goalId };
   const options = () => ({ params: { path }, signal: deadline() });

@@ -1,5 +1,4 @@
-import { deadline, type Http, settle } from "./http";
-import type { components } from "./schema.gen";
+import { type components, deadline, type Http, settle } from "@dock-gateway/client";
 
 type Schemas = components["schemas"];
 export type Graph = Schemas["Graph"];
@@ -20,7 +19,7 @@ export interface TaggedGraph {
   tag: string | null;
 }
 
-/** The graph as it is now; the same object where nothing has changed since `last`. Throws a CommandError. */
+/** The graph as it is now; the same object where nothing has changed since `last`. Throws a ClientError. */
 export async function readGraph(http: Http, last: TaggedGraph | undefined): Promise<TaggedGraph> {
   let changed = true;
   let tag: string | null = null;

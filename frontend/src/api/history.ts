@@ -1,6 +1,12 @@
-import { deadline, type Http, settle } from "./http";
-import type { components, paths } from "./schema.gen";
-import type { BatteryHistory, Statistics } from "./types";
+import {
+  type BatteryHistory,
+  type components,
+  deadline,
+  type Http,
+  type paths,
+  type Statistics,
+  settle,
+} from "@dock-gateway/client";
 
 /** One request or command, as it was recorded. */
 export type AuditRecord = components["schemas"]["AuditRecord"];
@@ -10,7 +16,7 @@ export type AuditQuery = Omit<NonNullable<paths["/audit"]["get"]["parameters"]["
 
 const PAGE = 50;
 
-/** Newest first. Every failure is a CommandError. */
+/** Newest first. Every failure is a ClientError. */
 export function listAudit(http: Http, query: AuditQuery, cursor: number | null): Promise<AuditPage> {
   return settle(
     http.GET("/audit", {

@@ -1,6 +1,6 @@
+import type { components } from "@dock-gateway/client";
 import { useSyncExternalStore } from "react";
 import { OPERATIONS } from "./operations.gen";
-import type { components } from "./schema.gen";
 
 export type SessionState = components["schemas"]["Session"];
 type Principal = components["schemas"]["Requester"];

@@ -1,5 +1,4 @@
-import { deadline, type Http, settle } from "./http";
-import type { components, paths } from "./schema.gen";
+import { type components, deadline, type Http, type paths, settle } from "@dock-gateway/client";
 
 type Schemas = components["schemas"];
 

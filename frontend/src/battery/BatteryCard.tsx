@@ -1,7 +1,7 @@
+import type { BatteryState } from "@dock-gateway/client";
 import { Box, Button, Code, Paper, Skeleton, Text, Title } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense, useId, useState } from "react";
-import type { BatteryState } from "../api/types";
 import { useAtTime } from "../clock/clock";
 import { FreshnessBadge } from "../fleet/badges";
 import { useFreshness, useServices, useTopicPart } from "../store/context";

@@ -9,6 +9,7 @@ import {
 } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { type KeyboardEvent, type RefObject, useCallback, useEffect, useId, useRef, useState } from "react";
+import { titleOf } from "../api/errors";
 import { onBeat, steadyNow } from "../clock/beat";
 import { useAtTime } from "../clock/clock";
 import { FreshnessBadge } from "../fleet/badges";
@@ -212,8 +213,8 @@ export default function BatteryPlots() {
       </Text>
       {past.error !== null && (
         <Text size="sm" role="status">
-          <strong>The past cannot be read:</strong> {past.error.title} ({past.error.code}). What comes in now
-          is drawn all the same.
+          <strong>The past cannot be read:</strong> {titleOf(past.error)} ({past.error.code}). What comes in
+          now is drawn all the same.
         </Text>
       )}
     </>

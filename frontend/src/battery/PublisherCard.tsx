@@ -1,10 +1,10 @@
+import type { Publisher } from "@dock-gateway/client";
 import { Alert, Badge, Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { Suspense, useId, useState } from "react";
 import { findTopic, type GraphTopic, gatewayNode } from "../api/graph";
 import { useForbidden } from "../api/session";
-import type { Publisher } from "../api/types";
 import { useFleet, useFleetPart } from "../fleet/context";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/errors";

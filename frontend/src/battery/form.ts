@@ -1,4 +1,4 @@
-import type { BatteryStateInput } from "../api/types";
+import type { BatteryStateInput } from "@dock-gateway/client";
 import { CHARGING, NOT_CHARGING } from "./words";
 
 /** A number field: a number, or text that is empty or not a number (yet). */

@@ -1,7 +1,7 @@
+import type { BatteryHistory, ClientError } from "@dock-gateway/client";
 import { useEffect, useState } from "react";
-import { type CommandError, toCommandError } from "../api/errors";
+import { toClientError } from "../api/errors";
 import { batteryHistory } from "../api/history";
-import type { BatteryHistory } from "../api/types";
 import { useFleet } from "../fleet/context";
 import {
   type Column,
@@ -122,7 +122,7 @@ interface Past {
   /** How far apart its points are at least (s). */
   resolutionS: number;
   loading: boolean;
-  error: CommandError | null;
+  error: ClientError | null;
 }
 
 /** What the gateway has kept of the part of time that is shown; read again when the gateway is back. */
@@ -150,7 +150,7 @@ export function usePast(view: View): Past {
         });
       } catch (error) {
         if (abort.signal.aborted) return;
-        setPast((before) => ({ ...before, loading: false, error: toCommandError(error) }));
+        setPast((before) => ({ ...before, loading: false, error: toClientError(error) }));
       }
       if (view.endS === null) {
         const renewS = Math.min(RENEW_S.most, Math.max(RENEW_S.least, view.spanS / 100));

@@ -1,4 +1,4 @@
-import type { BatteryState, Implausible } from "../api/types";
+import type { BatteryState, Implausible } from "@dock-gateway/client";
 import { fixed } from "../ui/numbers";
 
 /** sensor_msgs/BatteryState POWER_SUPPLY_STATUS_… */

@@ -1,8 +1,8 @@
+import type { Calibration } from "@dock-gateway/client";
 import { Code, Group, Stack, Table, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useForbidden } from "../api/session";
-import type { Calibration } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/context";
 import { currentGoal } from "../goal/words";
 import { useLive, useServices, useTopic } from "../store/context";

@@ -1,5 +1,5 @@
+import type { ActionServer } from "@dock-gateway/client";
 import { Badge, Stack, Text, Tooltip, VisuallyHidden } from "@mantine/core";
-import type { ActionServer } from "../api/types";
 import { useFleetPart } from "../fleet/context";
 import { defaultRobot } from "../fleet/names";
 import { currentGoal } from "../goal/words";

@@ -1,8 +1,8 @@
+import type { ActionServer, Verb } from "@dock-gateway/client";
 import { Group, NativeSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useId, useState } from "react";
-import type { ActionServer, Verb } from "../api/types";
 import { CHARGING, FULL } from "../battery/words";
 import { useNaming } from "../fleet/context";
 import { whyNotCancel } from "../goal/words";

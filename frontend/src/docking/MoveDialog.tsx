@@ -1,6 +1,6 @@
+import type { Verb } from "@dock-gateway/client";
 import { Stack, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
-import type { Verb } from "../api/types";
 import { useTopicPart } from "../store/context";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 

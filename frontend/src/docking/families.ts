@@ -1,5 +1,5 @@
+import type { ActionServer, Goal, Verb } from "@dock-gateway/client";
 import { whyForbidden } from "../api/session";
-import type { ActionServer, Goal, Verb } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/context";
 
 /** Who defines the type of a docking action, and what serves it. */

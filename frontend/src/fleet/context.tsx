@@ -1,6 +1,6 @@
+import type { Http } from "@dock-gateway/client";
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
-import type { Http } from "../api/http";
 import { type Command, useForbidden, useSession } from "../api/session";
 import { ClockProvider } from "../clock/clock";
 import type { OpenRobot } from "../store/openRobot";

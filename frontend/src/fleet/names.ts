@@ -1,4 +1,4 @@
-import type { Robot } from "../api/types";
+import type { Robot } from "@dock-gateway/client";
 
 /** What a robot is called, and the groups that it is in. */
 export type Label = Pick<Robot, "name" | "display_name" | "groups">;

@@ -1,4 +1,4 @@
-import type { Alert, EventOf, GatewayEvent, Robot, StopState } from "../api/types";
+import type { Alert, EventOf, GatewayEvent, Robot, StopState } from "@dock-gateway/client";
 import { steadyNow } from "../clock/beat";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
 import type { StreamState } from "../store/state";

@@ -1,4 +1,4 @@
-import type { Robot } from "../api/types";
+import type { Robot } from "@dock-gateway/client";
 import { formatDuration } from "../ui/time";
 
 /** Whether anything of a robot was ever heard: the configured one is listed from the start. */

@@ -1,5 +1,5 @@
+import type { AnyGoal, GoalStatus } from "@dock-gateway/client";
 import { Alert, Badge, Text } from "@mantine/core";
-import type { AnyGoal, GoalStatus } from "../api/types";
 import { useAtTime } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
 import { sentence } from "../ui/text";

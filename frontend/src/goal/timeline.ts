@@ -1,4 +1,4 @@
-import type { AnyGoal, GoalError, GoalEvent, GoalStatus } from "../api/types";
+import type { AnyGoal, GoalError, GoalEvent, GoalStatus } from "@dock-gateway/client";
 import { isTerminal } from "../store/goals";
 import type { PlotBand } from "../ui/plotData";
 import { stageName } from "./stages";

@@ -1,6 +1,6 @@
+import type { AnyGoal, Goal, GoalStatus, GoalSummary, Verb } from "@dock-gateway/client";
 import { adviceFor } from "../api/errors";
 import { whyForbidden } from "../api/session";
-import type { AnyGoal, Goal, GoalStatus, GoalSummary, Verb } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/context";
 import { type GoalCourse, isFinal, isTerminal } from "../store/goals";
 import { lowerFirst, sentence } from "../ui/text";

@@ -1,10 +1,10 @@
+import type { AnyGoal, StopState } from "@dock-gateway/client";
 import { Alert, Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "react-router";
 import { useActionsApi, useSchemas } from "../actions/actions";
 import { goalExportUrl } from "../api/goals";
 import { whyForbidden } from "../api/session";
-import type { AnyGoal, StopState } from "../api/types";
 import { SentByRule } from "../automation/rules";
 import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isBelow } from "../fleet/names";

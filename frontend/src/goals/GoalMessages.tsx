@@ -1,7 +1,7 @@
+import type { AnyGoal } from "@dock-gateway/client";
 import { Group, Stack, Text, Title } from "@mantine/core";
 import { useSchemas } from "../actions/actions";
 import type { JsonSchema } from "../api/jsonSchema";
-import type { AnyGoal } from "../api/types";
 import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
 import { MessageTree } from "../ui/MessageTree";

@@ -1,5 +1,5 @@
+import type { AnyGoal } from "@dock-gateway/client";
 import { Skeleton, Stack, Text } from "@mantine/core";
-import type { AnyGoal } from "../api/types";
 import { useGatewayNow } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
 import { GoalStatusBadge } from "../goal/facts";

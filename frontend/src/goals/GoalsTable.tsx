@@ -1,7 +1,7 @@
+import type { ActionServer, ListedGoal } from "@dock-gateway/client";
 import { Anchor, Button, Group, Table, Text } from "@mantine/core";
 import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
-import type { ActionServer, ListedGoal } from "../api/types";
 import { useNaming } from "../fleet/context";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { outcome } from "../goal/words";

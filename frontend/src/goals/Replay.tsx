@@ -1,8 +1,8 @@
+import type { AnyGoal } from "@dock-gateway/client";
 import { Button, Group, SegmentedControl, Text } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { useEffect, useRef, useState } from "react";
 import { useSearchParams } from "react-router";
-import type { AnyGoal } from "../api/types";
 import { BEAT_MS, onBeat } from "../clock/beat";
 import { bandsOf } from "../goal/timeline";
 import { Section } from "../ui/Section";

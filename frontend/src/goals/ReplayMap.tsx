@@ -1,6 +1,6 @@
+import type { AnyGoal, PoseEvent } from "@dock-gateway/client";
 import { Text } from "@mantine/core";
 import { useEffect, useId, useMemo, useState } from "react";
-import type { AnyGoal, PoseEvent } from "../api/types";
 import { onBeat } from "../clock/beat";
 import { RecordedScene } from "../scene/recorded";
 import { SceneCanvas } from "../scene/SceneCanvas";

@@ -1,5 +1,5 @@
+import type { AnyGoal, GoalStatus, ListedGoal } from "@dock-gateway/client";
 import type { GoalQuery } from "../api/goals";
-import type { AnyGoal, GoalStatus, ListedGoal } from "../api/types";
 import { isBelow } from "../fleet/names";
 import { Address, oneOf, optional, text, texts } from "../ui/address";
 import { boundsOf, type TimeRange, timeQuery, timeRange } from "../ui/timeRange";

@@ -1,6 +1,6 @@
+import type { AnyGoal, AnyGoalPage, ListedGoal } from "@dock-gateway/client";
 import { useEffect, useMemo, useRef } from "react";
 import { createGoalsApi } from "../api/goals";
-import type { AnyGoal, AnyGoalPage, ListedGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { type PagedList, usePages } from "../ui/requests";
 import { useZone } from "../ui/zone";

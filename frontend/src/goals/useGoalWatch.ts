@@ -1,3 +1,4 @@
+import type { AnyGoal, Http } from "@dock-gateway/client";
 import {
   createContext,
   useCallback,
@@ -8,8 +9,6 @@ import {
   useSyncExternalStore,
 } from "react";
 import { createGoalsApi, type GoalsApi } from "../api/goals";
-import type { Http } from "../api/http";
-import type { AnyGoal } from "../api/types";
 import { useFleet } from "../fleet/context";
 import { type Entry, timelineOf } from "../goal/timeline";
 import { openStream, streamUrl } from "../stream/stream";

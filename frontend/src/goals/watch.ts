@@ -1,6 +1,6 @@
-import { type CommandError, toCommandError } from "../api/errors";
+import type { AnyGoal, ClientError, EventOf, GatewayEvent, Goal, GoalEvent } from "@dock-gateway/client";
+import { toClientError } from "../api/errors";
 import type { GoalsApi } from "../api/goals";
-import type { AnyGoal, EventOf, GatewayEvent, Goal, GoalEvent } from "../api/types";
 import { steadyNow } from "../clock/beat";
 import type { StatusEvent } from "../goal/timeline";
 import { applyFeedback, applyResult, applyStatus, isFinal, mergeGoals, snapshotGoals } from "../store/goals";
@@ -20,13 +20,13 @@ export interface Past {
   loading: boolean;
   /** Whether the gateway has all of it; null while that is not known. */
   complete: boolean | null;
-  error: CommandError | null;
+  error: ClientError | null;
 }
 
 export interface WatchTopics {
   goal: AnyGoal | null;
   /** Why there is no goal. */
-  error: CommandError | null;
+  error: ClientError | null;
   /** In the order of their ids. */
   statuses: readonly StatusEvent[];
   /** The version of the feedback in `log`. */
@@ -45,7 +45,7 @@ const EMPTY: GoalsState = { goals: new Map(), arrivals: new Map(), stages: new M
 export class GoalWatch {
   readonly log = new FeedbackLog();
   #goals = EMPTY;
-  #error: CommandError | null = null;
+  #error: ClientError | null = null;
   #statuses: readonly StatusEvent[] = [];
   #past: Past = { loading: true, complete: null, error: null };
   #connection: Connection | null = null;
@@ -76,7 +76,7 @@ export class GoalWatch {
     try {
       this.take(await this.api.goal(this.goalId));
     } catch (error) {
-      this.#error = toCommandError(error);
+      this.#error = toClientError(error);
     }
     if (this.#closed) return;
     this.#shown.flush();
@@ -120,7 +120,7 @@ export class GoalWatch {
       } while (this.#again);
       this.#past = { ...this.#past, loading: false };
     } catch (error) {
-      this.#past = { ...this.#past, loading: false, error: toCommandError(error) };
+      this.#past = { ...this.#past, loading: false, error: toClientError(error) };
     }
     this.#asking = false;
     this.#shown.schedule();

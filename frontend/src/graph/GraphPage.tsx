@@ -1,8 +1,8 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Code, Group, Paper, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
 import { Suspense, useDeferredValue, useMemo } from "react";
-import type { CommandError } from "../api/errors";
 import { type Graph, gatewayNode, readGraph, type TaggedGraph } from "../api/graph";
 import { useFleet } from "../fleet/context";
 import { useAddress } from "../ui/address";
@@ -137,7 +137,7 @@ const INTERVAL_MS = 2000;
 const KEY = ["graph"];
 
 /** The ROS graph, asked for every two seconds while the page is looked at; the same object until it changes. */
-function useGraph(): UseQueryResult<Graph, CommandError> {
+function useGraph(): UseQueryResult<Graph, ClientError> {
   const { http } = useFleet();
   const client = useQueryClient();
   return useAnswer({

@@ -1,4 +1,4 @@
-import type { components } from "../api/schema.gen";
+import type { components } from "@dock-gateway/client";
 import {
   type Connection,
   type ConnectionInput,

@@ -1,6 +1,6 @@
+import type { Alert } from "@dock-gateway/client";
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
-import type { Alert } from "../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { robotPath } from "../fleet/names";

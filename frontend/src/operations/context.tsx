@@ -1,7 +1,7 @@
+import type { Robot } from "@dock-gateway/client";
 import { createContext, type ReactNode, useCallback, useContext, useRef, useState } from "react";
-import { toCommandError } from "../api/errors";
+import { toClientError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
-import type { Robot } from "../api/types";
 import { MoveDialog, useAskingWanted } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
 import { isThere } from "../fleet/words";
@@ -128,7 +128,7 @@ function useRun(): Operate {
             await send(name);
             sent.push(name);
           } catch (error) {
-            const { title, detail, code } = toCommandError(error);
+            const { title, detail, code } = toClientError(error);
             refused.push({ name, reason: `${title}: ${detail} (${code})` });
           } finally {
             sending.current.delete(name);

@@ -1,4 +1,4 @@
-import type { GoalSummary, Robot, Verb } from "../api/types";
+import type { GoalSummary, Robot, Verb } from "@dock-gateway/client";
 import { whyNotSend } from "../docking/families";
 import { whyNotCancel } from "../goal/words";
 

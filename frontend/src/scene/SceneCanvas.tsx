@@ -1,5 +1,5 @@
+import type { Pose } from "@dock-gateway/client";
 import { type ReactNode, useCallback, useEffect, useRef, useState } from "react";
-import type { Pose } from "../api/types";
 import { Tool } from "../ui/Tool";
 import { Camera } from "./camera";
 import { Gestures } from "./gestures";

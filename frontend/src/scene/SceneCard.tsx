@@ -1,7 +1,7 @@
+import type { Pose, Scene, Twist } from "@dock-gateway/client";
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
 import { useId, useState } from "react";
 import { useForbidden } from "../api/session";
-import type { Pose, Scene, Twist } from "../api/types";
 import { useAtTime } from "../clock/clock";
 import { FreshnessBadge } from "../fleet/badges";
 import { type Freshness, useFreshness, useScene, useServices, useTopicPart } from "../store/context";

@@ -1,4 +1,4 @@
-import type { Pose } from "../api/types";
+import type { Pose } from "@dock-gateway/client";
 import { distance, normalizeAngle, type Point, toRadians } from "../store/geometry";
 import { HANDLE_RADIUS_PX, handlePlace } from "./renderer";
 import { type Size, toScreen, type View } from "./view";

@@ -1,4 +1,4 @@
-import type { Pose } from "../api/types";
+import type { Pose } from "@dock-gateway/client";
 import { atBeat, BEAT_MS } from "../clock/beat";
 import { distance, normalizeAngle, type Point } from "../store/geometry";
 import type { SceneBuffer } from "../store/sceneBuffer";

@@ -1,4 +1,4 @@
-import type { PoseEvent, Scene } from "../api/types";
+import type { PoseEvent, Scene } from "@dock-gateway/client";
 import { between, distance } from "../store/geometry";
 import { JUMP_M, Trail, trailOf } from "../store/sceneBuffer";
 import { lastUpTo } from "../ui/crosshair";

@@ -1,4 +1,4 @@
-import type { Footprint, Infrared, Pose } from "../api/types";
+import type { Footprint, Infrared, Pose } from "@dock-gateway/client";
 import { compose, type Point } from "../store/geometry";
 import { type Detection, FADE_MS } from "../store/sceneBuffer";
 import type { Drawing, Ground } from "./ground";

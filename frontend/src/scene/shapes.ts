@@ -1,4 +1,4 @@
-import type { Footprint, Pose } from "../api/types";
+import type { Footprint, Pose } from "@dock-gateway/client";
 import { compose, type Point } from "../store/geometry";
 
 /** Of a robot whose footprint is not published. */

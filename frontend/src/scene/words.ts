@@ -1,4 +1,4 @@
-import type { Pose, Scene } from "../api/types";
+import type { Pose, Scene } from "@dock-gateway/client";
 import { distance, normalizeAngle, toDegrees } from "../store/geometry";
 import { fixed } from "../ui/numbers";
 import { CONTACT_RADIUS_M, shapesOf } from "./shapes";

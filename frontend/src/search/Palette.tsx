@@ -1,4 +1,5 @@
 import "@mantine/spotlight/styles.css";
+import type { AnyGoal } from "@dock-gateway/client";
 import { useDebouncedValue } from "@mantine/hooks";
 import { createSpotlight, Spotlight } from "@mantine/spotlight";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
@@ -6,7 +7,6 @@ import { useEffect, useId, useMemo, useState } from "react";
 import { useNavigate } from "react-router";
 import { useActions } from "../actions/actions";
 import { createGoalsApi } from "../api/goals";
-import type { AnyGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isThere } from "../fleet/words";
 import { useOperate } from "../operations/context";

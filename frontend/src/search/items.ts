@@ -1,5 +1,5 @@
+import type { ActionInfo, AnyGoal, Robot } from "@dock-gateway/client";
 import { actionPath } from "../api/actions";
-import type { ActionInfo, AnyGoal, Robot } from "../api/types";
 import { byName, isFound, namespaceWords, robotName, robotPath } from "../fleet/names";
 import { OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../operations/operation";
 

@@ -1,7 +1,7 @@
+import type { Fault, Simulator } from "@dock-gateway/client";
 import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
 import { useState } from "react";
 import { useForbidden } from "../api/session";
-import type { Fault, Simulator } from "../api/types";
 import { type NumberInputValue, toNumber } from "../battery/form";
 import { useLive, useServices, useTopic } from "../store/context";
 import { toRadians } from "../store/geometry";

@@ -1,7 +1,7 @@
+import type { GoalCounts, GoalGroup, Statistics } from "@dock-gateway/client";
 import { Anchor, Code, Table, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
-import type { GoalCounts, GoalGroup, Statistics } from "../api/types";
 import { useNaming } from "../fleet/context";
 import { codeWords } from "../goal/words";
 import { Breakable } from "../ui/Fact";

@@ -1,8 +1,8 @@
+import type { GoalCounts, Statistics } from "@dock-gateway/client";
 import { SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
 import { keepPreviousData } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { fetchStatistics } from "../api/history";
-import type { GoalCounts, Statistics } from "../api/types";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { GroupSelect, RobotSelect } from "../fleet/RobotFields";
 import { TagSelect } from "../goals/TagSelect";

@@ -1,6 +1,6 @@
+import type { GoalCounts, GoalStatus } from "@dock-gateway/client";
 import { Anchor, Text } from "@mantine/core";
 import { Link } from "react-router";
-import type { GoalCounts, GoalStatus } from "../api/types";
 import { fixed } from "../ui/numbers";
 
 /** The states in which goals end, the best first. */

@@ -1,7 +1,7 @@
+import type { Robot, StopReport } from "@dock-gateway/client";
 import { useCallback } from "react";
 import { whoStops } from "../access/who";
-import { toCommandError } from "../api/errors";
-import type { Robot, StopReport } from "../api/types";
+import { toClientError } from "../api/errors";
 import { useFleet } from "../fleet/context";
 import { defaultRobot, isUnder } from "../fleet/names";
 import { announceStop } from "./notices";
@@ -48,7 +48,7 @@ function inRequests(names: readonly string[]): string[][] {
 }
 
 /**
- * Throws the CommandError of the first where not one stop got through.
+ * Throws the ClientError of the first where not one stop got through.
  *
  * @param configured The robot that null stands for.
  */
@@ -63,7 +63,7 @@ async function stopEach(
   if (first === undefined) throw (answers[0] as PromiseRejectedResult).reason;
   const refused = answers.flatMap((answer, index) => {
     if (answer.status === "fulfilled") return [];
-    const { code, detail } = toCommandError(answer.reason);
+    const { code, detail } = toClientError(answer.reason);
     return (targets[index] ?? [configured]).map((robot) => ({ action_name: null, robot, code, detail }));
   });
   return {

@@ -1,4 +1,4 @@
-import type { Robot, StopState } from "../api/types";
+import type { Robot, StopState } from "@dock-gateway/client";
 import { byName, defaultRobot, isUnder } from "../fleet/names";
 import { isThere } from "../fleet/words";
 

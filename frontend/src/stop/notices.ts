@@ -1,6 +1,6 @@
+import type { ClientError, StopReport } from "@dock-gateway/client";
 import { notifications, notificationsStore } from "@mantine/notifications";
-import { type CommandError, toCommandError } from "../api/errors";
-import type { StopReport } from "../api/types";
+import { titleOf, toClientError } from "../api/errors";
 import type { Naming } from "../fleet/names";
 
 const NOTICE = "stop ";
@@ -56,7 +56,7 @@ export async function announceStop(
   try {
     showStopped(await send(), namingNow(), robots);
   } catch (error) {
-    showFailed(toCommandError(error), namingNow(), robots);
+    showFailed(toClientError(error), namingNow(), robots);
   }
 }
 
@@ -112,12 +112,12 @@ export function showStopped(
 }
 
 /** @param robots Those that were to stop. */
-function showFailed(error: CommandError, naming: Naming, robots: Stopped): void {
+function showFailed(error: ClientError, naming: Naming, robots: Stopped): void {
   const what = wordsOf(robots, naming);
   show(robots, {
     color: "red",
     title: `Stop was NOT delivered to ${what ?? "any robot"}`,
-    message: `Use the robot's own emergency stop if it moves. ${error.title} (${error.code}): ${error.detail}`,
+    message: `Use the robot's own emergency stop if it moves. ${titleOf(error)} (${error.code}): ${error.detail}`,
     autoClose: false,
     "data-undelivered": true,
   });

@@ -1,4 +1,4 @@
-import type { BatteryState, Implausible } from "../api/types";
+import type { BatteryState, Implausible } from "@dock-gateway/client";
 
 /** What is kept of what was heard live: the last five minutes. */
 export const WINDOW_S = 300;

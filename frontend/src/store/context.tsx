@@ -1,7 +1,7 @@
+import type { Scene } from "@dock-gateway/client";
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import { useSession } from "../api/session";
-import type { Scene } from "../api/types";
 import { ClockProvider, useAtTime } from "../clock/clock";
 import type { BatterySeries } from "./batterySeries";
 import type { SceneBuffer } from "./sceneBuffer";

@@ -1,4 +1,4 @@
-import type { Pose } from "../api/types";
+import type { Pose } from "@dock-gateway/client";
 
 export interface Point {
   x: number;

@@ -1,4 +1,4 @@
-import type { AnyGoal, EventOf, Goal, GoalStatus } from "../api/types";
+import type { AnyGoal, EventOf, Goal, GoalStatus } from "@dock-gateway/client";
 import { withGap, withStage } from "./stages";
 import { type GoalsState, MAX_ARRIVALS, MAX_GOALS } from "./state";
 

@@ -1,5 +1,5 @@
+import type { Http } from "@dock-gateway/client";
 import { createGateway } from "../api/client";
-import type { Http } from "../api/http";
 import { openStream, type StreamLocation, streamUrl } from "../stream/stream";
 import { BatterySeries, believed } from "./batterySeries";
 import type { Services } from "./context";

@@ -1,4 +1,4 @@
-import type { EventOf, GatewayEvent } from "../api/types";
+import type { EventOf, GatewayEvent } from "@dock-gateway/client";
 import { believed } from "./batterySeries";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
 import { MAX_FEEDBACK, type State } from "./state";

@@ -1,4 +1,4 @@
-import type { Pose, PoseEvent, Scene } from "../api/types";
+import type { Pose, PoseEvent, Scene } from "@dock-gateway/client";
 import { between, distance, type Point } from "./geometry";
 
 /** A detection of the marker can be seen for this long. */

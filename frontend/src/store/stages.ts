@@ -1,4 +1,4 @@
-import type { Goal } from "../api/types";
+import type { Goal } from "@dock-gateway/client";
 
 /** Stages of one goal that are remembered. */
 const MAX_VISITS = 200;

@@ -8,7 +8,7 @@ import type {
   Simulator,
   StopState,
   Twist,
-} from "../api/types";
+} from "@dock-gateway/client";
 import type { Stages } from "./stages";
 
 /** Ended goals beyond this number are forgotten, the oldest first; running ones never are. */

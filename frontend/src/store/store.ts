@@ -1,4 +1,4 @@
-import type { EventOf, GatewayEvent, Simulator, StopState } from "../api/types";
+import type { EventOf, GatewayEvent, Simulator, StopState } from "@dock-gateway/client";
 import { steadyNow } from "../clock/beat";
 import type { Connection } from "../stream/connection";
 import { courseLister, type GoalCourse } from "./goals";

@@ -1,4 +1,4 @@
-import type { GatewayEvent, Goal } from "../api/types";
+import type { GatewayEvent, Goal } from "@dock-gateway/client";
 import { atBeat, BEAT_MS } from "../clock/beat";
 import {
   type Connection,

@@ -1,6 +1,6 @@
+import type { GatewayEvent } from "@dock-gateway/client";
 import ReconnectingWebSocket, { type Options } from "partysocket/ws";
 import { session } from "../api/session";
-import type { GatewayEvent } from "../api/types";
 import { steadyNow } from "../clock/beat";
 import { type ConnectionInput, SILENCE_MS } from "./connection";
 

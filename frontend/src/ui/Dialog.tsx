@@ -1,7 +1,7 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Button, CloseButton, Group, Modal, Stack, Text, Title } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
-import type { CommandError } from "../api/errors";
 import { CommandErrorAlert } from "./errors";
 
 interface DialogProps {
@@ -36,7 +36,7 @@ interface RemovalDialogProps {
   title: string;
   opened: boolean;
   onClose: () => void;
-  remove: UseMutationResult<unknown, CommandError, string>;
+  remove: UseMutationResult<unknown, ClientError, string>;
   onRemove: () => void;
   verb?: "Remove" | "Revoke";
   /** What is lost. */
@@ -106,7 +106,7 @@ export function QuestionBar({ keep, onKeep, go, onGo, reason }: QuestionBarProps
 }
 
 interface SaveBarProps {
-  save: { error: CommandError | null; reset: () => void; isPending: boolean };
+  save: { error: ClientError | null; reset: () => void; isPending: boolean };
   onCancel: () => void;
   verb?: string;
   /** What was tried, as in "Saving did not work". */

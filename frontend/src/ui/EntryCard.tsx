@@ -1,8 +1,8 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
-import type { CommandError } from "../api/errors";
 import { RemovalDialog } from "./Dialog";
 import classes from "./EntryCard.module.css";
 import { ReasonButton } from "./ReasonButton";
@@ -19,7 +19,7 @@ interface EntryCardProps {
   /** Why it cannot be changed now; null where it can. */
   reason: string | null;
   onEdit: () => void;
-  remove: UseMutationResult<unknown, CommandError, string>;
+  remove: UseMutationResult<unknown, ClientError, string>;
   /** What is lost with it. */
   removal: string;
   children: ReactNode;

@@ -1,11 +1,12 @@
+import type { ClientError } from "@dock-gateway/client";
 import { Alert, Button, List, Text } from "@mantine/core";
-import type { CommandError } from "../api/errors";
+import { adviceFor, titleOf } from "../api/errors";
 import { lowerFirst, sentence } from "./text";
 
 interface CommandErrorAlertProps {
   /** What was tried, as in "Dock did not work". */
   command: string;
-  error: CommandError | null;
+  error: ClientError | null;
   onClose: () => void;
 }
 
@@ -15,7 +16,7 @@ export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlert
   return (
     <Alert
       color="red"
-      title={`${command} did not work: ${lowerFirst(error.title)}`}
+      title={`${command} did not work: ${lowerFirst(titleOf(error))}`}
       withCloseButton
       closeButtonLabel="Dismiss the error"
       onClose={onClose}
@@ -26,7 +27,8 @@ export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlert
 }
 
 /** What an error says of itself: what happened, in which fields, what to do about it, and its code. */
-function ErrorWords({ error }: { error: CommandError }) {
+function ErrorWords({ error }: { error: ClientError }) {
+  const advice = adviceFor(error.code);
   return (
     <>
       <Text size="sm">{sentence(error.detail)}</Text>
@@ -39,9 +41,9 @@ function ErrorWords({ error }: { error: CommandError }) {
           ))}
         </List>
       )}
-      {error.advice !== null && (
+      {advice !== null && (
         <Text size="sm" mt={4}>
-          {error.advice}
+          {advice}
         </Text>
       )}
       <Text size="sm" mt={4}>
@@ -54,7 +56,7 @@ function ErrorWords({ error }: { error: CommandError }) {
 interface TroubleProps {
   /** What did not work, in a few words. */
   what: string;
-  error: CommandError | null;
+  error: ClientError | null;
   onRetry: () => void;
 }
 
@@ -62,7 +64,7 @@ interface TroubleProps {
 export function Trouble({ what, error, onRetry }: TroubleProps) {
   if (error === null) return null;
   return (
-    <Alert color="red" title={`${what}: ${error.title.toLowerCase()}`}>
+    <Alert color="red" title={`${what}: ${titleOf(error).toLowerCase()}`}>
       <ErrorWords error={error} />
       <Button variant="default" size="compact-sm" mt="xs" onClick={onRetry}>
         Try again

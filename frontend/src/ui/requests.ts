@@ -1,3 +1,4 @@
+import type { ClientError } from "@dock-gateway/client";
 import {
   keepPreviousData,
   type QueryFunctionContext,
@@ -9,17 +10,17 @@ import {
   useQuery,
 } from "@tanstack/react-query";
 import { useCallback } from "react";
-import { type CommandError, toCommandError } from "../api/errors";
+import { toClientError } from "../api/errors";
 
 function failing(error: unknown): never {
-  throw toCommandError(error);
+  throw toClientError(error);
 }
 
 /** A command to the gateway, sent once for each call and never again by itself. */
 export function useCommand<Result, Input = void>(
   send: (input: Input) => Promise<Result>,
-): UseMutationResult<Result, CommandError, Input> {
-  return useMutation<Result, CommandError, Input>({
+): UseMutationResult<Result, ClientError, Input> {
+  return useMutation<Result, ClientError, Input>({
     // By default a mutation made while the browser is offline waits, and is sent when it is back.
     networkMode: "always",
     retry: false,
@@ -27,16 +28,16 @@ export function useCommand<Result, Input = void>(
   });
 }
 
-interface AnswerOptions<Answer, Shown> extends Omit<UseQueryOptions<Answer, CommandError, Shown>, "queryFn"> {
+interface AnswerOptions<Answer, Shown> extends Omit<UseQueryOptions<Answer, ClientError, Shown>, "queryFn"> {
   queryFn: (context: QueryFunctionContext) => Promise<Answer>;
 }
 
-/** What the gateway answers to a request; every failure is a CommandError. */
+/** What the gateway answers to a request; every failure is a ClientError. */
 export function useAnswer<Answer, Shown = Answer>({
   queryFn,
   ...options
-}: AnswerOptions<Answer, Shown>): UseQueryResult<Shown, CommandError> {
-  return useQuery<Answer, CommandError, Shown>({
+}: AnswerOptions<Answer, Shown>): UseQueryResult<Shown, ClientError> {
+  return useQuery<Answer, ClientError, Shown>({
     ...options,
     queryFn: (context) => queryFn(context).catch(failing),
   });
@@ -46,7 +47,7 @@ export function useAnswer<Answer, Shown = Answer>({
 export interface PagedList<Page> {
   /** Undefined until the first page has come. */
   pages: readonly Page[] | undefined;
-  error: CommandError | null;
+  error: ClientError | null;
   /** Whether there are more pages. */
   more: boolean;
   loading: boolean;
@@ -64,12 +65,12 @@ interface PagesOptions<Page, Cursor> {
   keepPrevious?: boolean;
 }
 
-/** The pages of a list; every failure is a CommandError. */
+/** The pages of a list; every failure is a ClientError. */
 export function usePages<Page extends { next_cursor: Cursor | null }, Cursor>(
   options: PagesOptions<Page, Cursor>,
 ): PagedList<Page> {
   const { queryKey, queryFn, enabled = true, refetchMs, keepPrevious = false } = options;
-  const query = useInfiniteQuery<Page, CommandError, { pages: Page[] }, readonly string[], Cursor | null>({
+  const query = useInfiniteQuery<Page, ClientError, { pages: Page[] }, readonly string[], Cursor | null>({
     queryKey,
     queryFn: ({ pageParam }) => queryFn(pageParam as Cursor | null).catch(failing),
     initialPageParam: null,

@@ -1,5 +1,5 @@
+import type { Goal } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
-import type { Goal } from "../../src/api/types";
 import { spansOf, stageWords, stepsOf, timeIn } from "../../src/goal/stages";
 import { reduce } from "../../src/store/reducer";
 import { type Stages, withPast } from "../../src/store/stages";

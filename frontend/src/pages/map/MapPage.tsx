@@ -1,8 +1,8 @@
+import type { Alert, Robot } from "@dock-gateway/client";
 import { Skeleton, Stack, Text } from "@mantine/core";
 import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
 import { openAlerts, urgentFirst } from "../../alerts/order";
-import type { Alert, Robot } from "../../api/types";
 import { useAtTime } from "../../clock/clock";
 import { FreshnessBadge } from "../../fleet/badges";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";

@@ -1,4 +1,4 @@
-import type { Footprint, GatewayEvent, Scene } from "../../api/types";
+import type { Footprint, GatewayEvent, Scene } from "@dock-gateway/client";
 import type { Camera } from "../../scene/camera";
 import type { SceneColors } from "../../scene/colors";
 import type { Stage } from "../../scene/gestures";

@@ -1,8 +1,8 @@
+import type { Robot } from "@dock-gateway/client";
 import { Anchor, Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
 import { Suspense, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { AlertList } from "../../alerts/AlertList";
-import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
 import { useAddress } from "../../ui/address";

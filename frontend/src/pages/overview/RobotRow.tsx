@@ -1,9 +1,9 @@
+import type { Robot } from "@dock-gateway/client";
 import { ActionIcon, Checkbox, Menu, Table, Tooltip, VisuallyHidden } from "@mantine/core";
 import { memo, useId, useState } from "react";
 import { Link } from "react-router";
 import { type Mark, SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
-import type { Robot } from "../../api/types";
 import { LinkState } from "../../fleet/badges";
 import { robotName, robotPath } from "../../fleet/names";
 import { linkOf, placeWords } from "../../fleet/words";

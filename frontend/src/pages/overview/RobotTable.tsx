@@ -1,7 +1,7 @@
+import type { Robot } from "@dock-gateway/client";
 import { Button, Paper, Table, Text, TextInput } from "@mantine/core";
 import { Fragment, useMemo, useRef, useState } from "react";
 import { attentionOf } from "../../alerts/order";
-import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
 import { GroupSelect } from "../../fleet/RobotFields";
 import { useAddress } from "../../ui/address";

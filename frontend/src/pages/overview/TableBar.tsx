@@ -1,6 +1,6 @@
+import type { Robot } from "@dock-gateway/client";
 import { Button, CloseButton, Menu } from "@mantine/core";
 import { Link } from "react-router";
-import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { useOperate } from "../../operations/context";
 import { OPERATION_NAMES, OPERATIONS, whyNot } from "../../operations/operation";

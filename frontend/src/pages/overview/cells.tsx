@@ -1,7 +1,7 @@
+import type { GoalSummary, Robot } from "@dock-gateway/client";
 import { Anchor, Badge, VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
-import type { GoalSummary, Robot } from "../../api/types";
 import { type Charge, ChargeBar, chargeOf } from "../../battery/BatteryCard";
 import { CHARGING, FULL, formatQuantity, statusWords } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";

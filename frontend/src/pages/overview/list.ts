@@ -1,5 +1,5 @@
+import type { Robot } from "@dock-gateway/client";
 import type { Attention } from "../../alerts/order";
-import type { Robot } from "../../api/types";
 import { byName, isFound, robotName } from "../../fleet/names";
 import { isUnreachable, linkOf } from "../../fleet/words";
 import { Address, oneOf, optional, text } from "../../ui/address";

@@ -1,5 +1,5 @@
+import type { Robot } from "@dock-gateway/client";
 import { useCallback, useMemo, useRef, useState } from "react";
-import type { Robot } from "../../api/types";
 
 export interface Selection {
   /** The robots that are selected and listed, in the order of the list: nothing is done to one that cannot be seen. */

@@ -1,8 +1,8 @@
+import type { Robot } from "@dock-gateway/client";
 import { Badge } from "@mantine/core";
 import { memo } from "react";
 import { SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
-import type { Robot } from "../../api/types";
 import { ChargeBar, chargeOf } from "../../battery/BatteryCard";
 import { formatQuantity } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";

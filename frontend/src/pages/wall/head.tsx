@@ -1,8 +1,8 @@
+import type { Alert } from "@dock-gateway/client";
 import { useMemo } from "react";
 import { SeverityMark } from "../../alerts/marks";
 import { alertsOf, openAlerts, urgentFirst } from "../../alerts/order";
 import { useSession } from "../../api/session";
-import type { Alert } from "../../api/types";
 import { useAtTime } from "../../clock/clock";
 import { useFleetTopic, useNaming } from "../../fleet/context";
 import { heldStops, holdsAll } from "../../stop/held";

@@ -1,4 +1,4 @@
-import type { components, paths } from "./schema.gen";
+import type { components, paths } from "./schema.gen.ts";
 
 type Schemas = components["schemas"];
 
