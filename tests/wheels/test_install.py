@@ -6,12 +6,14 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
 from pathlib import Path
 
 import httpx2
 import pytest
 
 import dock_gateway
+from tests.support.gateway import CHARGING, running_dock_server, running_gateway
 from tests.support.processes import Process, free_port
 
 ROOT = Path(__file__).parents[2]
@@ -90,3 +92,29 @@ def test_the_core_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Pa
     assert not [name for name in names if name.startswith(("ros-", "action-")) or name.endswith("-msgs")]
     version = run(environment | {"PATH": str(folder / "bin")}, "dock-gateway", "--version")
     assert version == f"dock-gateway, version {dock_gateway.__version__}\n"
+
+
+def test_the_client_docks_without_ros_and_gateway(environment: dict[str, str], tmp_path: Path, domain: int) -> None:
+    folder = tmp_path / "environment"
+    run(environment, "uv", "venv", "--python", PYTHON, str(folder))
+    here = ("--python", str(folder / "bin/python"))
+    run(environment, "uv", "pip", "install", *here, "--no-build", "--find-links", str(DIST), "dock-gateway-client")
+    names = {line.partition("==")[0] for line in run(environment, "uv", "pip", "freeze", *here).splitlines()}
+    assert {"dock-gateway-client", "httpx2", "orjson", "websockets"} <= names
+    assert not names & {"click", "dock-gateway", "fastapi", "numpy", "pydantic", "sqlalchemy"}
+    assert not [name for name in names if name.startswith("ros-")]
+    with running_dock_server(domain), running_gateway(domain) as gateway:
+        gateway.wait_until_ready()
+        gateway.publish(CHARGING)
+        here_only = environment | {"PATH": str(folder / "bin"), "DOCK_GATEWAY_URL": gateway.url}
+        assert run(here_only, "python", str(ROOT / "examples/dock.py")).endswith("succeeded\n")
+
+
+@pytest.mark.parametrize("name", ["dock_gateway", "dock_gateway_core"])
+def test_a_gateway_fits_beside_the_client(name: str) -> None:
+    (gateway,) = DIST.glob(f"{name}-*.whl")
+    (client,) = DIST.glob("dock_gateway_client-*.whl")
+    with zipfile.ZipFile(gateway) as ours, zipfile.ZipFile(client) as its:
+        assert not {*ours.namelist()} & {*its.namelist()}
+        (metadata,) = [each for each in ours.namelist() if each.endswith(".dist-info/METADATA")]
+        assert f"Requires-Dist: dock-gateway-client=={dock_gateway.__version__}\n" in ours.read(metadata).decode()
