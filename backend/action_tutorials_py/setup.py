@@ -30,13 +30,13 @@ setup(
     ],
     entry_points={
         "console_scripts": [
-            "connect_to_charging_dock_server = docking.nodes.dock_server:main",
-            "connect_to_charging_dock_client = docking.clients.dock:main",
-            "disconnect_from_charging_dock_client = docking.clients.undock:main",
-            "docking_server = docking.nodes.docking_server:main",
-            "dock_simulator = docking.nodes.simulator:main",
-            "fibonacci_action_server = docking.tutorial.fibonacci_server:main",
-            "fibonacci_action_client = docking.tutorial.fibonacci_client:main",
+            "connect_to_charging_dock_server = docking.programs:main",
+            "connect_to_charging_dock_client = docking.programs:main",
+            "disconnect_from_charging_dock_client = docking.programs:main",
+            "docking_server = docking.programs:main",
+            "dock_simulator = docking.programs:main",
+            "fibonacci_action_server = docking.programs:main",
+            "fibonacci_action_client = docking.programs:main",
         ],
     },
 )

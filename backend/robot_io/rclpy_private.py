@@ -44,6 +44,11 @@ UnknownROSArgsError = _error("UnknownROSArgsError")
 RCLInvalidROSArgsError = _error("RCLInvalidROSArgsError")
 
 
+def reason(error: Exception) -> str:
+    """Return why ROS does not start, from its RCLError, without the places in its sources."""
+    return str(error).partition("\n")[0].partition(", at ")[0]
+
+
 def _library(name: str) -> ctypes.CDLL | None:
     try:
         return ctypes.CDLL(name)

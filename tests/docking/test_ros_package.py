@@ -18,6 +18,7 @@ import dock_gateway
 import robot_io
 from docking.core.parameter import NodeSettings, from_values, parameters_of
 from docking.parameters import DockSettings, UndockSettings
+from docking.programs import MODULES as MODULES_OF_PROGRAMS
 from docking.simulation.parameters import SimulatorSettings
 from tests.docking.test_imports import MODULES, ROS_PARTS, imported
 
@@ -60,7 +61,7 @@ def scripts() -> dict[str, str]:
 def test_the_workspace_and_the_wheel_have_the_same_programs() -> None:
     entry_points = setup_arguments()["entry_points"]["console_scripts"]
     assert dict(re.split(" = ", entry) for entry in entry_points) == scripts()
-    assert {file.name for file in (PACKAGE / "wheel").iterdir()} == set(scripts())
+    assert {file.name for file in (PACKAGE / "wheel").iterdir()} == set(scripts()) == set(MODULES_OF_PROGRAMS)
 
 
 def test_there_is_one_version() -> None:

@@ -213,6 +213,13 @@ def test_a_wrong_command_line_is_refused_in_one_line(domain: int, arguments: tup
         assert len(server.own_lines) == 1
 
 
+def test_ros_that_does_not_start_is_said_in_one_sentence(domain: int) -> None:
+    with ForkedProcess(SERVER, env=ros_environment(domain, ROS_STATIC_PEERS="no.such.host.invalid")) as server:
+        assert server.wait() == 2
+        assert "error: ROS does not start: error creating node: Unable to resolve peer" in server.output
+        assert "Traceback" not in server.output
+
+
 def test_a_frozen_time_changes_nothing(domain: int, observer: Observer) -> None:
     """With use_sim_time and no /clock, ROS time stands still for ever."""
     with ForkedProcess(SERVER, "--ros-args", "-p", "use_sim_time:=true", env=ros_environment(domain)):

@@ -15,7 +15,6 @@ from uvicorn.config import STARTUP_FAILURE
 
 from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
-from dock_gateway.core import ros_variables
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
@@ -32,6 +31,7 @@ from dock_gateway.http.edge.tls import open_tls
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.request_id import RequestId
 from dock_gateway.settings import Settings, unknown_variables
+from robot_io import ros_variables
 
 log = logging.getLogger(__name__)
 

@@ -5,18 +5,11 @@ from collections.abc import Mapping
 
 import click
 
-from dock_gateway.core import ros_variables
-from dock_gateway.doctor.environment import find_exposure_fault, find_load_fault
-from dock_gateway.doctor.installation import (
-    DOCKING,
-    MESSAGES,
-    find_middleware_fault,
-    find_mixture_fault,
-    find_package_fault,
-    find_twin_fault,
-)
+from dock_gateway.doctor.environment import find_exposure_fault, find_twin_fault
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
 from dock_gateway.settings import Settings
+from robot_io.installation import DOCKING, MESSAGES
+from robot_io.startup import find_load_fault, find_start_fault
 
 
 def check_start(settings: Settings, environment: Mapping[str, str], *, docking: bool = False) -> None:
@@ -56,13 +49,7 @@ def check_ros(environment: Mapping[str, str], *, docking: bool = False) -> None:
     Raises:
         click.ClickException: The message names the variable, or what is not installed.
     """
-    for finding in ros_variables.check(environment):
-        if finding.fatal:
-            raise click.ClickException(finding.sentence)
-    packages = (*MESSAGES, *([DOCKING] if docking else []))
-    _refuse(find_package_fault(environment, packages))
-    _refuse(find_mixture_fault(environment))
-    _refuse(find_middleware_fault(environment))
+    _refuse(find_start_fault(environment, (*MESSAGES, DOCKING) if docking else MESSAGES))
 
 
 def load_ros(environment: Mapping[str, str]) -> None:

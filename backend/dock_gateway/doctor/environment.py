@@ -1,25 +1,17 @@
 """Checks Python, the installed ROS and the variables of the environment."""
 
-import importlib
 import platform
 import sys
 from collections.abc import Mapping
+from importlib.metadata import distributions
 
 from dock_gateway import __version__
-from dock_gateway.core import ros_variables
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 from dock_gateway.doctor.check import Check, Level, judge
-from dock_gateway.doctor.installation import (
-    DOCKING,
-    MESSAGES,
-    SOURCED,
-    find_installation,
-    find_middleware_fault,
-    find_mixture_fault,
-    find_package_fault,
-    mend,
-)
 from dock_gateway.settings import Settings, unknown_variables
+from robot_io import ros_variables
+from robot_io.installation import DOCKING, find_installation, find_package_fault
+from robot_io.startup import find_load_fault, find_ros_fault
 
 
 def check_environment(settings: Settings, environment: Mapping[str, str]) -> list[Check]:
@@ -56,9 +48,16 @@ def find_exposure_fault(settings: Settings) -> str | None:
     )
 
 
+def find_twin_fault() -> str | None:
+    """Return that both distributions of the program are installed, which own the same files; None if one is."""
+    both = ("dock-gateway", "dock-gateway-core")
+    if all(any(distributions(name=name)) for name in both):
+        return f"{' and '.join(both)} are both installed: run `pip uninstall {' '.join(both)}`, and install one of them"
+    return None
+
+
 def _check_ros(environment: Mapping[str, str]) -> Check:
-    finders = (find_package_fault, find_mixture_fault, find_middleware_fault, find_load_fault)
-    fault = next(filter(None, (find(environment) for find in finders)), None)
+    fault = find_ros_fault(environment) or find_load_fault(environment)
     return judge("ros", fault, "" if fault else describe_ros(environment))
 
 
@@ -71,27 +70,6 @@ def describe_ros(environment: Mapping[str, str]) -> str:
         raise LookupError("there is no rclpy")
     name = f"ROS 2 {installation.distribution.capitalize()}".rstrip()
     return f"{name} (rclpy {installation.version}) with {middleware()}, in {installation.source}"
-
-
-def find_load_fault(environment: Mapping[str, str]) -> str | None:
-    """Load rclpy and the messages. Return why they do not fit each other, and what to do; None if they do."""
-    package = "rclpy"
-    try:
-        from robot_io.rclpy_private import UnsupportedRclpyError, require_supported  # noqa: PLC0415 - takes a second
-
-        for package in MESSAGES:
-            importlib.import_module(f"{package}.{package}_s__rosidl_typesupport_c")
-    except Exception as error:  # noqa: BLE001 - whatever is wrong in them
-        why, advice = str(error).partition("\n")[0], mend(package, environment)
-        installation = find_installation(environment)
-        if installation is not None and not installation.wheels and "shared object" in why:
-            advice = f"run `source {installation.prefix}/setup.bash`, or `unset {' '.join(SOURCED)}`"
-        return f"the ROS package {package} does not load ({why}): {advice}"
-    try:
-        require_supported()
-    except UnsupportedRclpyError as error:
-        return str(error)
-    return None
 
 
 def _check_docking(environment: Mapping[str, str]) -> Check:

@@ -12,10 +12,10 @@ from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.snapshot import GraphSnapshot
 from dock_gateway.doctor.check import Check, Level
 from dock_gateway.doctor.environment import describe_discovery
-from dock_gateway.doctor.installation import find_package_fault
 from dock_gateway.goals.hints import Sight, find_join
 from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.settings import PREFIX, Settings
+from robot_io.installation import find_package_fault
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import GoalError, GoalStatus
-from dock_gateway.core.ros_variables import DISCOVERY_SERVER_HINT, sees_part_of_graph
 from dock_gateway.goals.duplicates import Duplicates
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.settings import Settings
+from robot_io.ros_variables import DISCOVERY_SERVER_HINT, sees_part_of_graph
 
 log = logging.getLogger(__name__)
 

@@ -25,7 +25,7 @@ from dock_gateway.ros.inbox import Inbox, Inboxes
 from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
 from dock_gateway.ros.threads import RosThread
 from robot_io.participants import create_context
-from robot_io.rclpy_private import InvalidHandle, RCLError
+from robot_io.rclpy_private import InvalidHandle, RCLError, reason
 from robot_io.services import always_answer
 
 log = logging.getLogger(__name__)
@@ -100,8 +100,7 @@ def starting() -> Iterator[None]:
     try:
         yield
     except RCLError as error:
-        why = str(error).partition("\n")[0].partition(", at ")[0]
-        raise Unavailable(f"ROS does not start: {why}", code="ros_unavailable") from error
+        raise Unavailable(f"ROS does not start: {reason(error)}", code="ros_unavailable") from error
 
 
 class Bridge:

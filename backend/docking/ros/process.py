@@ -22,14 +22,20 @@ from rclpy.node import Node
 
 from docking.ros.given import given_to, read_arguments
 from robot_io.participants import create_context
-from robot_io.rclpy_private import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError, UnsupportedRclpyError
+from robot_io.rclpy_private import (
+    RCLError,
+    RCLInvalidROSArgsError,
+    UnknownROSArgsError,
+    UnsupportedRclpyError,
+    reason,
+)
 from robot_io.services import always_answer
 
 T = TypeVar("T")
 
 JOIN_TIMEOUT = 0.5
 EXIT_USAGE = 2
-"""Exit code: the command line or a parameter is wrong."""
+"""Exit code: the command line, a parameter or what ROS needs is wrong."""
 
 
 class StopSignals:
@@ -78,6 +84,7 @@ def ros_context(args: Sequence[str] | None = None, *, domain_id: int | None = No
 
     Raises:
         ValueError: The ROS arguments are wrong, or this rclpy is not supported.
+        RCLError: ROS does not start, such as with a parameter file that cannot be read.
     """
     try:
         context = create_context(args, domain_id=domain_id)
@@ -85,8 +92,6 @@ def ros_context(args: Sequence[str] | None = None, *, domain_id: int | None = No
         raise ValueError(str(error)) from error
     except (UnknownROSArgsError, RCLInvalidROSArgsError) as error:
         raise ValueError(f"wrong ROS arguments: {error}") from error
-    except RCLError as error:  # such as a parameter file that cannot be read
-        raise ValueError(f"ROS does not start: {error}") from error
     read_arguments(context, args)
     try:
         yield context
@@ -170,7 +175,7 @@ class Spinner:
 
 
 def run_process(body: Callable[[Sequence[str] | None], int], args: Sequence[str] | None) -> int:
-    """Run the body of a `main`; report a wrong command line or parameter in one line.
+    """Run the body of a `main`; report a wrong command line or parameter, or ROS that does not start, in one line.
 
     Returns:
         The exit code.
@@ -178,5 +183,8 @@ def run_process(body: Callable[[Sequence[str] | None], int], args: Sequence[str]
     try:
         return body(args)
     except (ParameterException, ValueError) as error:
-        print(f"error: {error}", file=sys.stderr)  # noqa: T201 - there may be no node to log with
-        return EXIT_USAGE
+        why = str(error)
+    except RCLError as error:
+        why = f"ROS does not start: {reason(error)}"
+    print(f"error: {why}", file=sys.stderr)  # noqa: T201 - there may be no node to log with
+    return EXIT_USAGE

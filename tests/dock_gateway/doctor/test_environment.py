@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.doctor.check import Level
-from dock_gateway.doctor.environment import check_environment, check_settings, find_load_fault
+from dock_gateway.doctor.environment import check_environment, check_settings, find_twin_fault
 from dock_gateway.settings import Settings
 
 
@@ -65,15 +65,14 @@ def test_what_does_not_work(environment: dict[str, str], name: str, level: Level
     assert set(found.values()) == {Level.OK}
 
 
-def test_a_sourced_installation_whose_libraries_are_not_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    site = tmp_path / "lib/python3/site-packages"
-    site.joinpath("rclpy").mkdir(parents=True)
-    site.joinpath("rclpy/__init__.py").write_text("raise ImportError('librcl.so: cannot open shared object file')")
-    monkeypatch.syspath_prepend(site)
-    for name in [*sys.modules]:
-        if name.partition(".")[0] == "rclpy" or name == "robot_io.rclpy_private":
-            monkeypatch.delitem(sys.modules, name)
-    assert f"`source {tmp_path}/setup.bash`" in (find_load_fault({}) or "")
+def test_both_distributions_own_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "path", [str(tmp_path)])
+    for name in ("dock_gateway", "dock_gateway_core"):
+        assert find_twin_fault() is None
+        folder = tmp_path / f"{name}-1.0.dist-info"
+        folder.mkdir()
+        folder.joinpath("METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+    assert "`pip uninstall dock-gateway dock-gateway-core`" in (find_twin_fault() or "")
 
 
 def test_settings() -> None:

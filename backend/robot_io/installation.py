@@ -10,11 +10,10 @@ import sysconfig
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.machinery import EXTENSION_SUFFIXES, PathFinder
-from importlib.metadata import distributions
 from pathlib import Path
 from xml.etree import ElementTree
 
-# The packages of messages without which the gateway does not start.
+# The packages of messages without which neither the gateway nor the docking nodes start.
 MESSAGES = (
     "action_msgs",
     "builtin_interfaces",
@@ -27,7 +26,7 @@ MESSAGES = (
     "std_srvs",
     "unique_identifier_msgs",
 )
-# The package of the docking actions that our docking servers offer.
+# The package of the actions that the docking nodes offer.
 DOCKING = "action_tutorials_interfaces"
 # The variables by which a sourced ROS installation is found.
 SOURCED = ("PYTHONPATH", "AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")
@@ -113,14 +112,6 @@ def mend(package: str, environment: Mapping[str, str]) -> str:
         if folder is not None and folder.is_relative_to(Path(path).absolute()):
             return f"PYTHONPATH names that folder; run `unset {' '.join(SOURCED)}` and start again"
     return f"reinstall it; {_install(package, environment)}"
-
-
-def find_twin_fault() -> str | None:
-    """Return that both distributions of the program are installed, which own the same files; None if one is."""
-    both = ("dock-gateway", "dock-gateway-core")
-    if all(any(distributions(name=name)) for name in both):
-        return f"{' and '.join(both)} are both installed: run `pip uninstall {' '.join(both)}`, and install one of them"
-    return None
 
 
 def find_mixture_fault(environment: Mapping[str, str]) -> str | None:

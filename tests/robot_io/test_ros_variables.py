@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from dock_gateway.core.ros_variables import DISCOVERY_SERVER_HINT, check, sees_part_of_graph
+from robot_io.ros_variables import DISCOVERY_SERVER_HINT, check, sees_part_of_graph
 
 
 @pytest.mark.parametrize(

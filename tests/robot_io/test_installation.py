@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from dock_gateway.doctor.installation import (
+from robot_io.installation import (
     INDEX,
     find_installation,
     find_middleware_fault,
     find_mixture_fault,
     find_package_fault,
-    find_twin_fault,
 )
 
 
@@ -47,15 +46,6 @@ def test_this_environment_works() -> None:
     assert find_package_fault({}) is None
     assert find_mixture_fault({}) is None
     assert find_middleware_fault({"RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}) is None
-
-
-def test_both_distributions_own_the_same_files(site: Path) -> None:
-    for name in ("dock_gateway", "dock_gateway_core"):
-        assert find_twin_fault() is None
-        folder = site / f"{name}-1.0.dist-info"
-        folder.mkdir()
-        folder.joinpath("METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-    assert "`pip uninstall dock-gateway dock-gateway-core`" in (find_twin_fault() or "")
 
 
 def test_a_sourced_installation_and_its_overlay(site: Path, tmp_path: Path) -> None:
