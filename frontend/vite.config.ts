@@ -25,6 +25,7 @@ const apiPaths = [
   "/readyz",
   "/docs",
   "/openapi.json",
+  "/asyncapi.json",
 ];
 
 export default defineConfig({

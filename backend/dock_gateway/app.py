@@ -23,7 +23,7 @@ from dock_gateway.graph import routes as graph_routes
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import allowed_methods
-from dock_gateway.http.openapi import Union, install_openapi
+from dock_gateway.http.openapi import Union, install_openapi, serve_document
 from dock_gateway.http.operation import require_declared
 from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.parts import Parts
@@ -38,6 +38,7 @@ from dock_gateway.statistics import routes as statistics_routes
 from dock_gateway.stop import routes as stop_routes
 from dock_gateway.stop.schema import StopProblem
 from dock_gateway.streams import events, socket, topics
+from dock_gateway.streams.asyncapi import asyncapi_document
 from dock_gateway.streams.command_schema import ANSWERS, COMMAND_SCHEMAS
 from dock_gateway.streams.schema import EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
@@ -120,6 +121,7 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
         require_declared(router.routes)
         app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
     install_openapi(app, authentication=settings.authentication, unions=UNIONS, models=(Problem, StopProblem))
+    serve_document(app, "/asyncapi.json", lambda: asyncapi_document(app.openapi()))
     install_docs(app)
     install_dashboard(app, settings)
     allowed = allowed_methods([*(route for router in routers for route in router.routes), *app.routes])

@@ -23,6 +23,7 @@ COMMANDS = {
     "token": "token",
     "audit": "audit",
     "openapi": "serve",
+    "asyncapi": "serve",
 }
 """The commands, in the order of the help, and the modules that they are in."""
 

@@ -1,9 +1,10 @@
-"""`dock-gateway serve`: the gateway alone; `dock-gateway openapi`: its OpenAPI document.
+"""`dock-gateway serve`: the gateway alone; `dock-gateway openapi` and `asyncapi`: the documents of its API.
 
 The server takes seconds to import. It is imported where it runs, so that client commands do not wait for it.
 """
 
 import os
+from typing import Any
 
 import click
 import orjson
@@ -40,8 +41,20 @@ def serve(**options: str | None) -> None:
 
 @click.command()
 def openapi() -> None:
-    """Print the OpenAPI document."""
+    """Print the OpenAPI document: requests and answers."""
     from dock_gateway.app import create_app  # noqa: PLC0415 - see above
 
-    document = create_app(Settings()).openapi()
+    _print(create_app(Settings()).openapi())
+
+
+@click.command()
+def asyncapi() -> None:
+    """Print the AsyncAPI document: streams, and the commands of /ws."""
+    from dock_gateway.app import create_app  # noqa: PLC0415 - see above
+    from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415
+
+    _print(asyncapi_document(create_app(Settings()).openapi()))
+
+
+def _print(document: dict[str, Any]) -> None:
     click.echo(orjson.dumps(document, option=orjson.OPT_INDENT_2).decode())

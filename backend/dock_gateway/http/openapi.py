@@ -1,7 +1,7 @@
 """The OpenAPI document: FastAPI's, plus the schemas of ROS messages and WebSocket events."""
 
 import asyncio
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -65,15 +65,20 @@ def install_openapi(app: FastAPI, *, authentication: bool, unions: Iterable[Unio
 
     app.openapi = openapi  # type: ignore[method-assign]
 
+    serve_document(app, "/openapi.json", openapi)
+
+
+def serve_document(app: FastAPI, path: str, build: Callable[[], dict[str, Any]]) -> None:
+    """Serve a document that is built when it is first asked for."""
     made: list[bytes] = []
     making = asyncio.Lock()
 
-    @app.get("/openapi.json", include_in_schema=False)
+    @app.get(path, include_in_schema=False)
     async def document() -> Response:
         """Return the document. Building it takes 0.2 s, in a thread so that a stop does not wait."""
         async with making:
             if not made:
-                made.append(await asyncio.to_thread(lambda: orjson.dumps(app.openapi())))
+                made.append(await asyncio.to_thread(lambda: orjson.dumps(build())))
         return Response(made[0], media_type="application/json")
 
 

@@ -178,13 +178,20 @@ class CommandError(StopProblem):
     id: str | None
 
 
+# What a command is answered if it is not refused.
+ANSWERS_TO: dict[str, tuple[type[Ack], ...]] = {
+    "send_goal": (GoalAck,),
+    "cancel_goal": (GoalAck,),
+    "publish_battery": (PublisherAck, PublishedAck),
+    "stop_publishing": (PublisherAck,),
+    "stop": (StopAck,),
+    "release_stop": (ReleaseAck,),
+    "subscribe": (SubscriptionAck,),
+    "unsubscribe": (SubscriptionAck,),
+    "ping": (PingAck,),
+}
+
 ANSWERS: tuple[type[BaseModel], ...] = (
-    GoalAck,
-    PublisherAck,
-    PublishedAck,
-    StopAck,
-    ReleaseAck,
-    SubscriptionAck,
-    PingAck,
+    *dict.fromkeys(answer for answers in ANSWERS_TO.values() for answer in answers),
     CommandError,
 )
