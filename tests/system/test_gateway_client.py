@@ -1,22 +1,33 @@
 """The Python client at a real gateway, over connections that break; and each of the examples."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import aclosing
+from importlib.util import find_spec
 from pathlib import Path
 
+import httpx2
+import orjson
 import pytest
 
 from dock_gateway.client import AsyncClient, Client, GatewayRefused, GoalFailed
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import Process, free_port
 from tests.support.proxy import Proxy, proxy
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+PLOTS_NOTHING = """
+import sys, unittest.mock
+plot = unittest.mock.MagicMock()
+plot.subplots.return_value = plot, plot
+sys.modules |= {"matplotlib": unittest.mock.MagicMock(pyplot=plot), "matplotlib.pyplot": plot}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -39,17 +50,26 @@ def feedback_of(gateway: RunningGateway, goal_id: str, first: str) -> list[str]:
     return [event["id"] for event in events if event["id"] >= first]
 
 
-def run_example(gateway: RunningGateway, name: str) -> str:
+def run_example(gateway: RunningGateway, *arguments: str | Path) -> str:
     """What it prints."""
     ran = subprocess.run(
-        [sys.executable, EXAMPLES / f"{name}.py"],
-        env={**os.environ, "DOCK_GATEWAY_URL": gateway.url},
+        [sys.executable, *arguments],
+        env={**os.environ, "DOCK_GATEWAY_URL": gateway.url, "MPLBACKEND": "agg"},
         capture_output=True,
         text=True,
         check=False,
     )
     assert (ran.returncode, ran.stderr) == (0, "")
     return ran.stdout.strip()
+
+
+def cells_of(notebook: Path) -> str:
+    """A notebook as a program. Where matplotlib is not installed, it plots nothing."""
+    cells = orjson.loads(notebook.read_bytes())["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    if find_spec("matplotlib") is None:
+        code.insert(0, PLOTS_NOTHING)
+    return "\n".join(code)
 
 
 async def test_asyncio_follows_cancels_and_is_refused(gateway: RunningGateway, between: Proxy) -> None:
@@ -96,10 +116,25 @@ def test_a_goal_is_followed_over_broken_connections(gateway: RunningGateway, bet
         assert state.result
         assert state.result["final_battery_state"]["power_supply_status"] == 1
     wait_until(lambda: feedback_of(gateway, goal.id, seen[0]) == seen, "what was followed, in the history")
-    assert run_example(gateway, "voltage").endswith("#" * 22)
+    assert run_example(gateway, EXAMPLES / "voltage.py").endswith("#" * 22)
 
 
 def test_examples(gateway: RunningGateway) -> None:
     gateway.publish(CHARGING)
-    assert run_example(gateway, "dock").endswith("succeeded")
-    assert run_example(gateway, "fleet") == "/ succeeded"
+    assert run_example(gateway, EXAMPLES / "dock.py").endswith("succeeded")
+    assert run_example(gateway, EXAMPLES / "fleet.py") == "/ succeeded"
+    shown = run_example(gateway, "-c", cells_of(EXAMPLES / "battery.ipynb"))
+    assert re.fullmatch(r"[1-9]\d* points, \d+ dockings", shown)
+
+
+def test_the_receiver_of_a_webhook(gateway: RunningGateway) -> None:
+    url = f"http://127.0.0.1:{(port := free_port())}"
+    stored = gateway.http.put("/webhooks/example", json={"name": "Example", "url": url}).raise_for_status().json()
+    environment = {**os.environ, "WEBHOOK_SECRET": stored["secret"], "PORT": str(port)}
+    with Process(sys.executable, str(EXAMPLES / "webhook.py"), env=environment) as receiver:
+        receiver.wait_for("Waiting for alerts")
+        forged = {"webhook-id": "1", "webhook-timestamp": "1", "webhook-signature": "v1,x"}
+        assert httpx2.post(url, json={"text": "forged"}, headers=forged).status_code == 401
+        delivery = gateway.http.post("/webhooks/example/test").raise_for_status().json()
+        receiver.wait_for(delivery["event"]["text"])
+        assert "forged" not in receiver.output
