@@ -1,7 +1,6 @@
-import type { AnyGoal, GatewayEvent } from "@dock-gateway/client";
+import type { AnyGoal, GatewayEvent, StreamHandlers } from "@dock-gateway/client";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { StreamHandlers } from "../src/stream/stream";
 import type { PlotStackProps } from "../src/ui/PlotStack";
 import { battery, feedback, goal, latched, result, START, snapshot, status } from "./events";
 import { fakeGateway, renderPage } from "./page";

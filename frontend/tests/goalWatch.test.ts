@@ -6,6 +6,7 @@ import {
   type GatewayEvent,
   type GoalEvent,
   type GoalHistory,
+  type StreamHandlers,
 } from "@dock-gateway/client";
 import { describe, expect, it, type Mock, vi } from "vitest";
 import type { GoalsApi } from "../src/api/goals";
@@ -13,7 +14,6 @@ import { timelineOf } from "../src/goal/timeline";
 import { ChangedRows, FeedbackLog } from "../src/goals/feedbackLog";
 import { FieldsFound, mostTelling, numberAt } from "../src/goals/fields";
 import { GoalWatch } from "../src/goals/watch";
-import type { StreamHandlers } from "../src/stream/stream";
 import { at, battery, feedback, goal, result, START, snapshot, status } from "./events";
 
 const history = (events: GatewayEvent[], next_after: string | null = null, complete = true): GoalHistory => ({

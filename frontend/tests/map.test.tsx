@@ -1,4 +1,4 @@
-import type { GatewayEvent, Scene } from "@dock-gateway/client";
+import type { GatewayEvent, Scene, StreamHandlers } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { placement } from "../src/pages/map/MapPage";
@@ -6,7 +6,6 @@ import { FleetScenes, FleetStage } from "../src/pages/map/stage";
 import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
 import { toScreen } from "../src/scene/view";
-import type { StreamHandlers } from "../src/stream/stream";
 import { alert, at, emptyScene, latched, robot } from "./events";
 import { fakeGateway, renderPage } from "./page";
 

@@ -1,4 +1,4 @@
-import type { EventOf, GatewayEvent } from "@dock-gateway/client";
+import type { ConnectionInput, EventOf, GatewayEvent } from "@dock-gateway/client";
 import { MantineProvider } from "@mantine/core";
 import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
@@ -21,7 +21,6 @@ import "../src/pages/robot/RobotSelect";
 import type { Services } from "../src/store/context";
 import { SceneBuffer } from "../src/store/sceneBuffer";
 import { Store } from "../src/store/store";
-import type { ConnectionInput } from "../src/stream/connection";
 import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, undockGoal } from "./events";
 
 /** A gateway that does what it is told, and remembers. */

@@ -1,9 +1,8 @@
 // @vitest-environment jsdom
 
-import type { GatewayEvent } from "@dock-gateway/client";
+import { type ConnectionInput, type GatewayEvent, SILENCE_MS } from "@dock-gateway/client";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { ANYBODY, session } from "../src/api/session";
-import { type ConnectionInput, SILENCE_MS } from "../src/stream/connection";
 import { openStream, streamUrl } from "../src/stream/stream";
 import { at, cmdVel, feedback, snapshot } from "./events";
 

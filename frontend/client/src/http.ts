@@ -34,3 +34,16 @@ export async function settle<Data>(request: Promise<Answer<Data>>): Promise<Data
   if (!answer.response.ok) throw fromProblem(answer.response.status, answer.error);
   return answer.data as Data;
 }
+
+/**
+ * A key for one request: where a proxy or the browser sends it twice, the gateway sends one goal. `crypto.randomUUID` is
+ * missing on pages without HTTPS.
+ */
+export function newKey(): string {
+  return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join("-");
+}
+
+/** `/robot1/dock` as a part of a path: `robot1/dock`. */
+export function actionPath(action: string): string {
+  return action.replace(/^\//, "").split("/").map(encodeURIComponent).join("/");
+}

@@ -19,6 +19,7 @@ export type PoseEvent = Schemas["PoseEvent"];
 export type Verb = NonNullable<AnyGoal["verb"]>;
 export type GoalStatus = Schemas["GoalStatus"];
 export type GoalError = Schemas["GoalError"];
+export type Battery = Schemas["Battery"];
 export type BatteryState = Schemas["BatteryState"];
 export type Implausible = Schemas["Implausible"];
 export type BatteryStateInput = Schemas["BatteryStateInput"];

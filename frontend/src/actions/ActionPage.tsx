@@ -1,11 +1,10 @@
-import type { ActionInfo, AnyGoal, Goal } from "@dock-gateway/client";
+import { type ActionInfo, type AnyGoal, type Goal, isTerminal } from "@dock-gateway/client";
 import { Alert, Anchor, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMemo, useRef, useState } from "react";
 import { Link, useParams } from "react-router";
 import type { ActionSchemas } from "../api/actions";
 import type { Json } from "../api/jsonSchema";
 import { useFleet, useFleetLive } from "../fleet/context";
-import { isTerminal } from "../store/goals";
 import { CommandErrorAlert } from "../ui/errors";
 import { Section, usePageTitle } from "../ui/Section";
 import { sentence } from "../ui/text";

@@ -1,11 +1,10 @@
-import type { ActionInfo, Goal } from "@dock-gateway/client";
+import { type ActionInfo, actionPath, type Goal, isTerminal } from "@dock-gateway/client";
 import { Anchor, Badge, Table, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { Link } from "react-router";
-import { actionPath } from "../api/actions";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import { GoalStatusBadge } from "../goal/facts";
-import { isTerminal, newestFirst } from "../store/goals";
+import { newestFirst } from "../store/goals";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import classes from "./actions.module.css";

@@ -1,4 +1,4 @@
-import type { AnyGoal, Goal } from "@dock-gateway/client";
+import { type AnyGoal, type Goal, isTerminal } from "@dock-gateway/client";
 import { Anchor, Badge, Group, Text } from "@mantine/core";
 import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
@@ -9,7 +9,6 @@ import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { FleetStore } from "../fleet/store";
 import { FeedbackCount, GoalDuration, GoalExplanation, GoalStatusBadge } from "../goal/facts";
 import { whyNotCancel } from "../goal/words";
-import { isTerminal } from "../store/goals";
 import { openStream, streamUrl } from "../stream/stream";
 import { CommandErrorAlert } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";

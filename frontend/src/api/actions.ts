@@ -1,4 +1,4 @@
-import { type ActionInfo, type AnyGoal, deadline, type Http, settle } from "@dock-gateway/client";
+import { type ActionInfo, type AnyGoal, actionPath, deadline, type Http, settle } from "@dock-gateway/client";
 import type { JsonSchema } from "./jsonSchema";
 
 /** JSON Schemas of an action's messages. */
@@ -43,9 +43,4 @@ export function createActionsApi(http: Http) {
 /** Where goals are sent to; the slashes of the action's name are slashes of the path. */
 export function goalsPath(action: string): string {
   return `/actions/${actionPath(action)}/goals`;
-}
-
-/** `/robot1/dock` as a part of a path: `robot1/dock`. */
-export function actionPath(action: string): string {
-  return action.replace(/^\//, "").split("/").map(encodeURIComponent).join("/");
 }

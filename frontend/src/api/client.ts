@@ -10,6 +10,7 @@ import {
   type Fault,
   type Goal,
   type Http,
+  newKey,
   type Pose,
   type Publisher,
   type Simulator,
@@ -20,14 +21,6 @@ import {
 
 /** The gateway waits up to 18 s for the docking server. */
 const CALIBRATION_TIMEOUT_MS = 25_000;
-
-/**
- * A key for one request: where a proxy or the browser sends it twice, the gateway sends one goal. `crypto.randomUUID` is
- * missing on pages without HTTPS.
- */
-function newKey(): string {
-  return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join("-");
-}
 
 /**
  * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command

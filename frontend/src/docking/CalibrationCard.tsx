@@ -1,4 +1,4 @@
-import type { Calibration } from "@dock-gateway/client";
+import { type Calibration, isTerminal } from "@dock-gateway/client";
 import { Code, Group, Stack, Table, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
@@ -6,7 +6,6 @@ import { useForbidden } from "../api/session";
 import { NOT_CONNECTED } from "../fleet/context";
 import { currentGoal } from "../goal/words";
 import { useLive, useServices, useTopic } from "../store/context";
-import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";

@@ -1,10 +1,9 @@
-import type { ActionServer } from "@dock-gateway/client";
+import { type ActionServer, isTerminal } from "@dock-gateway/client";
 import { Badge, Stack, Text, Tooltip, VisuallyHidden } from "@mantine/core";
 import { useFleetPart } from "../fleet/context";
 import { defaultRobot } from "../fleet/names";
 import { currentGoal } from "../goal/words";
 import { useLive, useServices, useTopic } from "../store/context";
-import { isTerminal } from "../store/goals";
 import { Command } from "../ui/CopyButton";
 import { Section } from "../ui/Section";
 import { DockingControls } from "./DockingControls";

@@ -1,10 +1,11 @@
+import { isTerminal } from "@dock-gateway/client";
 import { Anchor, Badge, Group, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "react-router";
 import { batteryIn, summarize } from "../battery/words";
 import { FeedbackCount, GoalDuration, GoalExplanation, GoalStatusBadge } from "../goal/facts";
 import { useLive, useTopic, useTopicPart } from "../store/context";
-import { type GoalCourse, isTerminal } from "../store/goals";
+import type { GoalCourse } from "../store/goals";
 import { Fact, FactList } from "../ui/Fact";
 import { Time } from "../ui/Time";
 import classes from "./docking.module.css";

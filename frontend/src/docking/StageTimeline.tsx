@@ -1,3 +1,4 @@
+import { isTerminal } from "@dock-gateway/client";
 import { Text, VisuallyHidden } from "@mantine/core";
 import { useEffect } from "react";
 import { statusesOf } from "../api/goals";
@@ -5,7 +6,7 @@ import { useAtTime, useGatewayNow } from "../clock/clock";
 import { useFleet } from "../fleet/context";
 import { type StepState, spansOf, stageLabel, stepsOf, timeIn } from "../goal/stages";
 import { useLive, useServices, useTopicPart } from "../store/context";
-import { type GoalCourse, isTerminal } from "../store/goals";
+import type { GoalCourse } from "../store/goals";
 import type { StageVisit } from "../store/stages";
 import { formatDuration } from "../ui/time";
 import classes from "./docking.module.css";

@@ -1,4 +1,5 @@
-import { type GoalCourse, isTerminal } from "../store/goals";
+import { isTerminal } from "@dock-gateway/client";
+import type { GoalCourse } from "../store/goals";
 import type { StageVisit } from "../store/stages";
 import { sentence } from "../ui/text";
 

@@ -1,5 +1,10 @@
-import type { AnyGoal, GoalError, GoalEvent, GoalStatus } from "@dock-gateway/client";
-import { isTerminal } from "../store/goals";
+import {
+  type AnyGoal,
+  type GoalError,
+  type GoalEvent,
+  type GoalStatus,
+  isTerminal,
+} from "@dock-gateway/client";
 import type { PlotBand } from "../ui/plotData";
 import { stageName } from "./stages";
 

@@ -1,8 +1,16 @@
-import type { AnyGoal, Goal, GoalStatus, GoalSummary, Verb } from "@dock-gateway/client";
+import {
+  type AnyGoal,
+  type Goal,
+  type GoalStatus,
+  type GoalSummary,
+  isFinal,
+  isTerminal,
+  type Verb,
+} from "@dock-gateway/client";
 import { adviceFor } from "../api/errors";
 import { whyForbidden } from "../api/session";
 import { NOT_CONNECTED } from "../fleet/context";
-import { type GoalCourse, isFinal, isTerminal } from "../store/goals";
+import type { GoalCourse } from "../store/goals";
 import { lowerFirst, sentence } from "../ui/text";
 import { formatDuration } from "../ui/time";
 import { stageLabel, stageName, stageWords } from "./stages";

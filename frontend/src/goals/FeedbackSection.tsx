@@ -1,11 +1,10 @@
-import type { AnyGoal } from "@dock-gateway/client";
+import { type AnyGoal, isFinal, isTerminal } from "@dock-gateway/client";
 import { CloseButton, Group, NativeSelect, Skeleton, Stack, Text } from "@mantine/core";
 import { Suspense, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
 import { useSchemas } from "../actions/actions";
 import { constantName, type JsonSchema, unitOf } from "../api/jsonSchema";
 import { bandsOf } from "../goal/timeline";
-import { isFinal, isTerminal } from "../store/goals";
 import { lazyPart } from "../ui/lazyPart";
 import { alike, COMPARED } from "../ui/numbers";
 import { Section } from "../ui/Section";

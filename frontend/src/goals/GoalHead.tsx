@@ -1,4 +1,4 @@
-import type { AnyGoal, StopState } from "@dock-gateway/client";
+import { type AnyGoal, isTerminal, type StopState } from "@dock-gateway/client";
 import { Alert, Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "react-router";
@@ -10,7 +10,6 @@ import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/
 import { isBelow } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { advice, meaning, whyNotCancel } from "../goal/words";
-import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { Downloads } from "../ui/Downloads";

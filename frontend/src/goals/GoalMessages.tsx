@@ -1,8 +1,7 @@
-import type { AnyGoal } from "@dock-gateway/client";
+import { type AnyGoal, isTerminal } from "@dock-gateway/client";
 import { Group, Stack, Text, Title } from "@mantine/core";
 import { useSchemas } from "../actions/actions";
 import type { JsonSchema } from "../api/jsonSchema";
-import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
 import { MessageTree } from "../ui/MessageTree";
 import { Section } from "../ui/Section";

@@ -1,7 +1,7 @@
+import { isTerminal } from "@dock-gateway/client";
 import { Skeleton, Stack, Text, Title } from "@mantine/core";
 import { Suspense } from "react";
 import { useParams } from "react-router";
-import { isTerminal } from "../store/goals";
 import { Command } from "../ui/CopyButton";
 import { Trouble } from "../ui/errors";
 import { Guarded } from "../ui/Guarded";

@@ -1,4 +1,4 @@
-import type { AnyGoal } from "@dock-gateway/client";
+import { type AnyGoal, isFinal, isTerminal } from "@dock-gateway/client";
 import { Skeleton, Stack, Text } from "@mantine/core";
 import { useGatewayNow } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
@@ -7,7 +7,6 @@ import { stageName, stageWords } from "../goal/stages";
 import type { Entry } from "../goal/timeline";
 import { entryAt } from "../goal/timeline";
 import { meaning } from "../goal/words";
-import { isFinal, isTerminal } from "../store/goals";
 import { Trouble } from "../ui/errors";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";

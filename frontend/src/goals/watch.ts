@@ -1,18 +1,22 @@
-import type { AnyGoal, ClientError, EventOf, GatewayEvent, Goal, GoalEvent } from "@dock-gateway/client";
+import {
+  type AnyGoal,
+  type ClientError,
+  type ConnectionInput,
+  type EventOf,
+  type GatewayEvent,
+  type Goal,
+  type GoalEvent,
+  isFinal,
+  type StreamHandlers,
+} from "@dock-gateway/client";
 import { toClientError } from "../api/errors";
 import type { GoalsApi } from "../api/goals";
 import { steadyNow } from "../clock/beat";
 import type { StatusEvent } from "../goal/timeline";
-import { applyFeedback, applyResult, applyStatus, isFinal, mergeGoals, snapshotGoals } from "../store/goals";
+import { applyFeedback, applyResult, applyStatus, mergeGoals, snapshotGoals } from "../store/goals";
 import type { GoalsState } from "../store/state";
 import { Shown } from "../store/streamStore";
-import {
-  type Connection,
-  type ConnectionInput,
-  initialConnection,
-  nextConnection,
-} from "../stream/connection";
-import type { StreamHandlers } from "../stream/stream";
+import { type Connection, initialConnection, nextConnection } from "../stream/connection";
 import { FeedbackLog, type FeedbackRow } from "./feedbackLog";
 
 /** How far the past of the goal is here. */

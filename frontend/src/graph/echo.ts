@@ -1,10 +1,5 @@
-import type { components } from "@dock-gateway/client";
-import {
-  type Connection,
-  type ConnectionInput,
-  initialConnection,
-  nextConnection,
-} from "../stream/connection";
+import type { ConnectionInput, components } from "@dock-gateway/client";
+import { type Connection, initialConnection, nextConnection } from "../stream/connection";
 
 /** What `/ws/topics` sends. */
 export type EchoEvent = components["schemas"]["EchoEvent"];

@@ -1,5 +1,4 @@
-import type { ActionInfo, AnyGoal, Robot } from "@dock-gateway/client";
-import { actionPath } from "../api/actions";
+import { type ActionInfo, type AnyGoal, actionPath, type Robot } from "@dock-gateway/client";
 import { byName, isFound, namespaceWords, robotName, robotPath } from "../fleet/names";
 import { OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../operations/operation";
 

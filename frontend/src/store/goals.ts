@@ -1,18 +1,13 @@
-import type { AnyGoal, EventOf, Goal, GoalStatus } from "@dock-gateway/client";
+import {
+  type AnyGoal,
+  type EventOf,
+  type Goal,
+  type GoalStatus,
+  isFinal,
+  isTerminal,
+} from "@dock-gateway/client";
 import { withGap, withStage } from "./stages";
 import { type GoalsState, MAX_ARRIVALS, MAX_GOALS } from "./state";
-
-const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
-
-/** Nothing can follow. `lost` is not final: the action server may come back and answer. */
-export function isFinal(status: GoalStatus): boolean {
-  return FINAL.has(status);
-}
-
-/** The goal has ended as far as is known. */
-export function isTerminal(status: GoalStatus): boolean {
-  return status === "lost" || isFinal(status);
-}
 
 /** How a goal goes, without its feedback. */
 export type GoalCourse = Omit<Goal, "feedback" | "feedback_count" | "last_event_id">;

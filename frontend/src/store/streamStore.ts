@@ -1,11 +1,6 @@
-import type { GatewayEvent, Goal } from "@dock-gateway/client";
+import type { ConnectionInput, GatewayEvent, Goal } from "@dock-gateway/client";
 import { atBeat, BEAT_MS } from "../clock/beat";
-import {
-  type Connection,
-  type ConnectionInput,
-  initialConnection,
-  nextConnection,
-} from "../stream/connection";
+import { type Connection, initialConnection, nextConnection } from "../stream/connection";
 import { mergeGoals } from "./goals";
 import { MAX_SEEN, type StreamState } from "./state";
 

@@ -1,3 +1,5 @@
+import type { ConnectionInput } from "@dock-gateway/client";
+
 /** What is known about the connection to the gateway. `live` only after a snapshot has come. */
 export type ConnectionPhase = "connecting" | "live" | "reconnecting" | "gone";
 
@@ -11,15 +13,6 @@ export interface Connection {
 
 /** Without a connection for this long, "reconnecting" becomes "gone". It goes on trying. */
 export const GONE_AFTER_MS = 10_000;
-
-/** Heartbeats come every 5 s: after this silence the connection is dead even though TCP has not noticed. */
-export const SILENCE_MS = 7_000;
-
-export type ConnectionInput =
-  | { kind: "snapshot" }
-  | { kind: "closing"; reason: string }
-  | { kind: "closed" }
-  | { kind: "tick" };
 
 export function initialConnection(now: number): Connection {
   return { phase: "connecting", since: now, reason: null };

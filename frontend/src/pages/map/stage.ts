@@ -1,4 +1,4 @@
-import type { Footprint, GatewayEvent, Scene } from "@dock-gateway/client";
+import type { Footprint, GatewayEvent, Scene, StreamHandlers } from "@dock-gateway/client";
 import type { Camera } from "../../scene/camera";
 import type { SceneColors } from "../../scene/colors";
 import type { Stage } from "../../scene/gestures";
@@ -8,7 +8,6 @@ import { drawDock, drawScaleBar } from "../../scene/renderer";
 import { around, arrowRadius, footprintOf } from "../../scene/shapes";
 import { canvasContext, toScreen } from "../../scene/view";
 import type { Point } from "../../store/geometry";
-import type { StreamHandlers } from "../../stream/stream";
 
 /** The frame that robots share. */
 const FRAME = "world";

@@ -1,3 +1,4 @@
+import { isTerminal } from "@dock-gateway/client";
 import { Skeleton, Stack, Tabs } from "@mantine/core";
 import { memo, Suspense, useEffect, useState } from "react";
 import { createGoalsApi } from "../../api/goals";
@@ -8,7 +9,6 @@ import { DEVELOPER, OPERATE } from "../../fleet/names";
 import { GoalsCard } from "../../goals/GoalsTable";
 import { SceneCard } from "../../scene/SceneCard";
 import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
-import { isTerminal } from "../../store/goals";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
 import classes from "./robot.module.css";
