@@ -6,6 +6,8 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
+# The dashboard is built while the messages are compiled.
+MAKEFLAGS += --jobs=2
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -25,12 +27,10 @@ unexport VIRTUAL_ENV PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE _ROS_WHEELS_B
 export UV_PYTHON_PREFERENCE ?= system
 export UV
 
-INTERFACES := backend/action_tutorials_interfaces
+INTERFACES := backend/action_tutorials_interfaces backend/tf2_msgs
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
-TF := backend/tf2_msgs
-TF_SOURCES := $(shell find $(TF) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 TEST_INTERFACES := tests/interfaces
-TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
+TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) backend/action_tutorials_interfaces/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
 
 .PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace test-ros clean
@@ -138,28 +138,18 @@ $(STAMPS)/lock: requirements.lock | $(UV)
 	    --build-constraints build-requirements.lock requirements.lock
 	@mkdir -p $(STAMPS) && touch $@
 
-# Compiles interface packages and installs them: $(1) what they are, $(2) the folder of the wheels, $(3) the packages.
-define compile-interfaces
-	@scripts/preflight $(BIN)/python
-	@echo "Compiling the ROS $(1) (about half a minute, once) …"
-	@rm -rf $(STAMPS)/$(2) && scripts/build-interfaces $(BIN)/python $(STAMPS)/$(2) $(3)
-	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/$(2)/*.whl
-	@touch $@
-endef
-
 $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	$(call compile-interfaces,interface package,wheel,$(INTERFACES))
-
-$(STAMPS)/tf2-msgs: $(TF_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	$(call compile-interfaces,message of /tf,tf-wheel,$(TF))
+	@scripts/install-interfaces $(BIN)/python $(STAMPS)/wheel $(INTERFACES)
+	@touch $@
 
 nav2-interfaces: setup $(STAMPS)/test-interfaces ## install the docking actions of nav2 and the Create 3; see docs/nav2.md
 
 # The tests need them, too.
 $(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	$(call compile-interfaces,docking actions of nav2 and the Create 3,test-wheel,$(TEST_INTERFACES))
+	@scripts/install-interfaces $(BIN)/python $(STAMPS)/test-wheel $(TEST_INTERFACES)
+	@touch $@
 
-$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces $(STAMPS)/tf2-msgs
+$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps \
 	    --build-constraints build-requirements.lock --editable .
 	@touch $@

@@ -82,6 +82,16 @@ def test_install_dock_and_stop(environment: dict[str, str], capsys: pytest.Captu
         print(f"\n{times}, docked after {docked - start:.1f} s")
 
 
+def test_messages_for_a_clone_without_a_compiler(environment: dict[str, str], tmp_path: Path) -> None:
+    for name in ("bash", "dirname", "sed", "uname"):
+        Path(environment["PATH"], name).symlink_to(str(shutil.which(name)))
+    folder = tmp_path / "environment"
+    run(environment, "uv", "venv", "--python", PYTHON, str(folder))
+    arguments = (str(folder / "bin/python"), str(tmp_path / "compiled"), "backend/tf2_msgs")
+    assert "those in dist/" in run(environment, str(ROOT / "scripts/install-interfaces"), *arguments)
+    assert list(folder.glob("lib/python*/site-packages/tf2_msgs/__init__.py"))
+
+
 def test_the_core_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Path) -> None:
     folder = tmp_path / "environment"
     run(environment, "uv", "venv", "--python", PYTHON, str(folder))
