@@ -4,6 +4,8 @@ import ctypes
 import signal
 
 PR_SET_PDEATHSIG = 1
+# Simulated robots at most, each of which is a process.
+MAX_ROBOTS = 20
 
 
 def end_with_parent() -> None:

@@ -20,10 +20,8 @@ from dock_gateway.cli.start import check_start
 from dock_gateway.client.connection import tls_context
 from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
-from robot_io.children import end_with_parent
+from robot_io.children import MAX_ROBOTS, end_with_parent
 
-# Simulated robots at most: each takes a tenth of a processor.
-MAX_ROBOTS = 20
 # Seconds that the parts have to end by themselves.
 END_TIMEOUT = 2.3
 
