@@ -13,19 +13,7 @@ from dock_gateway.http.operation import operation_of
 from dock_gateway.http.principal import TICKET
 from dock_gateway.streams import events, socket, topics
 from dock_gateway.streams.command_schema import ANSWERS, ANSWERS_TO, COMMAND_SCHEMAS, CommandError, SubscribeCommand
-from dock_gateway.streams.schema import (
-    EVENTS,
-    ClosingEvent,
-    DroppedEvent,
-    FeedbackDroppedEvent,
-    FeedbackEvent,
-    GapEvent,
-    HeartbeatEvent,
-    ResultEvent,
-    ResumedEvent,
-    SnapshotEvent,
-    StatusEvent,
-)
+from dock_gateway.streams.schema import EVENTS, GOAL_EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
 
 Json = dict[str, Any]
@@ -34,20 +22,7 @@ Models = tuple[type[BaseModel], ...]
 SSE = "text/event-stream"
 SCHEMAS = "#/components/schemas/"
 ALL_EVENTS: Models = (*EVENTS, *ACTION_EVENTS)
-# What a stream of one goal sends.
-GOAL_EVENTS: Models = (
-    SnapshotEvent,
-    StatusEvent,
-    FeedbackEvent,
-    ResultEvent,
-    HeartbeatEvent,
-    DroppedEvent,
-    FeedbackDroppedEvent,
-    ResumedEvent,
-    GapEvent,
-    ClosingEvent,
-    *ACTION_EVENTS,
-)
+EVENTS_OF_GOAL: Models = (*GOAL_EVENTS, *ACTION_EVENTS)
 SERVERS = {
     "websockets": {"protocol": "ws", "description": "WebSockets; `wss` where the gateway has TLS"},
     "http": {"protocol": "http", "description": "Server-Sent Events; `https` where the gateway has TLS"},
@@ -92,7 +67,7 @@ def asyncapi_document(openapi: Json) -> Json:
         operations[name] = {
             "action": "send",
             "channel": {"$ref": f"#/channels/{name}"},
-            "messages": _of_channel(name, GOAL_EVENTS),
+            "messages": _of_channel(name, EVENTS_OF_GOAL),
             "bindings": {"http": {"method": "GET", "query": _object(query), "bindingVersion": "0.3.0"}},
             "x-role": operation["x-role"],
         }
@@ -143,7 +118,7 @@ def _goal_channel(path: str, operation: Json) -> Json:
             for parameter in operation["parameters"]
             if parameter["in"] == "path"
         },
-        "messages": _of_components(GOAL_EVENTS),
+        "messages": _of_components(EVENTS_OF_GOAL),
     }
 
 

@@ -44,7 +44,7 @@ class SendGoalCommand(Command):
 
 
 class CancelGoalCommand(Command):
-    """Ask the action server to cancel a goal, whoever sent it."""
+    """Ask the action server to cancel a goal of any client."""
 
     op: Literal["cancel_goal"] = "cancel_goal"
     goal_id: str

@@ -251,11 +251,21 @@ class ClosingEvent(Schema):
     reason: str
 
 
-EVENTS: tuple[type[BaseModel], ...] = (
+# What a stream of one goal sends.
+GOAL_EVENTS: tuple[type[BaseModel], ...] = (
     SnapshotEvent,
     StatusEvent,
     FeedbackEvent,
     ResultEvent,
+    HeartbeatEvent,
+    DroppedEvent,
+    FeedbackDroppedEvent,
+    ResumedEvent,
+    GapEvent,
+    ClosingEvent,
+)
+EVENTS: tuple[type[BaseModel], ...] = (
+    *GOAL_EVENTS,
     BatteryEvent,
     CmdVelEvent,
     PublisherEvent,
@@ -268,10 +278,4 @@ EVENTS: tuple[type[BaseModel], ...] = (
     AutomationEvent,
     SceneEvent,
     ScenesEvent,
-    HeartbeatEvent,
-    DroppedEvent,
-    FeedbackDroppedEvent,
-    ResumedEvent,
-    GapEvent,
-    ClosingEvent,
 )
