@@ -13,7 +13,7 @@ from playwright.sync_api import Error as PlaywrightError
 
 from tests.support import shapes
 from tests.support.domain import ros_domain
-from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import RunningGateway, ready_gateway
 from tests.support.waiting import PATIENCE
 
 PATIENCE_MS = 1000 * PATIENCE
@@ -81,8 +81,7 @@ def domain() -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(domain), running_gateway(domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(domain) as gateway:
         yield gateway
 
 

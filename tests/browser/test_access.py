@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, Page, expect
 from tests.browser.axe import find_violations
 from tests.browser.conftest import PATIENCE_MS
 from tests.browser.width import expect_no_sideways_scrolling
-from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import RunningGateway, ready_gateway
 
 PASSWORD = "correct horse battery staple"
 
@@ -30,8 +30,7 @@ def admin(database_url: str) -> str:
 @pytest.fixture(scope="module")
 def gateway(domain: int, database_url: str, admin: str) -> Iterator[RunningGateway]:
     settings = {"authentication": "true", "database_url": database_url}
-    with running_dock_server(domain), running_gateway(domain, **settings) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(domain, **settings) as gateway:
         gateway.http.headers["Authorization"] = f"Bearer {admin}"
         yield gateway
 

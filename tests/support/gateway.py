@@ -179,6 +179,14 @@ def running_dock_server(domain: int, *ros_args: str) -> Iterator[Process]:
 
 
 @contextmanager
+def ready_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
+    """A gateway that has found our action server."""
+    with running_dock_server(domain), running_gateway(domain, **settings) as gateway:
+        gateway.wait_until_ready()
+        yield gateway
+
+
+@contextmanager
 def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
     """Nodes that talk, see `tests/support/talker.py`."""
     with ForkedProcess("-m", "tests.support.talker", *arguments, env=ros_environment(domain)) as process:

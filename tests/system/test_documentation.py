@@ -13,7 +13,7 @@ from tests.support.access import PASSWORD, Site, bearer
 from tests.support.certificates import Authority
 from tests.support.gateway import (
     RunningGateway,
-    running_dock_server,
+    ready_gateway,
     running_gateway,
     running_program,
     running_servers,
@@ -82,8 +82,7 @@ def simulated(domain: int, _: dict[str, str]) -> Iterator[RunningGateway]:
 @contextmanager
 def tutorial(domain: int, _: dict[str, str]) -> Iterator[RunningGateway]:
     """As `dock-gateway up --no-sim`."""
-    with running_dock_server(domain), running_gateway(domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(domain) as gateway:
         yield gateway
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway, running_dock_server, running_gateway
 from tests.support.observer import ros_observer
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import wait_until
@@ -95,8 +95,7 @@ def test_two_gateways_dock_a_robot_once(domain: int, database: str) -> None:
 
 
 def test_a_stop_holds_a_robot_that_should_dock(domain: int) -> None:
-    with running_dock_server(domain), running_gateway(domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(domain) as gateway:
         put(gateway, mode="on")
         gateway.http.post("/stop", json={"by": "Bob"}).raise_for_status()
         gateway.publish(LOW)

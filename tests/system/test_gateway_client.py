@@ -14,7 +14,7 @@ import orjson
 import pytest
 
 from dock_gateway.client import AsyncClient, Client, GatewayRefused, GoalFailed
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway
 from tests.support.processes import Process, free_port
 from tests.support.proxy import Proxy, proxy
 from tests.support.waiting import wait_until
@@ -32,8 +32,7 @@ sys.modules |= {"matplotlib": unittest.mock.MagicMock(pyplot=plot), "matplotlib.
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(shared_domain), running_gateway(shared_domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain) as gateway:
         yield gateway
 
 

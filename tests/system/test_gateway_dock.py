@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway
 from tests.support.processes import BIN, Process, ros_environment
 from tests.support.waiting import wait_until
 
@@ -13,8 +13,7 @@ pytestmark = pytest.mark.ros
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(shared_domain), running_gateway(shared_domain, heartbeat_interval="1") as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain, heartbeat_interval="1") as gateway:
         yield gateway
 
 

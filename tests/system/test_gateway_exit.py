@@ -14,7 +14,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from tests.support.clients import HttpClient
-from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import LOW, RunningGateway, ready_gateway, running_dock_server, running_gateway
 from tests.support.processes import BIN, Process, free_port, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -115,8 +115,7 @@ def test_a_reader_that_never_reads_is_cut_off_and_harms_nobody(domain: int) -> N
 
 
 def test_a_reader_of_server_sent_events_that_never_reads_is_cut_off(domain: int) -> None:
-    with running_dock_server(domain), running_gateway(domain, subscriber_timeout="2") as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(domain, subscriber_timeout="2") as gateway:
         state = LOW | {"location": "x" * 60_000}
         gateway.http.put("/battery/publisher", json={"state": state, "rate_hz": 100}).raise_for_status()
         goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.doctor.environment import describe_ros
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway, running_dock_server, running_gateway
 from tests.support.processes import Process
 
 pytestmark = pytest.mark.ros
@@ -55,8 +55,7 @@ def test_every_line_is_json(domain: int) -> None:
 
 def test_commands_have_the_id_of_their_handshake(shared_domain: int) -> None:
     headers = {"X-Request-ID": "console-3"}
-    with running_dock_server(shared_domain), running_gateway(shared_domain, log_format="json") as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain, log_format="json") as gateway:
         gateway.publish(LOW)
         with gateway.stream(path="/ws", headers=headers) as socket:
             assert socket.connection.response is not None

@@ -8,7 +8,13 @@ import pytest
 from prometheus_client import Metric
 from prometheus_client.parser import text_string_to_metric_families
 
-from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import (
+    ACTION,
+    CHARGING,
+    LOW,
+    RunningGateway,
+    ready_gateway,
+)
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -43,8 +49,7 @@ class Scrape:
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
     """A gateway on which a goal has run."""
-    with running_dock_server(shared_domain), running_gateway(shared_domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain) as gateway:
         dock(gateway)
         yield gateway
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from dock_gateway import __version__
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway
 from tests.support.proxy import proxy
 from tests.support.waiting import wait_until
 
@@ -36,8 +36,7 @@ def in_node(command: str, folder: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(shared_domain), running_gateway(shared_domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain) as gateway:
         yield gateway
 
 

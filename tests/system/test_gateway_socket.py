@@ -13,7 +13,7 @@ from websockets.sync.client import ClientConnection
 
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway, running_gateway
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -56,8 +56,7 @@ class Socket:
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(shared_domain), running_gateway(shared_domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain) as gateway:
         yield gateway
 
 

@@ -8,7 +8,13 @@ import pytest
 
 from tests.support.clients import server_sent_events
 from tests.support.domain import ros_domain
-from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import (
+    ACTION,
+    CHARGING,
+    LOW,
+    RunningGateway,
+    ready_gateway,
+)
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -18,8 +24,7 @@ GONE = "00000000000000000001-f00000000"
 
 @pytest.fixture(scope="module")
 def gateway() -> Iterator[RunningGateway]:
-    with ros_domain() as domain, running_dock_server(domain), running_gateway(domain) as gateway:
-        gateway.wait_until_ready()
+    with ros_domain() as domain, ready_gateway(domain) as gateway:
         yield gateway
 
 

@@ -10,7 +10,7 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
-from tests.support.gateway import CHARGING, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, RunningGateway, ready_gateway
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -20,8 +20,7 @@ READERS = 150
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(shared_domain), running_gateway(shared_domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain) as gateway:
         yield gateway
 
 

@@ -20,7 +20,7 @@ from websockets.sync.client import ClientConnection
 
 from tests.support.certificates import Authority, Pair
 from tests.support.clients import HttpClient, connect, server_sent_events
-from tests.support.gateway import LOW, RunningGateway, Stream, running_dock_server, running_gateway
+from tests.support.gateway import LOW, RunningGateway, Stream, ready_gateway, running_gateway
 from tests.support.processes import BIN, Process, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -48,11 +48,7 @@ def pair(authority: Authority) -> Pair:
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int, pair: Pair) -> Iterator[RunningGateway]:
     settings = {"header_timeout": "5", "subscriber_timeout": "2", "subscriber_queue": "16"}
-    with (
-        running_dock_server(shared_domain),
-        running_gateway(shared_domain, **pair.settings, **settings) as gateway,
-    ):
-        gateway.wait_until_ready()
+    with ready_gateway(shared_domain, **pair.settings, **settings) as gateway:
         gateway.publish(LOW)
         yield gateway
 

@@ -13,7 +13,7 @@ import httpx2
 import pytest
 
 import dock_gateway
-from tests.support.gateway import CHARGING, running_dock_server, running_gateway
+from tests.support.gateway import CHARGING, ready_gateway
 from tests.support.processes import Process, free_port
 
 ROOT = Path(__file__).parents[2]
@@ -113,8 +113,7 @@ def test_the_client_docks_without_ros_and_gateway(environment: dict[str, str], t
     assert {"dock-gateway-client", "httpx2", "orjson", "websockets"} <= names
     assert not names & {"click", "dock-gateway", "fastapi", "numpy", "pydantic", "sqlalchemy"}
     assert not [name for name in names if name.startswith("ros-")]
-    with running_dock_server(domain), running_gateway(domain) as gateway:
-        gateway.wait_until_ready()
+    with ready_gateway(domain) as gateway:
         gateway.publish(CHARGING)
         here_only = environment | {"PATH": str(folder / "bin"), "DOCK_GATEWAY_URL": gateway.url}
         assert run(here_only, "python", str(ROOT / "examples/dock.py")).endswith("succeeded\n")
