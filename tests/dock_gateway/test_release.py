@@ -16,6 +16,7 @@ class Clone:
         self._folder = folder
         self.write("scripts/check-release", CHECK.read_text())
         self.write("backend/dock_gateway/__init__.py", '__version__ = "1.2.0"\n')
+        self.write("frontend/client/package.json", '{\n  "version": "1.2.0",\n}\n')
         self.write("CHANGELOG.md", "## [Unreleased]\n\n## [1.2.0] - 2026-01-31\n")
         self._git("init", "--quiet")
         self.commit()
@@ -65,6 +66,9 @@ def test_what_is_not_committed_is_no_release(clone: Clone) -> None:
 
 def test_a_new_version_needs_a_heading_and_a_tag(clone: Clone) -> None:
     clone.write("backend/dock_gateway/__init__.py", '__version__ = "1.3.0"\n')
+    clone.commit()
+    assert "frontend/client/package.json has another version" in clone.check()
+    clone.write("frontend/client/package.json", '{\n  "version": "1.3.0",\n}\n')
     clone.commit()
     assert 'CHANGELOG.md has no heading "## [1.3.0] - ' in clone.check()
     clone.write("CHANGELOG.md", "## [1.3.0] - 2026-02-28\n")
