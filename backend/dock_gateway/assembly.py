@@ -32,6 +32,7 @@ from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.limits import LIMITS, GoalLimits
@@ -111,10 +112,10 @@ async def _open(
     robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
     simulators = _closed_by(stack, Simulators(settings, bridge, hub, robots))
+    approvals = _closed_by(stack, Approvals(settings, hub, actions, simulators))
     activity = Activity(robots)
     actions.on_end.append(activity.on_end)
-    stopper.on_stop.append(activity.intervened)
-    interlock.on_release.append(activity.intervened)
+    _follow_stops(stopper, interlock, activity, approvals)
     _subscribe_on_demand(settings, bridge, hub, robots, activity, stack=stack)
     board = _closed_by(stack, SceneBoard(hub, robots.namespaces))
     _listen_to_poses(settings, robots, MapPort, board, stack)
@@ -196,6 +197,7 @@ async def _open(
             History: history,
             ActionRegistry: actions,
             RobotActions: robot_actions,
+            Approvals: approvals,
             Goals: Goals(actions, history),
             Owners: Owners(actions.docking, robots, labels, history),
             Docks: _closed_by(stack, Docks(settings, bridge)),
@@ -237,6 +239,13 @@ def _make_notifier(history: History, alerts: AlertBoard, labels: Labels) -> Noti
     webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
     return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox)
+
+
+def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, approvals: Approvals) -> None:
+    """Tell what a stop interrupts: what waits for approval, and robots that stand still since."""
+    stopper.on_stop += (approvals.drop, activity.intervened)
+    interlock.on_latch.append(approvals.drop)
+    interlock.on_release.append(activity.intervened)
 
 
 def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, hub: Hub) -> None:

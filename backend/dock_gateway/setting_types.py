@@ -26,7 +26,7 @@ ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 SIGNATURES = frozenset(
     {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
 )
-ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
+ROLES = frozenset({"viewer", "agent", "operator", "supervisor", "admin"})
 
 
 def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
@@ -101,7 +101,8 @@ def _check_roles(parts: tuple[str, ...]) -> tuple[str, ...]:
         claimed, _, role = part.rpartition("=")
         if not claimed.strip() or role.strip() not in ROLES:
             raise ValueError(
-                f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, operator, supervisor and admin"
+                f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, agent, operator, supervisor and "
+                "admin"
             )
     return parts
 

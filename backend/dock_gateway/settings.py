@@ -105,6 +105,15 @@ class Settings(BaseSettings):
         False,
         description="Whether requests need a login or a token: [access.md](access.md).",
     )
+    mcp: bool = Field(
+        False,
+        description="Whether agents can use the gateway at `/mcp`, by the Model Context Protocol: "
+        "[agents.md](agents.md). Needs `dock-gateway[mcp]`.",
+    )
+    approval_timeout: Seconds = Field(
+        60.0,
+        description="Seconds that an agent's goal to a real robot waits for a person to allow it; then it is refused.",
+    )
     insecure_open: bool = Field(
         False,
         description="Whether the gateway may listen on other than loopback addresses without `authentication`: then "

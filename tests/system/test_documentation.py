@@ -68,7 +68,7 @@ def simulated(domain: int, _: dict[str, str]) -> Iterator[RunningGateway]:
     """As `dock-gateway up`, with three more robots and an action of the tutorial."""
     fleet = ("-m", "docking.nodes.simulated_fleet", str(len(FLEET)))
     with (
-        running_gateway(domain) as gateway,
+        running_gateway(domain, mcp="true") as gateway,
         simulated_robot(domain),
         running_program(domain, "fibonacci_action_server"),
         ForkedProcess(*fleet, env=ros_environment(domain)),

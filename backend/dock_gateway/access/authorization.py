@@ -16,6 +16,7 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.request import PERMIT, Permit
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.parts import Parts, parts_of
 from dock_gateway.http.principal import TICKET, secret_of
@@ -50,7 +51,7 @@ async def authorize(connection: HTTPConnection) -> None:
     if principal.credential is not None:
         if not parts[Logins].is_valid(principal):  # it has ended, or there is another role or limit
             principal = await _admit(connection, operation)
-        _permit(parts[Logins], principal)
+        _permit(parts, principal)
     if operation.sends_goal:
         parts[Quotas].spend_goal(principal)
 
@@ -99,19 +100,21 @@ async def authorize_command(
     parts[Logins].require_valid(principal)
     require(principal, operation.role, op)
     await require_covered(parts, principal.grant, operation.scope, fields, op)
-    _permit(parts[Logins], principal)
+    _permit(parts, principal)
     if operation.sends_goal:
         parts[Quotas].spend_goal(principal)
 
 
-def _permit(logins: Logins, principal: Principal) -> None:
-    """Let a request or a command act for as long as its login lasts.
+def _permit(parts: Parts, principal: Principal) -> None:
+    """Let a request or a command act for as long as its login lasts; an agent's goals as far as a person allows them.
 
     Raises:
         NotAuthenticated: It has ended already: the history may have been asked what the request is about.
     """
+    logins = parts[Logins]
     logins.require_valid(principal)
-    PERMIT.set(Permit(partial(logins.require_valid, principal), partial(logins.watch, principal)))
+    approve = partial(parts[Approvals].require, principal) if principal.grant.role is Role.AGENT else None
+    PERMIT.set(Permit(partial(logins.require_valid, principal), partial(logins.watch, principal), approve))
 
 
 def require(principal: Principal, role: Role | None, what: str) -> None:

@@ -133,6 +133,7 @@ class Logins:
 
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
+        principal = principal.login or principal
         if principal.credential is None:
             return True
         match principal.kind:

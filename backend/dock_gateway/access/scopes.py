@@ -7,6 +7,7 @@ from dock_gateway.core.errors import NotAllowed, not_covered
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Scope
@@ -89,6 +90,11 @@ async def _alert(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
     return True, ""
 
 
+async def _approval(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    parts[Approvals].get(names["approval_id"], grant)
+    return True, ""
+
+
 _CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]]] = {
     Scope.ROBOT: _robot,
     Scope.ROBOTS: _robots,
@@ -98,6 +104,7 @@ _CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]
     Scope.GOAL: _goal,
     Scope.NEW_GOAL: _command_goal,
     Scope.ALERT: _alert,
+    Scope.APPROVAL: _approval,
 }
 
 

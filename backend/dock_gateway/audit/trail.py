@@ -53,6 +53,10 @@ class Trail:
         self.at = utc_now()
         self._recorded = False
 
+    def leave_to_commands(self) -> None:
+        """Do not record the request, which only carries commands: each of those is recorded."""
+        self._recorded = True
+
     async def record(self, status: int, code: str | None = None) -> None:
         """Record the result, unless it is recorded already. Some entries are stored on return."""
         what = self._what or _name(self._scope, status)
@@ -137,11 +141,23 @@ async def audited_command(
     operation: Operation | None,
     fields: Mapping[str, Any],
     carry_out: Callable[[], Awaitable[dict[str, Any]]],
+    *,
+    subject: str | None = None,
 ) -> dict[str, Any]:
-    """Carry out a command of `/ws`, and record it if there is such a command. Return its answer, or raise its error."""
+    """Carry out a command, and record it if there is such a command. Return its answer, or raise its error.
+
+    Args:
+        scope: The scope of the WebSocket, or of the request that it came with.
+        op: The command.
+        operation: Its requirements; None if there is no such command.
+        fields: Its fields.
+        carry_out: Carries it out.
+        subject: What the record says besides, such as the program that sent it.
+    """
     if operation is None or operation.audit is Audit.NEVER:
         return await carry_out()
     trail = Trail(scope, op, dict(fields), operation)
+    trail.fields["subject"] = subject
     try:
         answer = await carry_out()
     except GatewayError as error:

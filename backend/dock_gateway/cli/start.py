@@ -1,6 +1,7 @@
 """What `serve` and `up` check before anything starts: each fault is one sentence that says what mends it."""
 
 import importlib
+import importlib.util
 from collections.abc import Mapping
 
 import click
@@ -24,6 +25,7 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
         click.ClickException: The message says why, and what to do.
     """
     check_exposure(settings)
+    check_agents(settings)
     _refuse(find_twin_fault())
     check_ros(environment, docking=docking)
     for setting in ("dock_action_type", "undock_action_type"):
@@ -41,6 +43,16 @@ def check_exposure(settings: Settings) -> None:
     """
     if (fault := find_exposure_fault(settings)) is not None:
         raise click.UsageError(fault)
+
+
+def check_agents(settings: Settings) -> None:
+    """Refuse to let agents in without what speaks their protocol.
+
+    Raises:
+        click.UsageError: It is not installed.
+    """
+    if settings.mcp and importlib.util.find_spec("mcp") is None:
+        raise click.UsageError("mcp: dock-gateway[mcp] is not installed")
 
 
 def check_ros(environment: Mapping[str, str], *, docking: bool = False) -> None:

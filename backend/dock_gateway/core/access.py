@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from enum import StrEnum
 
@@ -177,6 +177,8 @@ class Principal:
         credential: Id of the token or the session; None where the gateway does not ask for one.
         expires_at: Until when the access token of a service is valid.
         key: Thumbprint of the provider's key that has signed it.
+        client: The agent's program, as it calls itself.
+        login: Who has logged in, if an agent acts for them.
     """
 
     name: str | None
@@ -185,6 +187,13 @@ class Principal:
     credential: str | None
     expires_at: datetime | None = None
     key: str | None = None
+    client: str | None = None
+    login: "Principal | None" = None
+
+    def as_agent(self, client: str) -> "Principal":
+        """Return an agent that acts for them: with their name and limits, and at most the role `agent`."""
+        role = min(self.grant.role, Role.AGENT, key=list(Role).index)
+        return replace(self, grant=replace(self.grant, role=role), client=client, login=self)
 
     def own(self, idempotency_key: str) -> str:
         """Return the idempotency key that is stored for one of theirs: the same key of someone else is another one.

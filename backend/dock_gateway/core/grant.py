@@ -29,6 +29,7 @@ class Role(StrEnum):
     """A role, which says what a user may do. Each includes the ones before it."""
 
     VIEWER = "viewer"
+    AGENT = "agent"
     OPERATOR = "operator"
     SUPERVISOR = "supervisor"
     ADMIN = "admin"
@@ -145,6 +146,9 @@ def narrow(event: Event, grant: Grant) -> Event | None:
                 return None
         case "alerts":
             document["alerts"] = [alert for alert in document["alerts"] if grant.covers_alert(alert["robot"])]
+        case "approvals":
+            waiting = document["approvals"]
+            document["approvals"] = [each for each in waiting if grant.covers_action(each["action_name"])]
         case "scenes":
             scenes = document["scenes"].items()
             document["scenes"] = {robot: scene for robot, scene in scenes if grant.covers_robot(robot)}

@@ -1,7 +1,7 @@
 """The request that is being handled: known to everything that runs for it."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import AbstractContextManager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -28,11 +28,13 @@ class Permit:
     Attributes:
         require: Raises an error if that is no longer true.
         watch: Calls a function as soon as it is no longer true, while a block runs.
+        approve: Waits until a person has allowed a goal, given its action and its message; None: nobody has to.
         acted_at: When the request acted last.
     """
 
     require: Callable[[], None]
     watch: Watch
+    approve: Callable[[str, bytes], Awaitable[None]] | None = None
     acted_at: datetime = field(default_factory=utc_now)
 
 
@@ -53,6 +55,20 @@ def act() -> None:
     if permit is not None:
         permit.require()
         permit.acted_at = utc_now()
+
+
+async def approve(action_name: str, goal: bytes) -> None:
+    """Wait until a person has allowed a goal, if the request is one whose goals a person has to allow.
+
+    Raises:
+        NotAllowed: A person has refused it (`approval_refused`), or nobody has answered (`approval_expired`).
+        Conflict: A stop was requested meanwhile (`stopped`).
+        NotAuthenticated: The login has ended (`invalid_token`).
+        TooManyRequests: Too many goals wait already (`too_many_approvals`).
+    """
+    permit = PERMIT.get()
+    if permit is not None and permit.approve is not None:
+        await permit.approve(action_name, goal)
 
 
 async def wait_while_permitted(waiting: Coroutine[Any, Any, None]) -> None:

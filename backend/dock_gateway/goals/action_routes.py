@@ -117,7 +117,7 @@ async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden
     openapi_extra={**GOAL_BODY, "parameters": HEADERS},
     dependencies=[NO_QUERY],
 )
-@operation(Role.OPERATOR, Scope.ACTION, sends_goal=True)
+@operation(Role.AGENT, Scope.ACTION, sends_goal=True)
 async def send_action_goal(name: GraphName, request: Request, actions: Part[ActionRegistry]) -> Response:
     """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
     action = await actions.find(f"/{name}")
@@ -168,7 +168,7 @@ async def get_action_goal(
     response_model=ActionGoal,
     responses=problems(404, 409, 422, 503, 504),
 )
-@operation(Role.OPERATOR, Scope.GOAL)
+@operation(Role.AGENT, Scope.GOAL)
 async def cancel_action_goal(
     name: GraphName, goal_id: GoalId, actions: Part[ActionRegistry], goals: Part[Goals]
 ) -> Response:

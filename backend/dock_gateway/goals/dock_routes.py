@@ -139,7 +139,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         openapi_extra={**operations.body, "parameters": HEADERS},
         dependencies=[Depends(known_query("robot"))],
     )
-    @operation(Role.OPERATOR, operations.scope, sends_goal=True)
+    @operation(Role.AGENT, operations.scope, sends_goal=True)
     async def send_goal(
         request: Request, robot_actions: Part[RobotActions], grant: TheGrant, robot: RobotQuery = None
     ) -> Response:
@@ -186,7 +186,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         response_model=Goal,
         responses=problems(404, 409, 422, 503, 504),
     )
-    @operation(Role.OPERATOR, Scope.GOAL)
+    @operation(Role.AGENT, Scope.GOAL)
     async def cancel_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
         await find_goal(goals, verb, goal_id)

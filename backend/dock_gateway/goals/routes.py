@@ -97,7 +97,7 @@ async def get_any_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
     responses=problems(404, 409, 422, 503, 504),
     dependencies=[NO_QUERY],
 )
-@operation(Role.OPERATOR, Scope.GOAL)
+@operation(Role.AGENT, Scope.GOAL)
 async def cancel_any_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
     """Ask the action server to cancel a goal, on any action, whoever sent it."""
     return goal_response(await goals.cancel(goal_id), f"/goals/{goal_id}", 202)

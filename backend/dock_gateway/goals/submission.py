@@ -9,7 +9,7 @@ from typing import Any
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
-from dock_gateway.core.request import act
+from dock_gateway.core.request import act, approve
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import News
@@ -104,6 +104,8 @@ class Delivery:
             Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
                 (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
             NotAuthenticated: Raised by the task: the sender's login has ended meanwhile (`invalid_token`).
+            NotAllowed: Raised by the task: a person had to allow it, and has not (`approval_refused`,
+                `approval_expired`).
             Unavailable: There is no action server; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
                 is canceled at once.
@@ -125,6 +127,8 @@ class Delivery:
         port = self._tracker.port
         await self._watch.require()
         self._act(origin)  # also right before it is sent; but then a goal that was refused is stored
+        if origin == "gateway":
+            await approve(port.action_name, port.encode_goal(message))
         goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
         if again is None:
             goal.goal = port.encode_goal(message)

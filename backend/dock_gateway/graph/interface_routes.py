@@ -73,7 +73,7 @@ def get_interface(package: Package, name: TypeName) -> Response:
     It includes the comments, units, constants and defaults of the definition.
     """
     try:
-        return Response(_schemas(f"{package}/action/{name}"), media_type="application/json")
+        return Response(interface_document(f"{package}/action/{name}"), media_type="application/json")
     except (ImportError, TypeError) as error:
         raise NotFound(str(error), code="interface_not_found") from None
 
@@ -90,7 +90,12 @@ def _describe(type_name: str) -> dict[str, object]:
 
 
 @cache  # existing types only: a failure is not cached
-def _schemas(type_name: str) -> bytes:
+def interface_document(type_name: str) -> bytes:
+    """Return the JSON Schemas of an action type's messages, as JSON.
+
+    Raises:
+        ImportError, TypeError: There is no such type.
+    """
     action = load_action(type_name)
     parts = {"goal": (action.Goal, False), "result": (action.Result, True), "feedback": (action.Feedback, True)}
     return encode(

@@ -26,6 +26,7 @@ class Scope(Enum):
     GOAL = auto()  # the action of the goal in `goal_id`
     NEW_GOAL = auto()  # the action in `action`, or the docking action of `robot`
     ALERT = auto()  # the robot of the alert in `alert_id`
+    APPROVAL = auto()  # the action of the goal that waits for approval, in `approval_id`
     TOPIC = auto()  # the topic in `name` or `topic`
     EVERY = auto()  # every robot
 

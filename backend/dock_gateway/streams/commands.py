@@ -56,7 +56,7 @@ def read_command(message: object) -> tuple[str, str | None, Fields]:
     return op, identity, fields
 
 
-@operation(Role.OPERATOR, Scope.NEW_GOAL, sends_goal=True)
+@operation(Role.AGENT, Scope.NEW_GOAL, sends_goal=True)
 async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Send a goal to `action`, or a robot to its charging dock. The ack has the goal."""
     command = read_fields(SendGoalCommand, fields)
@@ -80,7 +80,7 @@ async def _submit_goal(parts: Parts, principal: Principal, command: SendGoalComm
     return {"goal": (await action.submitter.submit(message, own)).document()}
 
 
-@operation(Role.OPERATOR, Scope.GOAL)
+@operation(Role.AGENT, Scope.GOAL)
 async def cancel_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Ask the action server to cancel a goal, whoever sent it."""
     command = read_fields(CancelGoalCommand, fields)

@@ -12,6 +12,7 @@ from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.throttle import Throttle
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
@@ -30,7 +31,11 @@ async def snapshot(parts: Parts, event_filter: EventFilter) -> Event:
     fleet = {}
     if "robots" in event_filter.topics:
         grant = event_filter.grant or UNLIMITED
-        fleet = {"robots": parts[Fleet].documents(grant=grant), "alerts": parts[AlertBoard].documents(grant)}
+        fleet = {
+            "robots": parts[Fleet].documents(grant=grant),
+            "alerts": parts[AlertBoard].documents(grant),
+            "approvals": parts[Approvals].documents(grant),
+        }
     return notice(
         "snapshot",
         utc_now(),
@@ -63,6 +68,7 @@ def present(parts: Parts, event_filter: EventFilter) -> list[Event]:
         grant = event_filter.grant or UNLIMITED
         wanted.append(fleet_event("robots", now, robots=parts[Fleet].documents(grant=grant), gone=[]))
         wanted.append(fleet_event("alerts", now, alerts=parts[AlertBoard].documents(grant)))
+        wanted.append(fleet_event("approvals", now, approvals=parts[Approvals].documents(grant)))
     return wanted
 
 

@@ -9,6 +9,7 @@ from dock_gateway.automation.schema import Decision
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.action_schema import ActionServer
+from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.goals.schema import ActionGoal, DockFeedbackMessage, DockResultMessage, Goal, GoalError, GoalSummary
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
@@ -31,7 +32,7 @@ class Twist(Schema):
 
 
 class SnapshotEvent(Schema):
-    """The first message of a stream. `robots` and `alerts` are filled only with `include=robots`."""
+    """The first message of a stream. `robots`, `alerts` and `approvals` are filled only with `include=robots`."""
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
@@ -45,6 +46,7 @@ class SnapshotEvent(Schema):
     undock_server: ActionServer
     robots: list[Robot] = Field(default_factory=list)
     alerts: list[Alert] = Field(default_factory=list)
+    approvals: list[Approval] = Field(default_factory=list)
 
 
 class StatusEvent(GoalSummary):
@@ -174,6 +176,14 @@ class AlertsEvent(Schema):
     alerts: list[Alert]
 
 
+class ApprovalsEvent(Schema):
+    """The goals of agents that wait for approval changed. Contains all that wait."""
+
+    type: Literal["approvals"]
+    time: datetime
+    approvals: list[Approval]
+
+
 class AutomationEvent(Schema):
     """A rule of automatic docking has decided, at any gateway that shares the history."""
 
@@ -275,6 +285,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     SimulatorEvent,
     RobotsEvent,
     AlertsEvent,
+    ApprovalsEvent,
     AutomationEvent,
     SceneEvent,
     ScenesEvent,

@@ -611,6 +611,48 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/approvals": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Approvals
+         * @description List the goals of agents that wait until a person allows them, oldest first.
+         */
+        get: operations["list_approvals"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/approvals/{approval_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Decide Approval
+         * @description Allow or refuse a goal that waits: this goal, once. It is sent at once if it is allowed.
+         *
+         *     A goal that has expired, was answered or was dropped by a stop is `404 approval_not_found`.
+         */
+        post: operations["decide_approval"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/interfaces": {
         parameters: {
             query?: never;
@@ -1853,6 +1895,67 @@ export interface components {
         /** @description The answer to a command of /ws. */
         Answer: components["schemas"]["GoalAck"] | components["schemas"]["PublisherAck"] | components["schemas"]["PublishedAck"] | components["schemas"]["StopAck"] | components["schemas"]["ReleaseAck"] | components["schemas"]["SubscriptionAck"] | components["schemas"]["PingAck"] | components["schemas"]["CommandError"];
         /**
+         * Approval
+         * @description An agent's goal to a real robot, which waits until a person allows it.
+         *
+         *     `agent` is the agent's name, `client` its program as it calls itself; null for a goal by REST or `/ws`. `goal` is
+         *     the goal message. At `expires_at` the goal is refused.
+         */
+        Approval: {
+            /** Approval Id */
+            approval_id: string;
+            /** Agent */
+            agent: string;
+            /** Client */
+            client: string | null;
+            /** Robot */
+            robot: string;
+            /** Action Name */
+            action_name: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            };
+            /**
+             * Requested At
+             * Format: date-time
+             */
+            requested_at: string;
+            /**
+             * Expires At
+             * Format: date-time
+             */
+            expires_at: string;
+        };
+        /**
+         * ApprovalList
+         * @description The goals that wait, oldest first.
+         */
+        ApprovalList: {
+            /** Approvals */
+            approvals: components["schemas"]["Approval"][];
+        };
+        /**
+         * ApprovalsEvent
+         * @description The goals of agents that wait for approval changed. Contains all that wait.
+         */
+        ApprovalsEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "approvals";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Approvals */
+            approvals: components["schemas"]["Approval"][];
+        };
+        /**
          * AuditPage
          * @description A page of the audit log, newest first.
          */
@@ -2593,7 +2696,7 @@ export interface components {
             count: number;
         };
         /** @description A message of an event stream. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"];
         /**
          * EventType
          * @description The type of an event.
@@ -3840,7 +3943,7 @@ export interface components {
          * @description A role, which says what a user may do. Each includes the ones before it.
          * @enum {string}
          */
-        Role: "viewer" | "operator" | "supervisor" | "admin";
+        Role: "viewer" | "agent" | "operator" | "supervisor" | "admin";
         /**
          * Rule
          * @description A rule of automatic docking. Either `battery` or `schedule` is null.
@@ -4042,7 +4145,7 @@ export interface components {
         };
         /**
          * SnapshotEvent
-         * @description The first message of a stream. `robots` and `alerts` are filled only with `include=robots`.
+         * @description The first message of a stream. `robots`, `alerts` and `approvals` are filled only with `include=robots`.
          */
         SnapshotEvent: {
             /**
@@ -4066,6 +4169,8 @@ export interface components {
             robots?: components["schemas"]["Robot"][];
             /** Alerts */
             alerts?: components["schemas"]["Alert"][];
+            /** Approvals */
+            approvals?: components["schemas"]["Approval"][];
         };
         /**
          * Statistics
@@ -7644,6 +7749,154 @@ export interface operations {
             };
         };
     };
+    list_approvals: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ApprovalList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    decide_approval: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `approval_id` of what waits */
+                approval_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    allow: boolean;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Approval"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_interfaces: {
         parameters: {
             query?: never;
@@ -10577,7 +10830,7 @@ export interface operations {
                      * @description A role, which says what a user may do. Each includes the ones before it.
                      * @enum {string}
                      */
-                    role: "viewer" | "operator" | "supervisor" | "admin";
+                    role: "viewer" | "agent" | "operator" | "supervisor" | "admin";
                     /**
                      * @description Namespaces of robots; none means every robot
                      * @default []
@@ -11119,7 +11372,7 @@ export interface operations {
                      * @description A role, which says what a user may do. Each includes the ones before it.
                      * @enum {string}
                      */
-                    role: "viewer" | "operator" | "supervisor" | "admin";
+                    role: "viewer" | "agent" | "operator" | "supervisor" | "admin";
                     /**
                      * @description Namespaces of robots; none means every robot
                      * @default []

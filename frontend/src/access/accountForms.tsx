@@ -222,6 +222,8 @@ export function limitWords(grant: Grant): string {
 /** What somebody with a role may do besides what those before it may. */
 const ROLE_WORDS: Record<Role, string> = {
   viewer: "Sees its robots, and may stop every robot.",
+  agent:
+    "For programs of language models: as viewer, and sends goals. A person has to allow those to real robots.",
   operator: "Also docks and undocks, sends and cancels goals, adds notes, and acknowledges alerts.",
   supervisor: "Also releases stops, and changes rules, webhooks, names and groups.",
   admin: "Also adds and changes users and tokens, and reads the audit log.",

@@ -99,7 +99,7 @@ export function useSession(): SessionState {
 }
 
 /** Each role includes those before it. */
-export const ROLES: readonly Role[] = ["viewer", "operator", "supervisor", "admin"];
+export const ROLES: readonly Role[] = ["viewer", "agent", "operator", "supervisor", "admin"];
 
 /** A request that may need more than a login. */
 export type Command = keyof typeof OPERATIONS;
@@ -110,7 +110,8 @@ export function whyForbidden(command: Command): string | null {
   if (principal === null) return "Your login has ended. Log in first.";
   const { role, everyRobot } = OPERATIONS[command];
   if (ROLES.indexOf(principal.role) < ROLES.indexOf(role))
-    return `Needs the role ${role}; you are ${principal.role}.`;
+    // People are no agents.
+    return `Needs the role ${role === "agent" ? "operator" : role}; you are ${principal.role}.`;
   const limited = principal.robots.length + principal.actions.length > 0;
   return limited && everyRobot ? "This is about every robot, and your access is limited to some." : null;
 }

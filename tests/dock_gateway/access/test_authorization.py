@@ -212,6 +212,7 @@ def test_tokens_over_http(site: Site) -> None:
         assert "secret" not in listed.text
         assert [each["name"] for each in listed.json()["tokens"]] == [
             "admin",
+            "agent",
             "cron",
             "operator",
             "supervisor",

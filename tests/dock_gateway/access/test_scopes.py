@@ -14,6 +14,7 @@ from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -31,12 +32,19 @@ from tests.support.parts import Refusing
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 GOAL, UNKNOWN = "00000000-0000-4000-8000-000000000000", "00000000-0000-4000-8000-000000000001"
 ALERT = "x1"
+APPROVAL = "a1"
 
 
 async def _goal(goal_id: str, grant: Grant) -> Any:
     if goal_id != GOAL or not grant.covers_action(action := "/robot2/connect_to_charging_dock"):
         raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
     return SimpleNamespace(action_name=action)
+
+
+def _approval(approval_id: str, grant: Grant) -> str:
+    if approval_id != APPROVAL or not grant.covers_action("/robot2/dock"):
+        raise NotFound("it does not wait", code="approval_not_found")
+    return approval_id
 
 
 def _alert(alert_id: str, grant: Grant) -> Any:
@@ -59,6 +67,7 @@ class Other(Refusing):
                 ActionRegistry: SimpleNamespace(docking=docking),
                 RobotRegistry: SimpleNamespace(default_namespace=default_namespace),
                 AlertBoard: SimpleNamespace(get=_alert),
+                Approvals: SimpleNamespace(get=_approval),
                 Goals: SimpleNamespace(get=_goal),
             }
         )
@@ -96,6 +105,8 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
                 unknown = client.request(method, path_of(template).replace(GOAL, UNKNOWN))
                 assert (answer.status_code, answer.json()["code"]) == (404, "goal_not_found"), what
                 assert answer.text.replace(GOAL, UNKNOWN) == unknown.text, what
+            elif scope is Scope.APPROVAL:
+                assert (answer.status_code, answer.json()["code"]) == (404, "approval_not_found"), what
             elif scope is Scope.ALERT:
                 assert (answer.status_code, answer.json()["code"]) == (404, "alert_not_found"), what
             else:
@@ -144,7 +155,11 @@ def test_what_is_about_another_one_is_not(parts: Parts, scope: Scope, names: dic
 
 @pytest.mark.parametrize(
     ("scope", "name", "ids"),
-    [(Scope.GOAL, "goal_id", (GOAL, UNKNOWN)), (Scope.ALERT, "alert_id", (ALERT, "low_battery:/x"))],
+    [
+        (Scope.GOAL, "goal_id", (GOAL, UNKNOWN)),
+        (Scope.ALERT, "alert_id", (ALERT, "low_battery:/x")),
+        (Scope.APPROVAL, "approval_id", (APPROVAL, UNKNOWN)),
+    ],
 )
 def test_what_is_another_s_is_as_unknown_as_what_there_is_not(
     parts: Parts, scope: Scope, name: str, ids: tuple[str, str]
@@ -183,4 +198,4 @@ def test_a_list_of_topics_alone_limits_nothing_else(parts: Parts) -> None:
 def test_every_scope_is_used_and_known() -> None:
     used = {operation.scope for operation in (*(each for *_, each in REQUESTS), *OPERATIONS.values())}
     assert used == set(Scope)
-    assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED, Scope.ALERT}
+    assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED, Scope.ALERT, Scope.APPROVAL}

@@ -1,0 +1,1 @@
+"""`/mcp`: agents use the gateway by the Model Context Protocol."""

@@ -1,0 +1,48 @@
+"""`/approvals`: agents' goals to real robots, which wait until a person allows them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Request
+from starlette.responses import Response
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.grant import Role
+from dock_gateway.goals.approval_schema import Approval, ApprovalBody, ApprovalList
+from dock_gateway.goals.approvals import Approvals
+from dock_gateway.http.bodies import body_schema, read
+from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import NO_QUERY, json_response
+
+router = APIRouter(tags=["Approvals"], prefix="/approvals", dependencies=[NO_QUERY])
+
+ApprovalId = Annotated[str, Path(description="`approval_id` of what waits")]
+
+
+@router.get("", response_model=ApprovalList, responses=problems(422))
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_approvals(approvals: Part[Approvals], grant: TheGrant) -> Response:
+    """List the goals of agents that wait until a person allows them, oldest first."""
+    return json_response({"approvals": approvals.documents(grant)})
+
+
+@router.post(
+    "/{approval_id}",
+    response_model=Approval,
+    responses=problems(400, 404, 408, 413, 415, 422),
+    openapi_extra=body(body_schema(ApprovalBody), required=True),
+)
+@operation(Role.OPERATOR, Scope.APPROVAL)
+async def decide_approval(approval_id: ApprovalId, request: Request, approvals: Part[Approvals]) -> Response:
+    """Allow or refuse a goal that waits: this goal, once. It is sent at once if it is allowed.
+
+    A goal that has expired, was answered or was dropped by a stop is `404 approval_not_found`.
+    """
+    allow = (await read(ApprovalBody, request)).allow
+    approval = approvals.decide(approval_id, allow=allow, by=principal_of(request).name)
+    subject = f"{'allowed' if allow else 'refused'} {approval.agent}"
+    audited(request, robot=approval.robot, action_name=approval.action_name, subject=subject)
+    return json_response(approval.document())

@@ -1,0 +1,208 @@
+"""Approvals: an agent's goal to a real robot waits until a person allows it. In memory: a restart drops what waits."""
+
+import asyncio
+import uuid
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from typing import Any
+
+from dock_gateway.core.access import Principal
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound, TooManyRequests, Unavailable
+from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.filters import is_under, parent_of
+from dock_gateway.core.goal import Json, Verb, fragment
+from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.request import wait_while_permitted
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.robots.simulator import Simulators
+from dock_gateway.settings import Settings
+
+# Maximum number of goals that wait, of one agent and of all. Others need places among the goals on their way.
+MAX_OF_AGENT, MAX_WAITING = 3, 10
+# The topic of the hub that readers of the overview have.
+TOPIC = "robots"
+
+
+@dataclass(eq=False)
+class Approval:
+    """A goal that waits for a person. It is for this goal, once.
+
+    Attributes:
+        principal: The agent.
+        robot: The namespace of the robot, as far as it is known.
+        verb: Whether it docks or undocks the robot.
+        goal: The goal message.
+        refused: None if it was allowed, else why not.
+    """
+
+    principal: Principal
+    action_name: str
+    robot: str
+    verb: Verb | None
+    goal: Json
+    requested_at: datetime
+    expires_at: datetime
+    approval_id: str = field(default_factory=lambda: str(uuid.uuid4()))
+    refused: asyncio.Future[GatewayError | None] = field(default_factory=asyncio.Future)
+
+    @property
+    def agent(self) -> str:
+        """What the agent is called."""
+        return self.principal.name or self.principal.client or "an agent without a name"
+
+    def answer(self, refused: GatewayError | None) -> None:
+        """Answer it, unless it is answered."""
+        if not self.refused.done():
+            self.refused.set_result(refused)
+
+    def document(self) -> dict[str, Any]:
+        """Return it as `GET /approvals` shows it, ready for `orjson`."""
+        return {
+            "approval_id": self.approval_id,
+            "agent": self.agent,
+            "client": self.principal.client,
+            "robot": self.robot,
+            "action_name": self.action_name,
+            "verb": self.verb,
+            "goal": fragment(self.goal),
+            "requested_at": self.requested_at,
+            "expires_at": self.expires_at,
+        }
+
+
+class Approvals:
+    """The goals that wait for a person.
+
+    Args:
+        settings: How long they wait.
+        hub: Receives events.
+        actions: Which of them dock robots.
+        simulators: Which robots are simulated: a goal to those waits for nobody.
+    """
+
+    def __init__(self, settings: Settings, hub: Hub, actions: ActionRegistry, simulators: Simulators) -> None:
+        self._settings = settings
+        self._catalog = DockingCatalog(settings)
+        self._hub = hub
+        self._actions = actions
+        self._simulators = simulators
+        self._waiting: dict[str, Approval] = {}
+        self._asked = asyncio.Event()
+
+    async def require(self, principal: Principal, action_name: str, goal: Json) -> None:
+        """Wait until a person has allowed a goal of an agent; at once if the robot is simulated.
+
+        Raises:
+            NotAllowed: A person has refused it (`approval_refused`), or nobody has answered (`approval_expired`).
+            Conflict: A stop was requested meanwhile (`stopped`).
+            NotAuthenticated: The agent's login has ended meanwhile (`invalid_token`).
+            TooManyRequests: Too many goals wait already (`too_many_approvals`).
+            Unavailable: The gateway closes.
+        """
+        robot = self._robot_of(action_name)
+        if self._is_simulated(action_name, robot):
+            return
+        approval = self._ask(principal, action_name, robot, goal)
+        try:
+            await wait_while_permitted(self._wait(approval))
+        finally:
+            del self._waiting[approval.approval_id]
+            self._publish()
+        if not approval.refused.done():
+            within = f"{self._settings.approval_timeout:g} s"
+            raise NotAllowed(
+                f"no operator has allowed the goal on the dashboard within {within}", code="approval_expired"
+            )
+        if (refused := approval.refused.result()) is not None:
+            raise refused
+
+    def _ask(self, principal: Principal, action_name: str, robot: str, goal: Json) -> Approval:
+        own = [each for each in self._waiting.values() if each.agent == (principal.name or principal.client)]
+        if len(own) >= MAX_OF_AGENT or len(self._waiting) >= MAX_WAITING:
+            raise TooManyRequests(
+                f"{len(own) or len(self._waiting)} goals of agents already wait for a person",
+                code="too_many_approvals",
+            )
+        now = utc_now()
+        expires = now + timedelta(seconds=self._settings.approval_timeout)
+        action = self._actions.get(action_name)
+        verb = None if action is None else action.verb
+        approval = Approval(principal, action_name, robot, verb, goal, now, expires)
+        self._waiting[approval.approval_id] = approval
+        self._publish()
+        self._asked.set()
+        self._asked.clear()
+        return approval
+
+    async def _wait(self, approval: Approval) -> None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(self._settings.approval_timeout):
+                await asyncio.shield(approval.refused)
+
+    def _robot_of(self, action_name: str) -> str:
+        return parent_of(self._catalog.place_of(action_name))
+
+    def _is_simulated(self, action_name: str, robot: str) -> bool:
+        """Whether an action can only be one of a simulated robot: it is in its namespace, and serves no other."""
+        return action_name not in self._catalog.shared and self._simulators.find(robot) is not None
+
+    # ------------------------------------------------------------------ answers
+
+    def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
+        """Return what waits, oldest first, as far as a grant covers it."""
+        return [each.document() for each in self._waiting.values() if grant.covers_action(each.action_name)]
+
+    def get(self, approval_id: str, grant: Grant = UNLIMITED) -> Approval:
+        """Return what waits.
+
+        Raises:
+            NotFound: It does not wait, or the grant does not cover it (`approval_not_found`).
+        """
+        approval = self._waiting.get(approval_id)
+        if approval is None or approval.refused.done() or not grant.covers_action(approval.action_name):
+            raise NotFound(
+                "this goal does not wait for approval: it was answered, expired, or a stop has dropped it",
+                code="approval_not_found",
+            )
+        return approval
+
+    async def asked_by(self, principal: Principal) -> Approval:
+        """Wait until a request of an agent waits for a person; return what waits.
+
+        Args:
+            principal: The very object that the request was authorized with.
+        """
+        while True:
+            for approval in self._waiting.values():
+                if approval.principal is principal:
+                    return approval
+            await self._asked.wait()
+
+    def decide(self, approval_id: str, *, allow: bool, by: str | None) -> Approval:
+        """Allow or refuse a goal.
+
+        Raises:
+            NotFound: It does not wait (`approval_not_found`).
+        """
+        approval = self.get(approval_id)
+        refusal = NotAllowed(f"{by or 'a person'} has refused the goal", code="approval_refused")
+        approval.answer(None if allow else refusal)
+        return approval
+
+    def drop(self, robot: str) -> None:
+        """Drop what waits for a robot that is stopped, or for one below it."""
+        for approval in self._waiting.values():
+            if is_under(approval.robot, robot) or approval.action_name in self._catalog.shared:
+                approval.answer(Conflict("a stop was requested while the goal waited for approval", code="stopped"))
+
+    def _publish(self) -> None:
+        if self._hub.watched(TOPIC):
+            self._hub.publish(fleet_event("approvals", utc_now(), approvals=self.documents()))
+
+    async def close(self) -> None:
+        """Drop what waits."""
+        for approval in self._waiting.values():
+            approval.answer(Unavailable("the gateway is shutting down", code="shutting_down"))
