@@ -33,6 +33,7 @@ from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
 from dock_gateway.robots import battery_routes, calibration_routes, simulator_routes
+from dock_gateway.rosbridge import routes as rosbridge_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
 from dock_gateway.stop import routes as stop_routes
@@ -88,6 +89,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         health_routes,
         socket,
         topics,
+        rosbridge_routes,
     )
     return (*dock_routes.routers, *(module.router for module in modules))
 

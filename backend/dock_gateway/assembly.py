@@ -59,6 +59,7 @@ from dock_gateway.ros.graph import Scan, scan
 from dock_gateway.ros.robot_ports import DiagnosticsPort
 from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.ros.velocity import VelocityListener
+from dock_gateway.rosbridge.relays import Relays
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import Acknowledgement, AuditSpool, History, RobotLabel, open_history
@@ -217,6 +218,7 @@ async def _open(
             Subjects: Subjects(settings, actions.action_of, robots.namespaces),
             GraphCache: graph,
             EchoRegistry: echoes,
+            Relays: _closed_by(stack, Relays(bridge, graph)),
         }
     )
     _observe(parts, stack)

@@ -45,18 +45,23 @@ class Event:
 
     @cached_property
     def frame(self) -> bytes:
-        """The event as an uncompressed WebSocket frame from a server (RFC 6455, section 5.2)."""
-        size = len(self.data)
-        if size < 126:
-            return struct.pack("!BB", 0x81, size) + self.data
-        if size < 65_536:
-            return struct.pack("!BBH", 0x81, 126, size) + self.data
-        return struct.pack("!BBQ", 0x81, 127, size) + self.data
+        """The event as an uncompressed WebSocket frame from a server."""
+        return websocket_frame(self.data)
 
     @cached_property
     def text(self) -> str:
         """The data as a WebSocket text message."""
         return self.data.decode()
+
+
+def websocket_frame(data: bytes, *, binary: bool = False) -> bytes:
+    """Return an uncompressed WebSocket frame from a server (RFC 6455, section 5.2)."""
+    first, size = 0x82 if binary else 0x81, len(data)
+    if size < 126:
+        return struct.pack("!BB", first, size) + data
+    if size < 65_536:
+        return struct.pack("!BBH", first, 126, size) + data
+    return struct.pack("!BBQ", first, 127, size) + data
 
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)

@@ -1,6 +1,7 @@
 """Subscriptions to any topic as bytes: every message is counted, but only displayed ones are decoded."""
 
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -58,9 +59,17 @@ class EchoType:
             Exception: The bytes are not such a message.
         """
         began = time.thread_time()
-        decoded = deserialize_message(message, self.message_class)
+        decoded = self.decode(message)
         lengths = abbreviate(decoded)
         return Reading(codec(self.message_class).encode(decoded), lengths, time.thread_time() - began)
+
+    def decode(self, message: bytes) -> Any:
+        """Return a message as an instance of `message_class`; thread-safe.
+
+        Raises:
+            Exception: The bytes are not such a message.
+        """
+        return deserialize_message(message, self.message_class)
 
 
 class Reading(NamedTuple):
@@ -82,6 +91,7 @@ class EchoPort:
         latched: Whether earlier messages are requested.
         on_news: Called on the loop at the first message after each `tell_next`.
         heard: Counts and newest message of an earlier port.
+        keep: Number of messages that are kept until they are taken, besides the newest one.
     """
 
     def __init__(
@@ -94,7 +104,9 @@ class EchoPort:
         latched: bool,
         on_news: Callable[[], None],
         heard: Heard,
+        keep: int = 0,
     ) -> None:
+        self._kept: deque[bytes] = deque(maxlen=keep)
         self.heard = heard._replace(newest=None)
         self._bridge = bridge
         self._on_news = on_news
@@ -117,9 +129,17 @@ class EchoPort:
         """Call `on_news` once, at the next message."""
         self._waited_for = True
 
+    def take(self) -> list[bytes]:
+        """Return the messages since the last call, oldest first. If there were more than `keep`, the newest ones."""
+        taken = []
+        while self._kept:
+            taken.append(self._kept.popleft())
+        return taken
+
     def _hear(self, message: bytes, info: dict[str, Any]) -> None:
         before = self.heard
         self.heard = Heard(before.messages + 1, before.size + len(message), message, info["source_timestamp"])
+        self._kept.append(message)
         if self._waited_for:
             self._waited_for = False
             self._bridge.to_loop(self._on_news)

@@ -17,6 +17,7 @@ PACKAGE_NAME = r"[a-z][a-z0-9_]{0,99}"
 TYPE_NAME = r"[A-Z][A-Za-z0-9]{0,99}"
 _ACTION_TYPE = re.compile(f"({PACKAGE_NAME})/action/({TYPE_NAME})")
 _MESSAGE_TYPE = re.compile(f"({PACKAGE_NAME})/(?:msg/({TYPE_NAME})|action/({TYPE_NAME})_FeedbackMessage)")
+_SERVICE_TYPE = re.compile(f"({PACKAGE_NAME})/srv/({TYPE_NAME})")
 _INDEX = Path("share/ament_index/resource_index/rosidl_interfaces")
 
 
@@ -54,6 +55,22 @@ def load_message(type_name: str) -> Any:
     if not hasattr(message, "get_fields_and_field_types"):
         raise ImportError(f"the ROS interfaces {package} have no message {name}")
     return message
+
+
+def load_service(type_name: str) -> Any:
+    """Import the Python class of a service type such as `std_srvs/srv/Trigger`.
+
+    Raises:
+        ImportError: The name is not a service type, the package is not installed, or it has no such service.
+    """
+    match = _SERVICE_TYPE.fullmatch(type_name)
+    if not match:
+        raise ImportError(f"{type_name[:200]!r} is not a service type such as package/srv/Name")
+    package, name = match.groups()
+    service = _load(package, "srv", name)
+    if not (hasattr(service, "Request") and hasattr(service, "Response")):
+        raise ImportError(f"the ROS interfaces {package} have no service {name}")
+    return service
 
 
 def _load(package: str, kind: str, name: str) -> Any:

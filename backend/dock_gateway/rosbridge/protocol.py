@@ -1,0 +1,175 @@
+"""The operations of rosbridge v2 as a client sends them, and the messages that it is sent. No ROS, no socket."""
+
+from enum import IntEnum
+from typing import Annotated, Any, Literal
+
+import orjson
+from pydantic import BaseModel, ConfigDict, Field
+
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, NotAllowed
+from dock_gateway.core.goal import GoalStatus, encode
+
+Json = dict[str, Any]
+Identity = str | int | None
+
+# Characters of an id: clients put the name of an action or a service into it.
+MAX_ID = 1000
+Name = Annotated[str, Field(min_length=1, max_length=300)]
+
+
+class Level(IntEnum):
+    """The levels of status messages. A client is sent those up to its own."""
+
+    none = 0
+    error = 1
+    warning = 2
+    info = 3
+
+
+class Compression(IntEnum):
+    """The compressions of a subscription. If a client has several of one topic, the greatest is used."""
+
+    none = 0
+    cbor = 2
+
+
+class Operation(BaseModel):
+    """An operation. Fields that are not known are ignored, as rosbridge does."""
+
+    model_config = ConfigDict(extra="ignore")
+
+
+class Subscribe(Operation):
+    """Send the messages of a topic.
+
+    Attributes:
+        topic: Its name.
+        type: Its type, such as `std_msgs/msg/String` or `std_msgs/String`. Needed if nobody has the topic yet.
+        throttle_rate: Minimum milliseconds between two messages.
+        queue_length: Number of messages that wait for a client that is slow, or for `throttle_rate`.
+        compression: How messages are encoded.
+    """
+
+    topic: Name
+    type: str | None = None
+    throttle_rate: Annotated[float, Field(ge=0, le=86_400_000)] = 0
+    queue_length: Annotated[int, Field(ge=0)] = 0
+    compression: Literal["none", "cbor"] | None = None
+
+
+class Unsubscribe(Operation):
+    """Send no more messages of a topic."""
+
+    topic: Name
+
+
+class SendActionGoal(Operation):
+    """Send a goal."""
+
+    action: Name
+    action_type: str | None = None
+    args: Any = None
+    feedback: bool = False
+
+
+class CancelActionGoal(Operation):
+    """Cancel a goal by the `id` of its `send_action_goal`."""
+
+    action: str | None = None
+
+
+class CallService(Operation):
+    """Call a service."""
+
+    service: Name
+    args: Any = None
+
+
+class SetLevel(Operation):
+    """Choose which status messages are sent."""
+
+    level: Literal["none", "error", "warning", "info"]
+
+
+# Operations of rosbridge that the gateway does not have, and why.
+REFUSED = {
+    "advertise_service": "a client cannot offer services through the gateway",
+    "unadvertise_service": "a client cannot offer services through the gateway",
+    "service_response": "a client cannot offer services through the gateway",
+    "advertise_action": "a client cannot offer actions through the gateway",
+    "unadvertise_action": "a client cannot offer actions through the gateway",
+    "action_feedback": "a client cannot offer actions through the gateway",
+    "action_result": "a client cannot offer actions through the gateway",
+    "auth": "log in with a token or a ticket when you connect",
+}
+
+
+def read_operation(text: str | bytes) -> tuple[str, Identity, Json]:
+    """Return the name, the id and the other fields of an operation.
+
+    Raises:
+        MalformedRequest: It is not JSON.
+        InvalidField: It is not an operation.
+        NotAllowed: It is one that the gateway does not have on purpose.
+    """
+    try:
+        message = orjson.loads(text)
+    except orjson.JSONDecodeError as error:
+        raise MalformedRequest(f"the message is not JSON: {error}") from None
+    if not isinstance(message, dict):
+        raise InvalidField([FieldError("", "an object with op", "got something else")])
+    op, identity = message.pop("op", None), message.pop("id", None)
+    if not isinstance(op, str):
+        raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
+    if not isinstance(identity, str | int | None) or len(str(identity)) > MAX_ID:
+        raise InvalidField([FieldError("id", f"a text of at most {MAX_ID} characters", "got something else")])
+    if op in REFUSED:
+        raise NotAllowed(REFUSED[op], code="not_supported")
+    return op, identity, message
+
+
+def split_name(name: str, identity: Identity) -> tuple[str, Identity]:
+    """Return a name without the id that old clients put behind it (`/service#7`), and the id."""
+    plain, separator, behind = name.partition("#")
+    return plain, behind if separator and identity is None else identity
+
+
+def full_type(name: str, kind: str = "msg") -> str:
+    """Return `std_msgs/msg/String` for `std_msgs/String`, too."""
+    package, separator, rest = name.partition("/")
+    return name if not separator or "/" in rest else f"{package}/{kind}/{rest}"
+
+
+def status(level: Level, text: str, identity: Identity) -> bytes:
+    """Return a status message."""
+    return _message("status", identity, level=level.name, msg=text)
+
+
+def service_response(service: str, identity: Identity, values: Any, *, result: bool = True) -> bytes:
+    """Return the answer of a service; if it failed, `values` says why."""
+    return _message("service_response", identity, service=service, values=values, result=result)
+
+
+def action_feedback(action: str, identity: Identity, values: Any) -> bytes:
+    """Return the feedback of a goal."""
+    return _message("action_feedback", identity, action=action, values=values)
+
+
+# action_msgs/GoalStatus, where a goal has a result: rosbridge calls each of them a success.
+_ENDED = {GoalStatus.SUCCEEDED: 4, GoalStatus.CANCELED: 5, GoalStatus.ABORTED: 6}
+
+
+def action_result(action: str, identity: Identity, status: GoalStatus, values: Any, reason: str = "") -> bytes:
+    """Return the end of a goal; without its result (`values` None), the reason."""
+    code = _ENDED.get(status, 0)
+    values = reason if values is None else values
+    return _message("action_result", identity, action=action, values=values, status=code, result=values is not reason)
+
+
+def published(topic: str, message: Any) -> bytes:
+    """Return a message on a topic."""
+    return _message("publish", None, topic=topic, msg=message)
+
+
+def _message(op: str, identity: Identity, **fields: Any) -> bytes:
+    return encode({"op": op, **fields} | ({} if identity is None else {"id": identity}))

@@ -1,0 +1,217 @@
+"""A relayed topic: one subscription for all clients, each message encoded once for each compression."""
+
+import asyncio
+import logging
+from asyncio import Task
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+from dock_gateway.core.errors import GatewayError, NotFound
+from dock_gateway.core.event import websocket_frame
+from dock_gateway.core.graph import Topic
+from dock_gateway.core.tasks import cancel
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.echo import Listening, listening_for
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
+from dock_gateway.rosbridge import cbor
+from dock_gateway.rosbridge.protocol import Compression, published
+from dock_gateway.rosbridge.values import cbor_values, json_values
+
+log = logging.getLogger(__name__)
+
+# Seconds between two checks of a topic: who publishes it, and how.
+TICK = 1.0
+# Messages that are kept while earlier ones are encoded.
+KEEP = 200
+# Bytes of a message that is encoded on the event loop; a longer one is encoded in a thread.
+SMALL = 4096
+
+
+@dataclass(frozen=True)
+class Payload:
+    """An encoded message."""
+
+    data: bytes
+    binary: bool
+
+    @cached_property
+    def frame(self) -> bytes:
+        """The message as a WebSocket frame."""
+        return websocket_frame(self.data, binary=self.binary)
+
+
+class Published:
+    """A message on a topic.
+
+    Attributes:
+        size: Its number of bytes in ROS.
+    """
+
+    def __init__(self, topic: str, kind: EchoType, message: bytes) -> None:
+        self.size = len(message)
+        self._topic = topic
+        self._kind = kind
+        self._message = message
+        self._payloads: dict[Compression, Payload | None] = {}
+        self._encoding: dict[Compression, Task[Payload | None]] = {}
+
+    async def payload(self, compression: Compression) -> Payload | None:
+        """Return the message as clients get it; None if its bytes are not of its type."""
+        if compression not in self._payloads:
+            if self.size <= SMALL:
+                self._payloads[compression] = self._encode(compression)
+            else:
+                if compression not in self._encoding:
+                    encoding = asyncio.to_thread(self._encode, compression)
+                    self._encoding[compression] = asyncio.create_task(encoding)
+                self._payloads[compression] = await asyncio.shield(self._encoding[compression])
+        return self._payloads[compression]
+
+    def _encode(self, compression: Compression) -> Payload | None:
+        try:
+            message = self._kind.decode(self._message)
+            if compression is Compression.cbor:
+                document = {"op": "publish", "topic": self._topic, "msg": cbor_values(message)}
+                return Payload(cbor.encode(document), binary=True)
+            return Payload(published(self._topic, json_values(message)), binary=False)
+        except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
+            log.debug("a message on %s cannot be read as %s: %s", self._topic, self._kind.name, error)
+            return None
+
+
+class Outlet(Protocol):
+    """A client's end of a relayed topic."""
+
+    async def offer(self, message: Published) -> None:
+        """Take a message; waits for nothing but its encoding."""
+
+
+class Relay:
+    """One topic, for all its clients.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of the topic.
+        topic: The current state of the topic.
+        tick: See `TICK`.
+
+    Attributes:
+        outlets: The clients.
+    """
+
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
+        self.outlets: set[Outlet] = set()
+        self._tick = tick
+        self._bridge = bridge
+        self._graph = graph
+        self._topic = topic
+        self._kind: EchoType | None = None
+        self._listening: Listening | None = None
+        self._port: EchoPort | None = None
+        self._newest: Published | None = None
+        self._changed = asyncio.Event()
+        self._task: Task[None] | None = None
+
+    @property
+    def kind(self) -> str:
+        """The type of the topic."""
+        return "" if self._kind is None else self._kind.name
+
+    async def open(self, type_name: str | None) -> None:
+        """Subscribe to the topic.
+
+        Args:
+            type_name: Its type, if nobody has the topic yet.
+
+        Raises:
+            NotFound: Its messages cannot be read: their package is not installed (`interface_not_found`).
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        types = self._topic.types or [type_name or ""]
+        at_first = Listening(types[0], reliable=False, latched=False)
+        listening = listening_for(self._topic, at_first)
+        await self._listen(listening)
+        if self._kind is None or not self._kind.installed:
+            raise NotFound(f"{self._topic.name}: {self._kind and self._kind.hint}", code="interface_not_found")
+        self._task = asyncio.create_task(self._run())
+
+    async def close(self) -> None:
+        """End the subscription."""
+        if self._task is not None:
+            await cancel(self._task)
+        if self._port is not None:
+            self._bridge.to_ros(self._port.close)
+
+    async def add(self, outlet: Outlet) -> None:
+        """Add a client. If the topic's publishers keep earlier messages, the client gets the last one."""
+        if self._newest is not None:
+            await outlet.offer(self._newest)
+        self.outlets.add(outlet)
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        tick = loop.time() + self._tick
+        while True:
+            try:
+                await self._wait(tick)
+                await self._pass_on()
+                if loop.time() >= tick:
+                    tick = loop.time() + self._tick
+                    await self._look_again()
+            except GatewayError as error:
+                log.warning("cannot subscribe to %s: %s", self._topic.name, error.detail)
+            except Exception:
+                log.exception("while reading %s", self._topic.name)
+                await asyncio.sleep(self._tick)
+
+    async def _wait(self, until: float) -> None:
+        if self._port is not None:
+            self._port.tell_next()
+        try:
+            async with asyncio.timeout_at(until):
+                await self._changed.wait()
+        except TimeoutError:
+            pass
+        self._changed.clear()
+
+    async def _pass_on(self) -> None:
+        if self._port is None or self._kind is None:
+            return
+        for message in self._port.take():
+            newest = Published(self._topic.name, self._kind, message)
+            for outlet in tuple(self.outlets):
+                await outlet.offer(newest)
+            self._newest = newest if self._listening is not None and self._listening.latched else None
+
+    async def _look_again(self) -> None:
+        try:
+            self._topic = await self._graph.topic(self._topic.name)
+        except NotFound:  # it may come back
+            return
+        listening = listening_for(self._topic, self._listening)
+        if listening != self._listening:
+            await self._listen(listening)
+
+    async def _listen(self, listening: Listening) -> None:
+        if self._kind is None or self._kind.name != listening.kind:
+            self._kind = await asyncio.to_thread(EchoType, listening.kind)
+        kind, before = self._kind, self._port
+
+        def change() -> EchoPort:
+            if before is not None:
+                before.close()
+            return EchoPort(
+                self._bridge,
+                self._topic.name,
+                kind,
+                reliable=listening.reliable,
+                latched=listening.latched,
+                on_news=self._changed.set,
+                heard=Heard(),
+                keep=KEEP,
+            )
+
+        self._port, self._listening = await self._bridge.call(change, undo=EchoPort.close), listening
+        self._changed.set()

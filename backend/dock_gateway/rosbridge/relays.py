@@ -1,0 +1,89 @@
+"""The relayed topics: those that clients of rosbridge have subscribed to."""
+
+import asyncio
+import logging
+
+from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound, TooManyRequests
+from dock_gateway.core.graph import Topic
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.rosbridge.relay import Outlet, Relay
+
+log = logging.getLogger(__name__)
+
+MAX_TOPICS = 100
+
+
+class Relays:
+    """All relayed topics.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of a topic.
+    """
+
+    def __init__(self, bridge: Bridge, graph: GraphCache) -> None:
+        self._bridge = bridge
+        self._graph = graph
+        self._relays: dict[str, Relay] = {}
+        self._changing = asyncio.Lock()
+
+    async def join(self, topic: str, type_name: str | None, outlet: Outlet) -> None:
+        """Pass a topic on to a client until it leaves.
+
+        Args:
+            topic: Absolute name.
+            type_name: Its type, as the client knows it. Needed if nobody has the topic yet.
+            outlet: Receives the messages.
+
+        Raises:
+            Conflict: The topic has another type (`type_conflict`).
+            InvalidField: Nobody has the topic, and the client does not know its type.
+            NotFound: Its messages cannot be read here (`interface_not_found`).
+            TooManyRequests: Too many topics are relayed.
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        async with self._changing:
+            relay = self._relays.get(topic) or await self._open(topic, type_name)
+            if type_name not in (None, relay.kind):
+                await self._close_unused(topic)
+                raise Conflict(f"the topic {topic} has the type {relay.kind}", code="type_conflict")
+            await relay.add(outlet)
+
+    async def leave(self, topic: str, outlet: Outlet) -> None:
+        """Pass a topic on to a client no more."""
+        async with self._changing:
+            self._relays[topic].outlets.discard(outlet)
+            await self._close_unused(topic)
+
+    async def _open(self, topic: str, type_name: str | None) -> Relay:
+        try:
+            found = await self._graph.topic(topic)
+        except NotFound:
+            if type_name is None:
+                unknown = "nobody has this topic yet, so its type has to be given"
+                raise InvalidField([FieldError("type", "the type of the topic", unknown)]) from None
+            found = Topic(topic, [], [])
+        if len(self._relays) >= MAX_TOPICS:
+            raise TooManyRequests(f"{MAX_TOPICS} topics are already subscribed to")
+        relay = Relay(self._bridge, self._graph, found)
+        try:
+            await relay.open(type_name)
+        except BaseException:
+            await relay.close()
+            raise
+        self._relays[topic] = relay
+        log.info("subscribed to %s for rosbridge", topic)
+        return relay
+
+    async def _close_unused(self, topic: str) -> None:
+        relay = self._relays[topic]
+        if not relay.outlets:
+            del self._relays[topic]
+            await relay.close()
+            log.info("unsubscribed from %s for rosbridge", topic)
+
+    async def close(self) -> None:
+        """End every subscription."""
+        for relay in self._relays.values():
+            await relay.close()

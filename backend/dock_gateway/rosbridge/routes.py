@@ -1,0 +1,28 @@
+"""`/rosbridge`: the WebSocket for clients of rosbridge."""
+
+from fastapi import APIRouter, Depends, WebSocket
+
+from dock_gateway.access.authorization import subscribed
+from dock_gateway.core.grant import Role
+from dock_gateway.http.edge.websocket import frame_writer
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import AllParts
+from dock_gateway.http.principal import TICKET, principal_of
+from dock_gateway.http.requests import known_query
+from dock_gateway.rosbridge.session import Session
+
+router = APIRouter()
+
+
+@router.websocket("/rosbridge", dependencies=[Depends(known_query(TICKET))])
+@operation(Role.VIEWER, Scope.LISTED)
+async def rosbridge(websocket: WebSocket, parts: AllParts) -> None:
+    """Speak rosbridge v2: receive operations, send messages of topics, feedback and results."""
+    principal = principal_of(websocket)
+    session = Session(websocket, parts, principal, frame_writer(websocket))
+    with subscribed(parts, principal, session.event_filter) as place:
+        try:
+            await websocket.accept()
+            await session.run(place)
+        finally:
+            await session.close()

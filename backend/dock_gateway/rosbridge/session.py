@@ -1,0 +1,307 @@
+"""One connection of a rosbridge client: reads its operations, and answers each.
+
+Goals are the gateway's: they survive a broken connection. What a client may do is what it may do at `/ws`.
+"""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from fastapi import WebSocket
+from starlette.types import Message
+from starlette.websockets import WebSocketDisconnect
+
+from dock_gateway.access.authorization import authorize_command
+from dock_gateway.audit.trail import audited_command
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import GatewayError, NotAllowed, TooManyRequests
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Role
+from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
+from dock_gateway.http.bodies import read_fields
+from dock_gateway.http.operation import Audit, Scope, operation, operation_of
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.problems import INTERNAL
+from dock_gateway.http.slow_clients import send_in_time
+from dock_gateway.rosbridge import rosapi
+from dock_gateway.rosbridge.goals import ClientGoals, failure
+from dock_gateway.rosbridge.protocol import (
+    CallService,
+    CancelActionGoal,
+    Identity,
+    Json,
+    Level,
+    SendActionGoal,
+    SetLevel,
+    Subscribe,
+    Unsubscribe,
+    full_type,
+    read_operation,
+    service_response,
+    split_name,
+    status,
+)
+from dock_gateway.rosbridge.relay import Payload
+from dock_gateway.rosbridge.relays import Relays
+from dock_gateway.rosbridge.subscriptions import Subscriptions
+from dock_gateway.settings import Settings
+from dock_gateway.streams.commands import COMMANDS
+from dock_gateway.streams.events import CLOSE_CODES, until_one_ends
+from dock_gateway.streams.feed import end_of
+
+log = logging.getLogger(__name__)
+
+# Services of the gateway itself: the commands of `/ws` with these names.
+OWN_SERVICES = {f"/dock_gateway/{name}": name for name in ("stop", "release_stop")}
+STOP = "stop"
+CANCEL = "cancel_action_goal"
+
+
+class Session:
+    """One connection.
+
+    Args:
+        websocket: The connection.
+        parts: Carry out the operations.
+        principal: The user who sends them.
+        writer: Writes frames past the queue; None if the connection cannot.
+        max_operations: Maximum number of operations in progress; more are refused.
+        max_urgent: Cancels and stops in addition to them. They are never refused: beyond this, the socket is not read
+            until one is answered.
+
+    Attributes:
+        event_filter: The events that the connection needs.
+    """
+
+    def __init__(
+        self,
+        websocket: WebSocket,
+        parts: Parts,
+        principal: Principal,
+        writer: FrameWriter | None,
+        *,
+        max_operations: int = 64,
+        max_urgent: int = 64,
+    ) -> None:
+        self._websocket = websocket
+        self._parts = parts
+        self._principal = principal
+        self._max_operations = max_operations
+        self._max_urgent = max_urgent
+        self._level = Level.error
+        self._goals = ClientGoals(self._send)
+        self._subscriptions = Subscriptions(parts[Relays], writer)
+        self._sending = asyncio.Lock()
+        self._in_order = asyncio.Lock()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._closed = False
+        self.event_filter: EventFilter = self._goals.event_filter
+
+    async def run(self, place: Subscriber) -> None:
+        """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
+        await until_one_ends(self._read(), self._follow(place), self._subscriptions.send_all(self._send_payload))
+        await self._close("too_slow")
+
+    async def close(self) -> None:
+        """End the subscriptions. Operations in progress continue, and goals that are running."""
+        self._closed = True
+        async with self._in_order:
+            await self._subscriptions.close()
+
+    async def _follow(self, place: Subscriber) -> None:
+        hub = self._parts[Hub]
+        while not (hub.closing or place.expelled or place.overrun):
+            events, _ = await place.take(60.0)
+            if not place.expelled:
+                await self._goals.on_events(events)
+        await self._close(end_of(place))
+
+    # ------------------------------------------------------------------ operations
+
+    async def _read(self) -> None:
+        """Carry out what the client sends, each operation in a task of its own, until it disconnects."""
+        while True:
+            received = await self._websocket.receive()
+            if received["type"] == "websocket.disconnect":
+                return
+            if len(self._tasks) >= self._max_operations and not _is_urgent(received):
+                error = TooManyRequests(f"{self._max_operations} operations are already in progress")
+                await self._report(Level.error, error.detail, None)
+                continue
+            while len(self._tasks) >= self._max_operations + self._max_urgent:
+                await asyncio.wait(self._tasks, return_when=asyncio.FIRST_COMPLETED)
+            task = asyncio.create_task(self._handle(received))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _handle(self, received: Message) -> None:
+        op, identity = "", None
+        try:
+            op, identity, fields = read_operation(_text(received))
+            operate = OPERATIONS.get(op)
+            if operate is None:
+                known = ", ".join(OPERATIONS)
+                await self._report(Level.error, f"unknown operation {op[:60]!r}: expected one of {known}", identity)
+            elif op in IN_ORDER:
+                async with self._in_order:
+                    await operate(self, fields, identity)
+            else:
+                await operate(self, fields, identity)
+        except GatewayError as error:
+            await self._report(Level.error, f"{op}: {error.detail}" if op else error.detail, identity)
+        except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
+            log.debug("an answer could not be sent: %s", error)
+        except Exception:
+            log.exception("an operation failed")
+            await self._report(Level.error, f"{op}: {INTERNAL.detail}", identity)
+
+    async def _authorize(self, function: Callable[..., object], op: str, fields: Json) -> None:
+        await authorize_command(self._parts, self._principal, op, operation_of(function), fields)
+
+    async def _command(self, name: str, fields: Json) -> Json:
+        """Carry out a command of `/ws`."""
+        command = COMMANDS[name]
+
+        async def carry_out() -> Json:
+            await self._authorize(command, name, fields)
+            return await command(self._parts, self._principal, fields)
+
+        return await audited_command(self._websocket.scope, name, operation_of(command), fields, carry_out)
+
+    @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
+    async def subscribe(self, fields: Json, identity: Identity) -> None:
+        """Send the messages of a topic."""
+        request = read_fields(Subscribe, fields)
+        await self._authorize(Session.subscribe, "subscribe", fields)
+        if self._closed:
+            return
+        topic = self._parts[Settings].resolve(request.topic, "")
+        type_name = full_type(request.type) if request.type else None
+        await self._subscriptions.subscribe(topic, type_name, identity, request)
+        await self._report(Level.info, f"subscribed to {topic}", identity)
+
+    async def unsubscribe(self, fields: Json, identity: Identity) -> None:
+        """Send no more messages of a topic."""
+        topic = self._parts[Settings].resolve(read_fields(Unsubscribe, fields).topic, "")
+        await self._subscriptions.unsubscribe(topic, identity)
+        await self._report(Level.info, f"unsubscribed from {topic}", identity)
+
+    async def send_action_goal(self, fields: Json, identity: Identity) -> None:
+        """Send a goal, then its feedback and its end."""
+        request = read_fields(SendActionGoal, fields)
+        action, identity = split_name(request.action, identity)
+        name = self._parts[Settings].resolve(action, "")
+        command = {"action": name, "goal": {} if request.args in (None, []) else request.args}
+        try:
+            submit = partial(self._submit, command)
+            type_name = await self._goals.submit(request, identity, name, submit)
+        except GatewayError as error:
+            await self._send(failure(request, identity, error))
+            return
+        if request.action_type and full_type(request.action_type, "action") != type_name:
+            text = f"send_action_goal: {name} has the type {type_name}, not {request.action_type[:200]}"
+            await self._report(Level.warning, text, identity)
+
+    async def _submit(self, command: Json) -> Json:
+        goal: Json = (await self._command("send_goal", command))["goal"]
+        return goal
+
+    async def cancel_action_goal(self, fields: Json, identity: Identity) -> None:
+        """Cancel a goal of this connection."""
+        _, identity = split_name(read_fields(CancelActionGoal, fields).action or "", identity)
+        await self._command("cancel_goal", {"goal_id": await self._goals.goal_id(identity)})
+
+    async def call_service(self, fields: Json, identity: Identity) -> None:
+        """Call a service of the gateway: one of `/rosapi`, or a stop."""
+        request = read_fields(CallService, fields)
+        service, identity = split_name(request.service, identity)
+        try:
+            values = await self._call(self._parts[Settings].resolve(service, ""), request.args)
+        except GatewayError as error:
+            await self._send(service_response(request.service, identity, error.detail, result=False))
+        else:
+            await self._send(service_response(request.service, identity, values))
+
+    async def _call(self, service: str, args: Any) -> Json:
+        if service.startswith(rosapi.PREFIX):
+            return await self._ask_rosapi(service, args)
+        if service in OWN_SERVICES:
+            return await self._command(OWN_SERVICES[service], args if isinstance(args, dict) else {})
+        raise NotAllowed(f"{service[:200]} cannot be called through the gateway", code="not_supported")
+
+    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+    async def _ask_rosapi(self, service: str, args: Any) -> Json:
+        await self._authorize(Session._ask_rosapi, "call_service", {})
+        return await rosapi.answer(self._parts, self._principal.grant, service, args)
+
+    async def set_level(self, fields: Json, _: Identity) -> None:
+        """Choose which status messages are sent."""
+        self._level = Level[read_fields(SetLevel, fields).level]
+
+    # ------------------------------------------------------------------ sending
+
+    async def _report(self, level: Level, text: str, identity: Identity) -> None:
+        if level <= self._level:
+            with suppress(WebSocketDisconnect, TimeoutError, RuntimeError):
+                await self._send(status(level, text, identity))
+
+    async def _send(self, message: bytes) -> None:
+        await self._send_frame({"type": "websocket.send", "text": message.decode()})
+
+    async def _send_payload(self, payload: Payload) -> None:
+        if payload.binary:
+            await self._send_frame({"type": "websocket.send", "bytes": payload.data})
+        else:
+            await self._send(payload.data)
+
+    async def _send_frame(self, message: Json) -> None:
+        """Send a message. Cut off a client that does not read for `subscriber_timeout` seconds.
+
+        Raises:
+            TimeoutError: The client did not read in time.
+        """
+        async with self._sending:
+            try:
+                await send_in_time(self._websocket.send, message, self._parts[Settings].subscriber_timeout)
+            except TimeoutError:
+                await self._close("too_slow")
+                raise
+
+    async def _close(self, reason: str) -> None:
+        with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already
+            await self._websocket.close(CLOSE_CODES[reason], reason)
+
+
+Operate = Callable[[Session, Json, Identity], Awaitable[None]]
+
+OPERATIONS: dict[str, Operate] = {
+    operate.__name__: operate
+    for operate in (
+        Session.subscribe,
+        Session.unsubscribe,
+        Session.send_action_goal,
+        Session.cancel_action_goal,
+        Session.call_service,
+        Session.set_level,
+    )
+}
+# Operations that wait for one another.
+IN_ORDER = frozenset({"subscribe", "unsubscribe", "set_level"})
+
+
+def _text(received: Message) -> str | bytes:
+    text: str | None = received.get("text")
+    return received.get("bytes") or b"" if text is None else text
+
+
+def _is_urgent(received: Message) -> bool:
+    """Whether a message stops something."""
+    try:
+        op, _, fields = read_operation(_text(received))
+    except GatewayError:
+        return False
+    called = f"/{str(fields.get('service')).lstrip('/')}" if op == "call_service" else ""
+    return op == CANCEL or OWN_SERVICES.get(called) == STOP

@@ -1,0 +1,142 @@
+"""A client's subscriptions: what waits for it, and when it may be sent."""
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.hub import FrameWriter
+from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
+from dock_gateway.rosbridge.relay import Payload, Published
+from dock_gateway.rosbridge.relays import Relays
+
+MAX_TOPICS = 64
+# Messages and bytes of one topic that wait for a client that reads slowly. The oldest are dropped.
+QUEUE, QUEUE_BYTES = 100, 16_000_000
+NEVER = float("inf")
+
+
+class TopicOutlet:
+    """One topic for one client, which may have subscribed to it more than once.
+
+    Args:
+        topic: Absolute name.
+        write: Writes a frame at once, if nothing waits; returns whether it did.
+        wake: Called when a message waits.
+    """
+
+    def __init__(self, topic: str, write: Callable[[bytes], bool], wake: Callable[[], None]) -> None:
+        self.topic = topic
+        self.requests: dict[Identity, Subscribe] = {}
+        self.compression = Compression.none
+        self._write = write
+        self._wake = wake
+        self._period = 0.0
+        self._limit = QUEUE
+        self._due = 0.0
+        self._size = 0
+        self._queue: deque[Published] = deque()
+
+    def configure(self) -> None:
+        """Take what all subscriptions need: the shortest period, the shortest queue, the greatest compression."""
+        requests = self.requests.values()
+        self._period = min(request.throttle_rate for request in requests) / 1000
+        length = min(request.queue_length for request in requests)
+        self._limit = min(QUEUE, length or (1 if self._period else QUEUE))
+        self.compression = max(Compression[request.compression or "none"] for request in requests)
+
+    @property
+    def due(self) -> float:
+        """When the next message may be sent, by the clock of the loop; never without one."""
+        return self._due if self._queue else NEVER
+
+    async def offer(self, message: Published) -> None:
+        """Send a message now if that is possible, else keep it."""
+        if not self._queue and self._due <= _now():
+            payload = await message.payload(self.compression)
+            if payload is None:
+                return
+            if not self._queue and self._write(payload.frame):
+                self._due = _now() + self._period
+                return
+        self._queue.append(message)
+        self._size += message.size
+        while len(self._queue) > self._limit or (self._size > QUEUE_BYTES and len(self._queue) > 1):
+            self._size -= self._queue.popleft().size
+        self._wake()
+
+    async def take(self) -> Payload | None:
+        """Return the next message, which has to be due; None if it cannot be read."""
+        message = self._queue.popleft()
+        self._size -= message.size
+        self._due = _now() + self._period
+        return await message.payload(self.compression)
+
+
+class Subscriptions:
+    """All subscriptions of one client.
+
+    Args:
+        relays: The relayed topics.
+        writer: Writes frames past the queue; None if the connection cannot.
+    """
+
+    def __init__(self, relays: Relays, writer: FrameWriter | None) -> None:
+        self._relays = relays
+        self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
+        self._outlets: dict[str, TopicOutlet] = {}
+        self._changed = asyncio.Event()
+
+    async def subscribe(self, topic: str, type_name: str | None, identity: Identity, request: Subscribe) -> None:
+        """Send the messages of a topic.
+
+        Raises:
+            GatewayError: As `Relays.join`; the client has too many topics already.
+        """
+        outlet = self._outlets.get(topic)
+        if outlet is None and len(self._outlets) >= MAX_TOPICS:
+            raise TooManyRequests(f"this connection already has {MAX_TOPICS} topics")
+        joined = outlet or TopicOutlet(topic, self._write, self._changed.set)
+        joined.requests[identity] = request
+        joined.configure()
+        if outlet is None:
+            await self._relays.join(topic, type_name, joined)
+            self._outlets[topic] = joined
+
+    async def unsubscribe(self, topic: str, identity: Identity) -> None:
+        """End a subscription; without an id, all of the topic."""
+        if (outlet := self._outlets.get(topic)) is None:
+            return
+        if identity is None:
+            outlet.requests.clear()
+        else:
+            outlet.requests.pop(identity, None)
+        if outlet.requests:
+            outlet.configure()
+        else:
+            del self._outlets[topic]
+            await self._relays.leave(topic, outlet)
+
+    async def send_all(self, send: Callable[[Payload], Any]) -> None:
+        """Send what waits, when it is due, for as long as the client is connected."""
+        while True:
+            due = min((outlet.due for outlet in self._outlets.values()), default=NEVER)
+            try:
+                async with asyncio.timeout_at(None if due == NEVER else due):
+                    await self._changed.wait()
+            except TimeoutError:
+                pass
+            self._changed.clear()
+            for outlet in list(self._outlets.values()):
+                if outlet.due <= _now() and (payload := await outlet.take()) is not None:
+                    await send(payload)
+
+    async def close(self) -> None:
+        """End all subscriptions."""
+        for topic in list(self._outlets):
+            await self.unsubscribe(topic, None)
+
+
+def _now() -> float:
+    return asyncio.get_running_loop().time()

@@ -1,0 +1,84 @@
+"""What waits for a client, and when it is sent."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+from dock_gateway.rosbridge.protocol import Compression, Subscribe
+from dock_gateway.rosbridge.relay import Payload, Published
+from dock_gateway.rosbridge.subscriptions import QUEUE, QUEUE_BYTES, TopicOutlet
+
+
+class FakeMessage:
+    """A message that is its number."""
+
+    def __init__(self, number: int, size: int = 10) -> None:
+        self.number, self.size = number, size
+
+    async def payload(self, compression: Compression) -> Payload:
+        return Payload(f"{self.number}{compression.name}".encode(), binary=False)
+
+
+def message(number: int, size: int = 10) -> Published:
+    return cast("Published", FakeMessage(number, size))
+
+
+def outlet(*, writable: bool, **request: Any) -> Any:
+    written: list[bytes] = []
+    woken: list[None] = []
+
+    def write(frame: bytes) -> bool:
+        if writable:
+            written.append(frame[2:])
+        return writable
+
+    made = TopicOutlet("/topic", write, lambda: woken.append(None))
+    made.requests[None] = Subscribe(topic="/topic", **request)
+    made.configure()
+    return SimpleNamespace(end=made, written=written, woken=woken)
+
+
+async def test_a_client_that_reads_gets_each_message_at_once() -> None:
+    client = outlet(writable=True)
+    for number in range(3):
+        await client.end.offer(message(number))
+    assert client.written == [b"0none", b"1none", b"2none"]
+    assert not client.woken
+
+
+async def test_a_client_that_does_not_read_loses_the_oldest() -> None:
+    client = outlet(writable=False)
+    for number in range(QUEUE + 5):
+        await client.end.offer(message(number))
+    assert (await client.end.take()).data == b"5none"
+    assert client.woken
+    short = outlet(writable=False, queue_length=1)
+    for number in range(3):
+        await short.end.offer(message(number))
+    assert (await short.end.take()).data == b"2none"
+    assert short.end.due == float("inf")
+
+
+async def test_large_messages_do_not_pile_up() -> None:
+    client = outlet(writable=False)
+    for number in range(3):
+        await client.end.offer(message(number, QUEUE_BYTES))
+    assert (await client.end.take()).data == b"2none"
+    assert client.end.due == float("inf")
+
+
+async def test_a_throttled_client_gets_the_newest_when_it_is_due() -> None:
+    client = outlet(writable=True, throttle_rate=3_600_000)
+    for number in range(3):
+        await client.end.offer(message(number))
+    assert client.written == [b"0none"]
+    assert 0 < client.end.due < float("inf")
+    assert (await client.end.take()).data == b"2none"
+
+
+async def test_several_subscriptions_of_one_topic_share_their_messages() -> None:
+    client = outlet(writable=True, throttle_rate=3_600_000)
+    client.end.requests["fast"] = Subscribe(topic="/topic", compression="cbor")
+    client.end.configure()
+    for number in range(2):
+        await client.end.offer(message(number))
+    assert client.written == [b"0cbor", b"1cbor"]

@@ -1,0 +1,250 @@
+"""`/rosbridge`: what clients of rosbridge send and get, on a real gateway with real ROS nodes."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any
+
+import orjson
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
+from websockets.sync.client import connect as open_websocket
+
+from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.waiting import PATIENCE, wait_until
+
+pytestmark = pytest.mark.ros
+
+FIBONACCI = "action_tutorials_interfaces/action/Fibonacci"
+# More steps than a test takes; the server accepts no more.
+LONG = 45
+SCAN = "sensor_msgs/msg/LaserScan"
+
+
+class Client:
+    """A client that keeps what it is sent."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self.connection = connection
+        self.seen: list[dict[str, Any]] = []
+
+    def send(self, op: str, **fields: Any) -> None:
+        self.connection.send(orjson.dumps({"op": op, **fields}).decode())
+
+    def next(self) -> dict[str, Any]:
+        message: dict[str, Any] = orjson.loads(self.connection.recv(PATIENCE))
+        self.seen.append(message)
+        return message
+
+    def until(self, op: str, **fields: Any) -> dict[str, Any]:
+        """The next message of this kind with these fields."""
+        while (message := self.next())["op"] != op or not fields.items() <= message.items():
+            pass
+        return message
+
+    def call(self, service: str, /, **args: Any) -> Any:
+        self.send("call_service", service=service, args=args, id=service)
+        answer = self.until("service_response", id=service)
+        assert answer["service"] == service
+        assert answer["result"], answer
+        return answer["values"]
+
+    def goal(self, order: int, identity: str, **fields: Any) -> None:
+        fields = {"action": "/fibonacci", "action_type": FIBONACCI, "args": {"order": order}, **fields}
+        self.send("send_action_goal", id=identity, **fields)
+
+    def error(self, text: str = "") -> str:
+        """The next error."""
+        message = self.until("status", level="error")
+        assert text in message["msg"]
+        return str(message["msg"])
+
+
+@contextmanager
+def client_of(gateway: RunningGateway, query: str = "", **options: Any) -> Iterator[Client]:
+    url = f"{gateway.url.replace('http', 'ws')}/rosbridge{query}"
+    with open_websocket(url, max_size=None, **options) as connection:
+        yield Client(connection)
+
+
+@pytest.fixture(scope="module")
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
+    with ExitStack() as stack:
+        topics = ("--long", "720", "--topic", f"scan:{SCAN}:20", "--topic", "latched:std_msgs/msg/String:latched")
+        stack.enter_context(running_talker(shared_domain, *topics))
+        stack.enter_context(running_program(shared_domain, "fibonacci_action_server", "-p", "step_period:=0.2"))
+        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1"))
+        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+        wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
+        yield gateway
+
+
+@pytest.fixture
+def client(gateway: RunningGateway) -> Iterator[Client]:
+    with client_of(gateway) as client:
+        yield client
+
+
+def test_a_goal_with_feedback_and_a_result(gateway: RunningGateway, client: Client) -> None:
+    client.goal(4, "g1", feedback=True)
+    result = client.until("action_result")
+    assert result == {
+        "op": "action_result",
+        "id": "g1",
+        "action": "/fibonacci",
+        "values": {"sequence": [0, 1, 1, 2, 3]},
+        "status": 4,
+        "result": True,
+    }
+    first, *_ = (message for message in client.seen if message["op"] == "action_feedback")
+    assert first == {
+        "op": "action_feedback",
+        "id": "g1",
+        "action": "/fibonacci",
+        "values": {"partial_sequence": [0, 1, 1]},
+    }
+    (goal, *_) = gateway.http.get("/actions/fibonacci/goals").json()["goals"]
+    assert (goal["status"], goal["origin"]) == ("succeeded", "gateway")
+
+
+def test_a_goal_is_canceled_by_its_id_even_while_it_is_sent(client: Client) -> None:
+    client.goal(LONG, "g1")
+    client.send("cancel_action_goal", id="g1", action="/fibonacci")
+    result = client.until("action_result", id="g1")
+    assert (result["status"], result["result"]) == (5, True)
+    assert not [message for message in client.seen if message["op"] == "action_feedback"]
+    client.send("cancel_action_goal", id="g1", action="/fibonacci")
+    client.error("cancel_action_goal: ")
+
+
+def test_goals_that_are_not_accepted(client: Client) -> None:
+    for identity, fields in {
+        "order": {"args": {"order": "ten"}},
+        "unknown": {"action": "/nowhere"},
+        "rejected": {"args": {"order": -1}},
+    }.items():
+        client.goal(3, identity, **fields)
+        result = client.until("action_result", id=identity)
+        assert (result["status"], result["result"]) == (0, False)
+        assert isinstance(result["values"], str)
+
+
+def test_a_goal_survives_its_client_and_a_stop_ends_it_for_another(gateway: RunningGateway, client: Client) -> None:
+    with client_of(gateway) as other:
+        other.goal(LONG, "g1", feedback=True)
+        other.until("action_feedback")
+    client.goal(LONG, "mine", feedback=True)
+    client.until("action_feedback")
+    running = gateway.http.get("/actions/fibonacci/goals", params={"status": "executing"}).json()["goals"]
+    assert len(running) == 2
+    client.call("/dock_gateway/stop", by="a client")
+    assert next(each for each in client.seen[::-1] if each["op"] == "service_response")["values"]["stop"]["latched"]
+    result = client.until("action_result", id="mine") if not ended(client, "mine") else ended(client, "mine")[0]
+    assert result["status"] == 5
+    client.goal(3, "refused")
+    assert "stop" in client.until("action_result", id="refused")["values"]
+    client.call("/dock_gateway/release_stop")
+    for goal in running:
+        gateway.wait_for_goal(goal["goal_id"], "canceled")
+
+
+def ended(client: Client, identity: str) -> list[dict[str, Any]]:
+    return [message for message in client.seen if message["op"] == "action_result" and message["id"] == identity]
+
+
+def test_topics_in_json_and_in_cbor(gateway: RunningGateway, client: Client) -> None:
+    client.send("subscribe", topic="/talker0/scan", type="sensor_msgs/LaserScan", id="s1")
+    message = client.until("publish", topic="/talker0/scan")["msg"]
+    assert message["header"] == {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""}
+    assert message["ranges"] == [float(number) for number in range(720)]
+    client.send("unsubscribe", topic="/talker0/scan", id="s1")
+    wait_until(lambda: not gateway.http.get("/graph/topics/talker0/scan").json()["subscribers"], "it leaves")
+    with client_of(gateway) as other:
+        other.send("subscribe", topic="/talker0/scan", compression="cbor")
+        packed = other.connection.recv(PATIENCE)
+        assert isinstance(packed, bytes)
+        assert b"cmsg" in packed
+        assert bytes.fromhex("d855590b40") in packed  # 2,880 bytes of float32, little-endian
+
+
+def test_a_latched_topic_for_everyone_who_comes_and_one_that_nobody_has(
+    gateway: RunningGateway, client: Client
+) -> None:
+    client.send("subscribe", topic="/talker0/latched")
+    assert client.until("publish")["msg"] == {"data": ""}
+    with client_of(gateway) as other:
+        other.send("subscribe", topic="talker0/latched")
+        assert other.until("publish")["msg"] == {"data": ""}
+        other.send("subscribe", topic="/later")
+        other.error("nobody has this topic yet")
+        other.send("subscribe", topic="/talker0/latched", type="std_msgs/Bool", id="b")
+        other.send("subscribe", topic="/later", type="nothing_msgs/msg/Nothing")
+        other.error("not installed")
+        other.send("set_level", level="info")
+        other.send("subscribe", topic="/later", type="std_msgs/msg/String")
+        other.until("status", level="info", msg="subscribed to /later")
+
+
+def test_rosapi(client: Client) -> None:
+    topics = client.call("/rosapi/topics")
+    assert dict(zip(topics["topics"], topics["types"], strict=True))["/talker0/scan"] == SCAN
+    assert "/rosout" in topics["topics"]
+    assert client.call("rosapi/topics_for_type", type="sensor_msgs/LaserScan") == {"topics": ["/talker0/scan"]}
+    assert client.call("/rosapi/topic_type", topic="/talker0/scan") == {"type": SCAN}
+    assert client.call("/rosapi/publishers", topic="/talker0/scan") == {"publishers": ["/talker0/talker"]}
+    assert "/fibonacci" in client.call("/rosapi/action_servers")["action_servers"]
+    assert "/talker0/talker" in client.call("/rosapi/nodes")["nodes"]
+    service = "/talker0/talker/get_parameters"
+    assert service in client.call("/rosapi/services")["services"]
+    assert client.call("/rosapi/service_type", service=service) == {"type": "rcl_interfaces/srv/GetParameters"}
+    assert client.call("/rosapi/service_node", service=service) == {"node": "/talker0/talker"}
+    assert "/talker0/scan" in client.call("/rosapi/node_details", node="/talker0/talker")["publishing"]
+    (definition, *_) = client.call("/rosapi/message_details", type="geometry_msgs/Twist")["typedefs"]
+    assert definition["fieldnames"] == ["linear", "angular"]
+    assert client.call("/rosapi/get_time")["time"]["sec"] > 1_700_000_000
+    assert client.call("/rosapi/get_ros_version")["version"] == 2
+    for service in ("/rosapi/nothing", "/rosapi/topic_type", "/talker0/talker/get_parameters"):
+        client.send("call_service", service=service, id="x")
+        answer = client.until("service_response", id="x")
+        assert (answer["result"], type(answer["values"])) == (False, str)
+
+
+def test_bad_input_is_answered_and_nothing_is_lost(gateway: RunningGateway, client: Client) -> None:
+    client.goal(LONG, "g1", feedback=True)
+    client.until("action_feedback")
+    with client_of(gateway) as other:
+        for text, expected in (
+            ("{", "not JSON"),
+            (b"\x00\xff", "not JSON"),
+            ("[" * 5000, "not JSON"),
+            ("[]", "an object with op"),
+            ("{}", "op: expected"),
+            ('{"op": 7}', "op: expected"),
+            ('{"op": "nonsense", "id": "a"}', "unknown operation 'nonsense'"),
+            ('{"op": "subscribe"}', "topic: expected"),
+            ('{"op": "subscribe", "topic": 7}', "topic: expected"),
+            ('{"op": "subscribe", "topic": "/rosout", "throttle_rate": -1}', "throttle_rate: expected"),
+            ('{"op": "subscribe", "topic": "/rosout", "id": {}}', "id: expected"),
+            ('{"op": "call_service"}', "service: expected"),
+            ('{"op": "cancel_action_goal", "id": "g1"}', "id: expected"),
+            ('{"op": "advertise_service", "service": "/a", "type": "b/C"}', "cannot offer services"),
+            ('{"op": "set_level", "level": "loud"}', "level: expected"),
+        ):
+            other.connection.send(text)
+            other.error(expected)
+        other.connection.send("[" + "1," * 2_000_000 + "1]")
+        with pytest.raises(ConnectionClosed) as closed:
+            other.next()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1009
+    client.send("cancel_action_goal", id="g1")
+    assert client.until("action_result", id="g1")["status"] == 5
+
+
+def test_pages_of_other_sites_are_refused(gateway: RunningGateway) -> None:
+    with (
+        pytest.raises(InvalidStatus) as refused,
+        client_of(gateway, origin="http://elsewhere.example"),  # type: ignore[arg-type]
+    ):
+        pass
+    assert refused.value.response.status_code == 403
