@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from robot_io.installation import DOCKING, MESSAGES
-from robot_io.startup import find_load_fault, find_start_fault
+from robot_io.startup import find_docking_fault, find_load_fault, find_start_fault
 
 EXIT_UNUSABLE = 2
 """Exit code: ROS is missing or wrong; the same as for a wrong command line."""
@@ -29,8 +29,8 @@ def main() -> int:
     Returns:
         The exit code: that of the program, or `EXIT_UNUSABLE`.
     """
-    packages = (*MESSAGES, DOCKING)
-    if fault := find_start_fault(os.environ, packages) or find_load_fault(os.environ, packages):
+    fault = find_start_fault(os.environ) or find_docking_fault(os.environ)
+    if fault := fault or find_load_fault(os.environ, (*MESSAGES, DOCKING)):
         print(f"error: {fault}", file=sys.stderr)  # noqa: T201 - there is no node to log with
         return EXIT_UNUSABLE
     code: int = importlib.import_module(MODULES[Path(sys.argv[0]).name]).main()

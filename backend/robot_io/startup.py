@@ -4,7 +4,9 @@ import importlib
 from collections.abc import Iterable, Mapping
 
 from robot_io import ros_variables
+from robot_io.docking_messages import use_compiled
 from robot_io.installation import (
+    DOCKING,
     MESSAGES,
     SOURCED,
     find_installation,
@@ -15,26 +17,26 @@ from robot_io.installation import (
 )
 
 
-def find_start_fault(environment: Mapping[str, str], packages: Iterable[str] = MESSAGES) -> str | None:
-    """Return why no ROS node can start, and what to do; None if nothing is known to be wrong. Loads nothing of ROS.
-
-    Args:
-        environment: The variables.
-        packages: The packages of messages that are needed.
-    """
+def find_start_fault(environment: Mapping[str, str]) -> str | None:
+    """Return why no ROS node can start, and what to do; None if nothing is known to be wrong. Loads nothing of ROS."""
     for finding in ros_variables.check(environment):
         if finding.fatal:
             return finding.sentence
-    return find_ros_fault(environment, packages)
+    return find_ros_fault(environment)
 
 
-def find_ros_fault(environment: Mapping[str, str], packages: Iterable[str] = MESSAGES) -> str | None:
+def find_ros_fault(environment: Mapping[str, str]) -> str | None:
     """The same, of what is installed alone."""
-    return (
-        find_package_fault(environment, packages)
-        or find_mixture_fault(environment)
-        or find_middleware_fault(environment)
-    )
+    return find_package_fault(environment) or find_mixture_fault(environment) or find_middleware_fault(environment)
+
+
+def find_docking_fault(environment: Mapping[str, str]) -> str | None:
+    """Return why our docking actions cannot be used, and what to do; None if they can.
+
+    Call it where `find_start_fault` found nothing. Where a sourced ROS lacks them, they are compiled, and this process
+    starts again with them.
+    """
+    return use_compiled(environment) or find_package_fault(environment, [DOCKING])
 
 
 def find_load_fault(environment: Mapping[str, str], packages: Iterable[str] = MESSAGES) -> str | None:

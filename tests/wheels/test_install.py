@@ -99,6 +99,8 @@ def test_the_core_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Pa
     run(environment, "uv", "pip", "install", *here, "--no-build", "--find-links", str(DIST), "dock-gateway-core")
     names = {line.partition("==")[0] for line in run(environment, "uv", "pip", "freeze", *here).splitlines()}
     assert "dock-gateway-core" in names
+    (sources,) = folder.glob("lib/python*/site-packages/robot_io/action_tutorials_interfaces")
+    assert {path.name for path in sources.iterdir()} == {"CMakeLists.txt", "action", "package.xml"}
     assert not [name for name in names if name.startswith(("ros-", "action-")) or name.endswith("-msgs")]
     version = run(environment | {"PATH": str(folder / "bin")}, "dock-gateway", "--version")
     assert version == f"dock-gateway, version {dock_gateway.__version__}\n"

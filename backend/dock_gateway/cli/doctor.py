@@ -13,6 +13,7 @@ from dock_gateway.doctor.check import Check, Level
 from dock_gateway.doctor.environment import check_environment
 from dock_gateway.doctor.machine import check_machine
 from dock_gateway.settings import Settings
+from robot_io.startup import find_docking_fault, find_start_fault
 
 COLORS = {Level.OK: "green", Level.WARNING: "yellow", Level.ERROR: "red"}
 # The checks without which no node can join the graph.
@@ -33,7 +34,7 @@ VITAL = ("ros", "domain")
 def doctor(as_json: bool, seconds: float, **options: str | None) -> None:
     """Check the environment, this machine and the robots on the ROS graph, and say what to do.
 
-    Nothing is changed or published. It takes the settings of `serve`. The exit code is 1 if there is an error.
+    Nothing is published. It takes the settings of `serve`. The exit code is 1 if there is an error.
     """
     settings = read_settings(options)
     checks: list[Check] = []
@@ -55,7 +56,8 @@ def doctor(as_json: bool, seconds: float, **options: str | None) -> None:
 
 
 def _check(settings: Settings, seconds: float) -> Iterator[Check]:
-    environment = check_environment(settings, os.environ)
+    fault = None if find_start_fault(os.environ) else find_docking_fault(os.environ)
+    environment = check_environment(settings, os.environ, fault)
     yield from environment
     yield from check_machine(settings)
     if not seconds or any(check.level is Level.ERROR and check.name in VITAL for check in environment):

@@ -51,9 +51,11 @@ SystemCallFilter=~@privileged @resources
 SystemCallFilter=sched_setscheduler
 """
 
-# /dev/shm stays, which Fast DDS uses. All else that is written is in the state directory or in a /tmp of its own.
+# /dev/shm stays, which Fast DDS uses. All else that is written is in the two directories or in a /tmp of its own.
 SYSTEM_SANDBOX = """\
-{user}StateDirectory=dock-gateway
+{user}CacheDirectory=dock-gateway
+CacheDirectoryMode=0700
+StateDirectory=dock-gateway
 StateDirectoryMode=0700
 AmbientCapabilities=
 CapabilityBoundingSet=
@@ -77,6 +79,7 @@ SYSTEM_ENVIRONMENT = {
     "DOCK_GATEWAY_DATABASE_URL": "sqlite:///%S/dock-gateway/history.db",
     "DOCK_GATEWAY_SPOOL_PATH": "%S/dock-gateway/spool",
     "DOCK_GATEWAY_STOP_PATH": "%S/dock-gateway/stops.json",
+    "XDG_CACHE_HOME": "%C",
     "ROS_LOG_DIR": "/tmp/ros-log",  # noqa: S108 - the /tmp of the service
 }
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import click
 
-from dock_gateway.doctor.environment import find_exposure_fault, find_twin_fault
+from dock_gateway.doctor.check import Level
+from dock_gateway.doctor.environment import check_docking, find_exposure_fault, find_twin_fault
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
 from dock_gateway.settings import Settings
-from robot_io.installation import DOCKING, MESSAGES
-from robot_io.startup import find_load_fault, find_start_fault
+from robot_io.startup import find_docking_fault, find_load_fault, find_start_fault
 
 
 def check_start(settings: Settings, environment: Mapping[str, str], *, docking: bool = False) -> None:
@@ -27,7 +27,8 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
     check_exposure(settings)
     check_agents(settings)
     _refuse(find_twin_fault())
-    check_ros(environment, docking=docking)
+    check_ros(environment)
+    _check_docking(environment, needed=docking)
     for setting in ("dock_action_type", "undock_action_type"):
         if action_type := getattr(settings, setting):
             check_installed(setting, action_type)
@@ -55,13 +56,23 @@ def check_agents(settings: Settings) -> None:
         raise click.UsageError("mcp: dock-gateway[mcp] is not installed")
 
 
-def check_ros(environment: Mapping[str, str], *, docking: bool = False) -> None:
+def check_ros(environment: Mapping[str, str]) -> None:
     """Refuse an environment in which no ROS node can start.
 
     Raises:
         click.ClickException: The message names the variable, or what is not installed.
     """
-    _refuse(find_start_fault(environment, (*MESSAGES, DOCKING) if docking else MESSAGES))
+    _refuse(find_start_fault(environment))
+
+
+def _check_docking(environment: Mapping[str, str], *, needed: bool) -> None:
+    """Provide our docking actions. If that fails, refuse if they are needed, and say so if there are no others."""
+    fault = find_docking_fault(environment)
+    if needed:
+        _refuse(fault)
+    check = check_docking(environment, fault)
+    if check.level is Level.ERROR:
+        click.echo(f"dock-gateway: {check.text}", err=True)
 
 
 def load_ros(environment: Mapping[str, str]) -> None:

@@ -14,14 +14,22 @@ from robot_io.installation import DOCKING, find_installation, find_package_fault
 from robot_io.startup import find_load_fault, find_ros_fault
 
 
-def check_environment(settings: Settings, environment: Mapping[str, str]) -> list[Check]:
-    """Check Python, the settings, ROS and its variables."""
+def check_environment(
+    settings: Settings, environment: Mapping[str, str], docking_fault: str | None = None
+) -> list[Check]:
+    """Check Python, the settings, ROS and its variables.
+
+    Args:
+        settings: The settings.
+        environment: The variables.
+        docking_fault: Why our docking actions cannot be used, if that is known.
+    """
     python = f"dock-gateway {__version__} on Python {platform.python_version()}, {sys.executable}"
     return [
         Check("python", Level.OK, python),
         check_settings(settings, environment),
         _check_ros(environment),
-        _check_docking(environment),
+        check_docking(environment, docking_fault),
         _check_domain(environment),
         _check_discovery(environment),
     ]
@@ -72,13 +80,18 @@ def describe_ros(environment: Mapping[str, str]) -> str:
     return f"{name} (rclpy {installation.version}) with {middleware()}, in {installation.source}"
 
 
-def _check_docking(environment: Mapping[str, str]) -> Check:
-    """Check which docking actions can be used: one suffices, and the robots say which."""
+def check_docking(environment: Mapping[str, str], fault: str | None) -> Check:
+    """Check which docking actions can be used: one suffices, and the robots say which.
+
+    Args:
+        environment: The variables.
+        fault: Why ours cannot be used, if that is known.
+    """
     packages = dict.fromkeys(adapter.action_type.partition("/")[0] for adapter in ADAPTERS["dock"])
     there = [name for name in packages if find_package_fault(environment, [name]) is None]
     missing = [name for name in packages if name not in there]
     if not there:
-        fault = find_package_fault(environment, [DOCKING])
+        fault = fault or find_package_fault(environment, [DOCKING])
         return judge("docking", f"no docking action is installed: {fault}", "")
     absent = f"; not installed: {', '.join(missing)} (`make nav2-interfaces`, docs/nav2.md)" if missing else ""
     return Check("docking", Level.OK, f"the docking actions of {', '.join(there)} can be used{absent}")
