@@ -22,13 +22,14 @@ from dock_gateway.graph import interface_routes
 from dock_gateway.graph import routes as graph_routes
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
-from dock_gateway.http.methods import allowed_methods
+from dock_gateway.http.methods import HeadAsGet, allowed_methods
 from dock_gateway.http.openapi import Union, install_openapi, serve_document
 from dock_gateway.http.operation import require_declared
 from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems, problems
 from dock_gateway.http.schema import Problem
+from dock_gateway.http.upgrades import install_upgrades
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
@@ -148,12 +149,14 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
     serve_document(app, "/asyncapi.json", lambda: asyncapi_document(app.openapi()))
     install_docs(app)
     install_dashboard(app, settings)
-    allowed = allowed_methods([*(route for router in routers for route in router.routes), *app.routes])
+    routes = [route for router in routers for route in router.routes]
+    install_upgrades(app, routes)
+    allowed = allowed_methods([*routes, *app.routes])
     if settings.allowed_origins:
         app.add_middleware(
             CORSMiddleware,
             allow_origins=settings.allowed_origins,
-            allow_methods=("GET", "POST", "PUT", "DELETE"),
+            allow_methods=("GET", "HEAD", "POST", "PUT", "DELETE"),
             allow_headers=(
                 "Authorization",
                 "Content-Type",
@@ -173,4 +176,5 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
     install_problems(app, allowed)  # the last middleware added is the outermost
     app.state.requests = RequestMetrics()
     app.add_middleware(RequestMeter, metrics=app.state.requests)
+    app.add_middleware(HeadAsGet)
     return app

@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Callable
-from ipaddress import ip_network
+from contextlib import suppress
+from ipaddress import ip_address, ip_network
 from pathlib import Path
 from typing import Annotated
 from urllib.parse import urlsplit
@@ -26,6 +27,10 @@ ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 SIGNATURES = frozenset(
     {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
 )
+# A host with or without a port, and an origin.
+HOST = re.compile(r"(?P<host>[a-z0-9_.-]+|\[[0-9a-f:.]+\])(?::(?P<port>[0-9]{1,5}))?")
+ORIGIN = re.compile(rf"(?P<scheme>(?!wss?:)[a-z][a-z0-9+.-]*)://{HOST.pattern}/?")
+PORTS = {"http": "80", "https": "443"}
 ROLES = frozenset({"viewer", "agent", "operator", "supervisor", "admin"})
 
 
@@ -75,6 +80,41 @@ def _check_proxies(parts: tuple[str, ...]) -> tuple[str, ...]:
     for part in parts:
         ip_network(part)
     return parts
+
+
+def _origin(value: str) -> str:
+    """Return an origin as browsers send it: without a slash at the end and the scheme's own port, in lower case."""
+    if value in ("*", "null"):
+        return value
+    match = ORIGIN.fullmatch(value.lower())
+    if match is None:
+        scheme, host = _split_address(value)
+        wanted = [{"ws": "http", "wss": "https"}.get(scheme, scheme)] if scheme else ["http", "https"]
+        instead = " or ".join(f"{each}://{host}" for each in wanted if ORIGIN.fullmatch(f"{each}://{host}"))
+        raise ValueError(
+            f"{value[:100]!r} is not an origin, which is a scheme, a host and a port (if it is not the scheme's own): "
+            f"write {instead or 'it like http://10.0.0.5:3000'}"
+        )
+    scheme, host, port = match["scheme"], match["host"], match["port"]
+    return f"{scheme}://{host}" if port in (None, PORTS.get(scheme)) else f"{scheme}://{host}:{port}"
+
+
+def _host_name(value: str) -> str:
+    """Return a host name: of an address such as `http://robot.local:8000/`, the name in it."""
+    if value == "*":
+        return value
+    with suppress(ValueError):
+        return str(ip_address(value))
+    match = HOST.fullmatch(_split_address(value)[1])
+    if match is None:
+        raise ValueError(f"{value[:100]!r} is not a host name such as robot.local; * allows any")
+    return match["host"].strip("[]")
+
+
+def _split_address(value: str) -> tuple[str, str]:
+    """Return the scheme of an address, which may be empty, and its host with the port."""
+    scheme, _, rest = value.lower().rpartition("://")
+    return scheme, re.split(r"[/?#]", rest)[0]
 
 
 def _check_own_names(parts: tuple[str, ...]) -> tuple[str, ...]:
@@ -144,6 +184,8 @@ ActionType = Annotated[
 # Separated by commas.
 Texts = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_split)]
 LowerTexts = Annotated[Texts, AfterValidator(_each(str.lower))]
+Origins = Annotated[Texts, AfterValidator(_each(_origin))]
+HostNames = Annotated[Texts, AfterValidator(_each(_host_name))]
 Networks = Annotated[LowerTexts, AfterValidator(_check_proxies)]
 Topics = Annotated[Texts, AfterValidator(_each(_matching(TOPIC, _TOPIC)))]
 Robots = Annotated[

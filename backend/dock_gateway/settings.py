@@ -17,8 +17,8 @@ from dock_gateway.setting_types import (
     ActionType,
     Algorithms,
     Days,
+    HostNames,
     Issuer,
-    LowerTexts,
     Megabytes,
     Namespace,
     Networks,
@@ -27,6 +27,7 @@ from dock_gateway.setting_types import (
     OptionalSecret,
     OptionalText,
     OptionalTopic,
+    Origins,
     OwnNames,
     Robots,
     RoleNames,
@@ -82,12 +83,12 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")
-    allowed_hosts: LowerTexts = Field(
+    allowed_hosts: HostNames = Field(
         (),
         description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "
         "for any. Loopback names and IP addresses are always allowed.",
     )
-    allowed_origins: LowerTexts = Field(
+    allowed_origins: Origins = Field(
         (),
         description="Origins of web pages that may use the gateway besides its own dashboard, "
         "separated by commas (`https://ops.example.com`); `*` for any.",

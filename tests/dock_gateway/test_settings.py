@@ -1,5 +1,6 @@
 """Settings: from the environment and options, checked, and every one documented."""
 
+import re
 from pathlib import Path
 
 import click
@@ -45,10 +46,59 @@ def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch
 
 
 @pytest.mark.parametrize(
+    ("written", "origin"),
+    [
+        ("http://10.0.0.5:3000/", "http://10.0.0.5:3000"),
+        ("HTTPS://Ops.Example", "https://ops.example"),
+        ("http://ops.example:80", "http://ops.example"),
+        ("https://ops.example:443/", "https://ops.example"),
+        ("https://ops.example:80", "https://ops.example:80"),
+        ("http://[::1]:3000/", "http://[::1]:3000"),
+        ("capacitor://localhost", "capacitor://localhost"),
+        ("*", "*"),
+        ("null", "null"),
+    ],
+)
+def test_an_origin_is_compared_as_browsers_send_it(written: str, origin: str) -> None:
+    assert read_settings({"allowed_origins": written}).allowed_origins == (origin,)
+
+
+@pytest.mark.parametrize(
+    ("written", "instead"),
+    [
+        ("192.168.1.20:9090", "write http://192.168.1.20:9090 or https://192.168.1.20:9090"),
+        ("ops.example", "write http://ops.example or https://ops.example"),
+        ("ws://robot:8000", "write http://robot:8000"),
+        ("https://ops.example/ui/", "write https://ops.example"),
+        ("https://*.ops.example", "write it like http://10.0.0.5:3000"),
+        ("http://ada@ops.example", "write it like http://10.0.0.5:3000"),
+    ],
+)
+def test_what_no_browser_sends_as_an_origin_is_refused_at_the_start(written: str, instead: str) -> None:
+    with pytest.raises(click.UsageError, match=re.escape(f"{written!r} is not an origin")) as refused:
+        read_settings({"allowed_origins": f"https://a.example,{written}"})
+    assert refused.value.message.endswith(instead)
+
+
+@pytest.mark.parametrize(
+    ("written", "name"),
+    [
+        ("Robot.Local:8000", "robot.local"),
+        ("http://robot.local:8000/ui/", "robot.local"),
+        ("[fd00::5]", "fd00::5"),
+        ("FD00::5", "fd00::5"),
+    ],
+)
+def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
+    assert read_settings({"allowed_hosts": written}).allowed_hosts == (name,)
+
+
+@pytest.mark.parametrize(
     ("name", "value"),
     [
         ("port", "70000"),
         ("port", "x"),
+        ("allowed_hosts", "*.local"),
         ("lost_after", "-1"),
         ("log_level", "loud"),
         ("lost_after", "2"),

@@ -2,7 +2,7 @@
 
 GatewayError
 ├── MalformedRequest            400 malformed_json, tls_required, 408 request_timeout, 413 body_too_large,
-│                               415 unsupported_media_type, 431 header_too_large
+│                               415 unsupported_media_type, 426 upgrade_required, 431 header_too_large
 ├── InvalidField                422 invalid_field
 ├── NotAuthenticated            401 not_authenticated, invalid_token, invalid_login, login_failed
 ├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required, no_role, not_covered, …

@@ -107,7 +107,7 @@ async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden
 
 
 @router.post(
-    "/{name:path}/goals",
+    "/{name:graph_name}/goals",
     status_code=202,
     response_model=ActionGoal,
     responses={
@@ -130,7 +130,7 @@ async def send_action_goal(name: GraphName, request: Request, actions: Part[Acti
 
 
 @router.get(
-    "/{name:path}/goals",
+    "/{name:graph_name}/goals",
     response_model=ActionGoalPage,
     responses=problems(404, 422, 503),
     dependencies=[Depends(known_query("status", "limit", "cursor"))],
@@ -151,7 +151,7 @@ async def list_action_goals(
     return await answer_page(goals, wanted, limit, cursor)
 
 
-@router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
+@router.get("/{name:graph_name}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_action_goal(
     name: GraphName, goal_id: GoalId, actions: Part[ActionRegistry], goals: Part[Goals]
@@ -163,7 +163,7 @@ async def get_action_goal(
 
 
 @router.post(
-    "/{name:path}/goals/{goal_id}/cancel",
+    "/{name:graph_name}/goals/{goal_id}/cancel",
     status_code=202,
     response_model=ActionGoal,
     responses=problems(404, 409, 422, 503, 504),
@@ -179,7 +179,7 @@ async def cancel_action_goal(
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}", 202)
 
 
-@router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@router.get("/{name:graph_name}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
 @operation(Role.VIEWER, Scope.ACTION)
 async def get_action(name: GraphName, actions: Part[ActionRegistry]) -> Response:
     """Return one action."""

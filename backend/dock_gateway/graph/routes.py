@@ -26,7 +26,7 @@ async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) 
     return Response(view.body, headers=headers, media_type="application/json")
 
 
-@router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
+@router.get("/topics/{name:graph_name}", response_model=GraphTopic, responses=problems(404, 422, 503))
 @operation(Role.VIEWER, Scope.TOPIC)
 async def get_topic(name: GraphName, graph: Part[GraphCache]) -> Response:
     """Return the current state of one topic, with its publishers and subscribers."""

@@ -1,8 +1,9 @@
-"""The methods of each path, for `OPTIONS` and 405 responses."""
+"""The methods of each path, for `OPTIONS` and 405 responses, and `HEAD` wherever there is `GET`."""
 
 from collections.abc import Callable, Iterable, Sequence
 
 from starlette.routing import BaseRoute, Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 AllowedMethods = Callable[[str], str | None]
 
@@ -25,4 +26,34 @@ def allowed_methods(routes: Sequence[BaseRoute]) -> AllowedMethods:
 
 
 def _join(methods: Iterable[Iterable[str]]) -> str:
-    return ", ".join(sorted({"OPTIONS"}.union(*methods)))
+    found = {"OPTIONS"}.union(*methods)
+    return ", ".join(sorted(found | {"HEAD"} if "GET" in found else found))
+
+
+class HeadAsGet:
+    """ASGI middleware that answers `HEAD` with the head of the answer to `GET` (RFC 9110, 9.3.2).
+
+    What is inside takes the request for a `GET`: its role, its quotas, the audit log and the metrics are those of
+    `GET`. With the head the answer is complete, so a stream ends like one whose client has gone.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass the request on."""
+        if scope["type"] != "http" or scope["method"] != "HEAD":
+            await self._app(scope, receive, send)
+            return
+        complete = False
+
+        async def send_head(message: Message) -> None:
+            nonlocal complete
+            if complete:
+                return
+            if message["type"] == "http.response.body":
+                complete = True
+                message = {"type": "http.response.body", "body": b""}
+            await send(message)
+
+        await self._app({**scope, "method": "GET"}, receive, send_head)

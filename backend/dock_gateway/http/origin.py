@@ -5,6 +5,7 @@ nor by a host name that it points to this machine (Host, DNS rebinding). Program
 and pass.
 """
 
+import logging
 import re
 from ipaddress import ip_address
 from typing import NamedTuple
@@ -15,6 +16,8 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from dock_gateway.core.errors import NotAllowed
 from dock_gateway.setting_types import LOOPBACK_HOSTS
 from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
 
 # Without OPTIONS: preflights of allowed pages are answered by CORS.
 SAFE_METHODS = frozenset({"GET", "HEAD"})
@@ -38,7 +41,12 @@ class OriginGuard:
             NotAllowed: The page or the host name is foreign.
         """
         if scope["type"] in ("http", "websocket"):
-            self._check(scope)
+            try:
+                self._check(scope)
+            except NotAllowed as error:
+                if scope["type"] == "websocket":  # a page is not told why
+                    log.warning("a WebSocket was refused: %s", error.detail)
+                raise
         await self._app(scope, receive, send)
 
     def _check(self, scope: Scope) -> None:

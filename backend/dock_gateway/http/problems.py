@@ -29,6 +29,8 @@ def problem_response(error: GatewayError) -> Response:
         headers["WWW-Authenticate"] = "Bearer"
     if error.status in (HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.REQUEST_TIMEOUT):
         headers["Connection"] = "close"  # the rest of the body is not read
+    if error.status is HTTPStatus.UPGRADE_REQUIRED:
+        headers |= {"Upgrade": "websocket", "Connection": "Upgrade"}
     return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)
 
 

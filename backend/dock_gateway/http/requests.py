@@ -3,6 +3,7 @@
 import asyncio
 import re
 import uuid
+from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from typing import Annotated, Any
@@ -10,6 +11,7 @@ from typing import Annotated, Any
 import orjson
 from fastapi import Depends, Path, Query, Request
 from pydantic import WithJsonSchema
+from starlette.convertors import PathConvertor, register_url_convertor
 from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.responses import Response
 
@@ -78,10 +80,26 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
             code="unsupported_media_type",
             status=HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
         )
+    return decode_json(raw, "the body")
+
+
+def decode_json(text: bytes | str, what: str) -> Any:
+    """Decode JSON from a client. A byte order mark is ignored, as RFC 8259, 8.1, allows: editors on Windows write one.
+
+    Args:
+        text: The JSON text.
+        what: What it is, for the error.
+
+    Raises:
+        MalformedRequest: It is not JSON.
+    """
+    raw = text.encode() if isinstance(text, str) else text
+    if raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
+        raise MalformedRequest(f"{what} is UTF-16: send it as UTF-8")
     try:
-        return orjson.loads(raw)
+        return orjson.loads(raw.removeprefix(BOM_UTF8))
     except orjson.JSONDecodeError as error:
-        raise MalformedRequest(f"the body is not JSON: {error}") from None
+        raise MalformedRequest(f"{what} is not JSON: {error}") from None
 
 
 async def read_body(request: Request, within: float | None = None) -> bytes:
@@ -213,11 +231,23 @@ def check_key(key: str | None, path: str) -> str | None:
 
 GOAL_ID = re.compile(r"[0-9A-Fa-f]{8}-?(?:[0-9A-Fa-f]{4}-?){3}[0-9A-Fa-f]{12}")
 
+
+class GraphNameConvertor(PathConvertor):
+    """Reads a name on the ROS graph from a path. Its leading slash may be there: `/actions/%2Ffibonacci`."""
+
+    def convert(self, value: str) -> str:
+        """Return the name without its leading slash."""
+        return value.removeprefix("/")
+
+
+# Routes name it as `{name:graph_name}`. The check of a grant gets the same name as the route.
+register_url_convertor("graph_name", GraphNameConvertor())
+
 # A name on the ROS graph without its leading slash.
 GraphName = Annotated[
     str,
     Path(
-        description="The name on the ROS graph without its leading slash",
+        description="The name on the ROS graph; its leading slash may be left out",
         json_schema_extra={"pattern": f"^{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*$"},
     ),
 ]

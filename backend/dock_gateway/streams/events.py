@@ -110,7 +110,9 @@ async def dock_events(goal_id: GoalId, request: Request, parts: AllParts) -> Res
     return await _sse(request, parts, goal_id)
 
 
-@router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+@router.get(
+    "/actions/{name:graph_name}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse
+)
 @operation(Role.VIEWER, Scope.GOAL)
 async def action_events(name: GraphName, goal_id: GoalId, request: Request, parts: AllParts) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import orjson
 from fastapi import APIRouter, Depends, WebSocket
 from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
@@ -37,7 +36,7 @@ from dock_gateway.http.operation import Audit, Operation, Scope, operation, oper
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.problems import INTERNAL
-from dock_gateway.http.requests import known_query
+from dock_gateway.http.requests import decode_json, known_query
 from dock_gateway.streams.command_schema import SubscribeCommand, UnsubscribeCommand
 from dock_gateway.streams.commands import COMMANDS, STOP, Fields, read_command
 from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends
@@ -257,10 +256,7 @@ def _is_stop(received: Message) -> bool:
 
 def _decode(received: Message) -> Any:
     text = received.get("text")
-    try:
-        message = orjson.loads((received.get("bytes") or b"") if text is None else text)
-    except orjson.JSONDecodeError as error:
-        raise MalformedRequest(f"the message is not JSON: {error}") from None
+    message = decode_json((received.get("bytes") or b"") if text is None else text, "the message")
     if text is None and not (isinstance(message, dict) and message.get("op") == STOP):
         raise MalformedRequest("a text message is expected, not a binary one")
     return message

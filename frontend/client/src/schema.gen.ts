@@ -6220,7 +6220,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
                 goal_id: string;
             };
@@ -7323,7 +7323,7 @@ export interface operations {
             };
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
             };
             cookie?: never;
@@ -7395,7 +7395,7 @@ export interface operations {
                 "Idempotency-Key"?: string;
             };
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
             };
             cookie?: never;
@@ -7530,7 +7530,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
                 goal_id: string;
             };
@@ -7599,7 +7599,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
                 goal_id: string;
             };
@@ -7686,7 +7686,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
             };
             cookie?: never;
@@ -8062,7 +8062,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its leading slash */
+                /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
             };
             cookie?: never;

@@ -133,7 +133,8 @@ def test_reading_needs_no_origin_of_ours() -> None:
 
 
 @pytest.mark.parametrize("headers", [{"Origin": "wss://127.0.0.1:8000"}, {"Sec-Fetch-Site": "cross-site"}])
-def test_websockets_of_other_pages(headers: dict[str, str]) -> None:
+def test_websockets_of_other_pages(headers: dict[str, str], caplog: pytest.LogCaptureFixture) -> None:
+    """The log has one line for each: a browser does not show its page the answer."""
     app = FastAPI()
 
     @app.websocket("/ws")
@@ -154,3 +155,6 @@ def test_websockets_of_other_pages(headers: dict[str, str]) -> None:
         ):
             pass
         assert refused.value.status_code == 403
+    lines = [record.getMessage() for record in caplog.records if "a WebSocket was refused" in record.getMessage()]
+    assert len(lines) == 2
+    assert headers.get("Origin", "another site") in lines[0]

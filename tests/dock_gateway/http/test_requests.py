@@ -1,10 +1,22 @@
 """Bodies: one that is not there means something only where that is documented."""
 
-import pytest
-from starlette.requests import Request
+import codecs
 
-from dock_gateway.core.errors import InvalidField
-from dock_gateway.http.requests import check_key, known_query, read_goal_id, read_json, read_name
+import pytest
+from fastapi import FastAPI
+from starlette.requests import Request
+from starlette.testclient import TestClient
+
+from dock_gateway.core.errors import InvalidField, MalformedRequest
+from dock_gateway.http.requests import (
+    GraphName,
+    check_key,
+    decode_json,
+    known_query,
+    read_goal_id,
+    read_json,
+    read_name,
+)
 from tests.support.requests import request
 
 
@@ -22,6 +34,32 @@ async def test_an_empty_body_where_it_has_a_meaning() -> None:
 @pytest.mark.parametrize(("body", "value"), [(b"null", None), (b"[]", []), (b"0", 0), (b'""', ""), (b"false", False)])
 async def test_what_is_false_is_not_empty(body: bytes, value: object) -> None:
     assert await read_json(request(body), empty={"order": 1}) == value
+
+
+async def test_a_byte_order_mark_is_ignored() -> None:
+    """Editors and shells on Windows write one."""
+    assert await read_json(request(codecs.BOM_UTF8 + b'{"order": 1}')) == {"order": 1}
+    assert decode_json('\ufeff{"order": "\ufeff"}', "the message") == {"order": "\ufeff"}
+    for text, why in (
+        (codecs.BOM_UTF8 * 2 + b"{}", "not JSON"),
+        ("{}".encode("utf-16"), "UTF-16"),
+        (codecs.BOM_UTF8, "not"),
+    ):
+        with pytest.raises(MalformedRequest, match=why):
+            await read_json(request(text))
+
+
+def test_a_name_on_the_graph_may_have_its_slash() -> None:
+    """What a route and what the check of a grant get is the same name."""
+
+    async def names(name: GraphName, request: Request) -> list[str]:
+        return [name, request.path_params["name"]]
+
+    app = FastAPI()
+    app.get("/actions/{name:graph_name}/goals")(names)
+    with TestClient(app) as client:
+        for path, name in (("robot1/dock", "robot1/dock"), ("%2Frobot1%2Fdock", "robot1/dock"), ("//dock", "/dock")):
+            assert client.get(f"/actions/{path}/goals").json() == [name, name]
 
 
 @pytest.mark.parametrize(("value", "name"), [("Ada", "Ada"), (" Ada L. ", "Ada L."), ("Ä" * 10, "Ä" * 10)])

@@ -184,9 +184,13 @@ class HttpProtocol(H11Protocol):
     # Upgrades and invalid requests.
 
     def _get_upgrade(self) -> bytes | None:
-        """Return the requested upgrade if it is a WebSocket by GET. Others may be ignored (RFC 9110)."""
+        """Return the requested upgrade if it is a WebSocket by GET. Others may be ignored (RFC 9110, 7.8).
+
+        One in HTTP/1.0 must be: what sends it is a proxy that would not pass the WebSocket on.
+        """
         upgrade = super()._get_upgrade()
-        return upgrade if upgrade == b"websocket" and self.scope["method"] == "GET" else None
+        is_get = self.scope["method"] == "GET" and self.scope["http_version"] != "1.0"
+        return upgrade if upgrade == b"websocket" and is_get else None
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         """Hand the connection to the WebSocket protocol, unless it is in the reserve."""

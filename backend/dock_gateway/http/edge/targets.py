@@ -5,8 +5,9 @@ from typing import NamedTuple
 from urllib.parse import unquote
 
 METHOD, PATH = b"POST", b"/stop"
-# An address instead of a path, as clients send it that believe to speak to a proxy.
-ABSOLUTE = re.compile(rb"https?://(?P<authority>[^/?#]+)(?P<rest>.*)", re.IGNORECASE)
+# An address instead of a path, as clients send it that believe to speak to a proxy. A user in it is an error: it would
+# make the host look like another one (RFC 9110, 4.2.4).
+ABSOLUTE = re.compile(rb"(?:https?|wss?)://(?P<authority>[^/?#@\\]+)(?P<rest>[/?#].*)?", re.IGNORECASE)
 
 
 class RequestLine(NamedTuple):
@@ -27,14 +28,14 @@ def read_request_line(method: bytes, target: bytes) -> RequestLine:
     """Return what a request line asks for: a path, whether it has one or a whole address. A stop has its usual path.
 
     Raises:
-        ValueError: The target is neither a path nor an address of HTTP.
+        ValueError: The target is neither a path nor an address of HTTP or of a WebSocket, or there is a user in it.
     """
     host = None
     if (absolute := ABSOLUTE.fullmatch(target)) is not None:
-        host, rest = absolute["authority"], absolute["rest"]
+        host, rest = absolute["authority"], absolute["rest"] or b""
         target = rest if rest.startswith(b"/") else b"/" + rest
     if not target.startswith(b"/"):
-        raise ValueError("the target is neither a path nor an http:// address")
+        raise ValueError("the target is neither a path nor an http:// address without a user")
     path, mark, query = target.partition(b"#")[0].partition(b"?")
     if is_stop(method, path):
         return RequestLine(METHOD, PATH + mark + query, host)

@@ -28,6 +28,7 @@ STOPS = [
     b"http://robots.example/stop",
     b"https://robots.example:8443//stop/",
     b"HTTP://ROBOTS.EXAMPLE/stop",
+    b"ws://robots.example/stop",
 ]
 OTHERS = [
     b"/",
@@ -73,7 +74,10 @@ def test_another_method_is_passed_on_as_it_is(method: bytes, target: bytes) -> N
         (b"http://a:80", b"/", b"a:80"),
         (b"http://a?x=1", b"/?x=1", b"a"),
         (b"https://[::1]:8000/dock/", b"/dock/", b"[::1]:8000"),
-        (b"http://user@a/dock", b"/dock", b"user@a"),
+        (b"http://a#x", b"/#x", b"a"),
+        (b"ws://a:8000/ws?ticket=1", b"/ws?ticket=1", b"a:8000"),
+        (b"WSS://a/ws", b"/ws", b"a"),
+        (b"http://a/@b", b"/@b", b"a"),
     ],
 )
 def test_an_address(target: bytes, path: bytes, host: bytes) -> None:
@@ -81,7 +85,11 @@ def test_an_address(target: bytes, path: bytes, host: bytes) -> None:
 
 
 @pytest.mark.parametrize(
-    "target", [b"*", b"stop", b"127.0.0.1:8000", b"ftp://a/stop", b"http:///stop", b"http:/stop", b"?x"]
+    "target",
+    [
+        *[b"*", b"stop", b"127.0.0.1:8000", b"ftp://a/stop", b"http:///stop", b"http:/stop", b"?x", b"http:\\\\a/stop"],
+        *[b"http://user@a/stop", b"http://user:word@a", b"http://a@/stop", b"http://localhost\\@a/stop", b"http://"],
+    ],
 )
 def test_what_is_no_target(target: bytes) -> None:
     with pytest.raises(ValueError, match="neither a path nor"):
