@@ -83,6 +83,13 @@ class Settings(BaseSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")
+    rosbridge_port: int | None = Field(
+        None,
+        ge=1,
+        le=65535,
+        description="A further port, on which WebSockets of `/` are `/rosbridge`, such as 9090: "
+        "[rosbridge.md](rosbridge.md).",
+    )
     allowed_hosts: HostNames = Field(
         (),
         description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "

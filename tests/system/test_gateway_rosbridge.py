@@ -1,7 +1,9 @@
 """`/rosbridge`: what clients of rosbridge send and get, on a real gateway with real ROS nodes."""
 
+import base64
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 from typing import Any
 
 import orjson
@@ -10,7 +12,9 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_websocket
 
+from tests.support.access import Site, bearer
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.processes import free_port
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -165,6 +169,69 @@ def test_topics_in_json_and_in_cbor(gateway: RunningGateway, client: Client) -> 
         assert isinstance(packed, bytes)
         assert b"cmsg" in packed
         assert bytes.fromhex("d855590b40") in packed  # 2,880 bytes of float32, little-endian
+
+
+def test_topics_as_images_as_raw_bytes_and_in_pieces(client: Client) -> None:
+    client.send("subscribe", topic="/talker0/scan", compression="png")
+    assert base64.b64decode(client.until("png")["data"]).startswith(b"\x89PNG")
+    client.send("unsubscribe", topic="/talker0/scan")
+    client.send("subscribe", topic="/talker0/scan", fragment_size=1000)
+    pieces = [client.until("fragment", num=0)]
+    while len(pieces) < pieces[0]["total"]:
+        pieces.append(client.until("fragment", id=pieces[0]["id"], num=len(pieces)))
+    assert orjson.loads("".join(piece["data"] for piece in pieces))["msg"]["ranges"][5] == 5.0
+    client.send("unsubscribe", topic="/talker0/scan")
+    client.call("/rosapi/get_time")
+    client.send("subscribe", topic="/talker0/scan", compression="cbor-raw")
+    packed = client.connection.recv(PATIENCE)
+    assert isinstance(packed, bytes)
+    assert b"dsecs" in packed
+    assert b"ebytes" in packed
+    assert b"\x00\x01\x00\x00" in packed  # how CDR begins
+
+
+def test_an_operation_in_pieces(client: Client) -> None:
+    text = orjson.dumps({"op": "call_service", "service": "/rosapi/get_ros_version", "id": "x"}).decode()
+    for number in (1, 0):
+        client.send("fragment", id="f", num=number, total=2, data=text[20 * number :][: 20 if number == 0 else None])
+    assert client.until("service_response", id="x")["values"]["version"] == 2
+    client.send("fragment", id="f", num=2, total=2, data="")
+    client.error("num")
+    for number in range(9):
+        client.send("fragment", id=f"f{number}", num=0, total=2, data="")
+    client.error("already incomplete")
+    client.send("fragment", id="f1", num=0, total=2, data="x" * 999_000)
+    client.send("fragment", id="f2", num=0, total=2, data="x" * 1001)
+    client.error("exceed")
+
+
+def test_the_goals_of_a_client_that_wants_it_end_with_its_connection(gateway: RunningGateway) -> None:
+    with client_of(gateway, "?cancel_on_disconnect=true") as other:
+        other.goal(LONG, "g1", feedback=True)
+        other.until("action_feedback")
+        (goal,) = gateway.http.get("/actions/fibonacci/goals", params={"status": "executing"}).json()["goals"]
+    gateway.wait_for_goal(goal["goal_id"], "canceled")
+
+
+def test_a_port_for_rosbridge_tokens_and_tickets(shared_domain: int, tmp_path: Path) -> None:
+    site, port = Site(tmp_path), free_port()
+    token = site.token("page", "viewer", "--robot", "/robot1")
+    with site.gateway(shared_domain, rosbridge_port=str(port)) as guarded:
+        with pytest.raises(InvalidStatus) as refused, client_of(guarded):
+            pass
+        assert refused.value.response.status_code == 401
+        ticket = guarded.http.post("/session/ticket", headers=bearer(token)).json()["ticket"]
+        with (
+            open_websocket(f"ws://127.0.0.1:{port}", additional_headers=bearer(token)) as connection,
+            client_of(guarded, f"?ticket={ticket}") as other,
+        ):
+            client = Client(connection)
+            assert "/talker0/scan" not in client.call("/rosapi/topics")["topics"]
+            client.send("subscribe", topic="/talker0/scan")
+            client.error("the topic /talker0/scan")
+            client.goal(3, "g1")
+            assert "needs the role" in client.until("action_result")["values"]
+            assert other.call("/rosapi/get_ros_version")["version"] == 2
 
 
 def test_a_latched_topic_for_everyone_who_comes_and_one_that_nobody_has(

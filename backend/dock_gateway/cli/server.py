@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import cast
 
 import uvicorn
+from starlette.types import ASGIApp
 from uvicorn.config import STARTUP_FAILURE
 
 from dock_gateway.app import create_app
@@ -30,6 +31,7 @@ from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.http.edge.tls import open_tls
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.request_id import RequestId
+from dock_gateway.rosbridge.port import RosbridgePort
 from dock_gateway.settings import Settings, unknown_variables
 from robot_io import ros_variables
 
@@ -49,6 +51,7 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._certificates = certificates
         self._parts: Parts | None = None
+        self._rosbridge_port: int | None = None
         self._tasks = Tasks("watching the certificate")
 
     async def serve_gateway(self, parts: Parts, settings: Settings) -> None:
@@ -56,27 +59,35 @@ class Server(uvicorn.Server):
         if self.should_exit:
             return
         self._parts = parts
-        app = RequestId(SecurityHeaders(create_app(settings, parts), tls=settings.tls))
+        app: ASGIApp = RequestId(SecurityHeaders(create_app(settings, parts), tls=settings.tls))
+        if settings.rosbridge_port is not None:
+            app = RosbridgePort(app, settings.rosbridge_port)
+        self._rosbridge_port = settings.rosbridge_port
         self.config.app = ForwardedHeaders(app, settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Start, and log the address."""
-        try:
-            listener = Listener(self.config.host, self.config.port)
-        except OSError as error:
-            log.error("cannot listen on %s, port %d: %s", self.config.host, self.config.port, error)
-            raise SystemExit(STARTUP_FAILURE) from error
+        """Start, and log the addresses."""
+        listeners = {"http": self._bind(self.config.port)}
+        if self._rosbridge_port is not None:
+            listeners["ws"] = self._bind(self._rosbridge_port)
         await super().startup(sockets=[])
-        self.servers.append(cast("asyncio.Server", listener))
-        listener.start(self._open)
-        scheme = "http"
+        secure = "" if self._certificates is None else "s"
         if self._certificates is not None:
-            scheme = "https"
             self._tasks.spawn(self._certificates.watch())
-        for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
-            log.info("listening on %s://%s:%d", scheme, f"[{host}]" if ":" in host else host, port)
+        for scheme, listener in listeners.items():
+            self.servers.append(cast("asyncio.Server", listener))
+            listener.start(self._open)
+            for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
+                log.info("listening on %s%s://%s:%d", scheme, secure, f"[{host}]" if ":" in host else host, port)
+
+    def _bind(self, port: int) -> Listener:
+        try:
+            return Listener(self.config.host, port)
+        except OSError as error:
+            log.error("cannot listen on %s, port %d: %s", self.config.host, port, error)
+            raise SystemExit(STARTUP_FAILURE) from error
 
     async def _open(self, sock: socket.socket) -> None:
         connection = cast("ConnectionFactory", self.config.http_protocol_class)(

@@ -50,6 +50,7 @@ class SentGoal:
         identity: Its id at the client.
         action_type: Its type.
         feedback: Whether the client wants feedback.
+        fragment_size: Maximum number of characters of a message to the client.
     """
 
     goal_id: str
@@ -57,6 +58,7 @@ class SentGoal:
     identity: Identity
     action_type: str
     feedback: bool
+    fragment_size: int | None
 
     def message(self, event: dict[str, Any]) -> bytes | None:
         """Return what the client is sent for an event of the goal."""
@@ -89,7 +91,7 @@ class ClientGoals:
         event_filter: The events that `on_event` needs.
     """
 
-    def __init__(self, send: Callable[[bytes], Awaitable[None]]) -> None:
+    def __init__(self, send: Callable[[bytes, int | None], Awaitable[None]]) -> None:
         self.event_filter = GoalsOfClient()
         self._send = send
         self._goals: dict[str, SentGoal] = {}
@@ -126,7 +128,14 @@ class ClientGoals:
         try:
             goal = await submit()
             async with self._passing:
-                sent = SentGoal(goal["goal_id"], request.action, identity, goal["action_type"], request.feedback)
+                sent = SentGoal(
+                    goal["goal_id"],
+                    request.action,
+                    identity,
+                    goal["action_type"],
+                    request.feedback,
+                    request.fragment_size,
+                )
                 self._goals[sent.goal_id] = sent
                 self.event_filter.goal_ids.add(sent.goal_id)
                 known.set_result(sent.goal_id)
@@ -174,7 +183,7 @@ class ClientGoals:
         if event.ends_goal:
             self._forget(goal)
         if message is not None:
-            await self._send(message)
+            await self._send(message, goal.fragment_size)
 
     def _forget(self, goal: SentGoal) -> None:
         self._goals.pop(goal.goal_id, None)
@@ -186,9 +195,9 @@ class ClientGoals:
         }
 
     @property
-    def running(self) -> list[str]:
-        """The ids at the gateway of the goals that have not ended."""
-        return list(self._goals)
+    def running(self) -> list[asyncio.Future[str]]:
+        """The goals that have not ended, by their ids at the gateway; those that are being sent have none yet."""
+        return list(self._known.values())
 
 
 def failure(request: SendActionGoal, identity: Identity, error: GatewayError) -> bytes:

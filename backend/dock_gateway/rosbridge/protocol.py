@@ -1,5 +1,6 @@
 """The operations of rosbridge v2 as a client sends them, and the messages that it is sent. No ROS, no socket."""
 
+from base64 import b64encode
 from enum import IntEnum
 from typing import Annotated, Any, Literal
 
@@ -14,6 +15,8 @@ Identity = str | int | None
 
 # Characters of an id: clients put the name of an action or a service into it.
 MAX_ID = 1000
+# Characters of a fragment; a message of a million in pieces of one would be a flood.
+FragmentSize = Annotated[int, Field(ge=100)] | None
 Name = Annotated[str, Field(min_length=1, max_length=300)]
 
 
@@ -30,7 +33,14 @@ class Compression(IntEnum):
     """The compressions of a subscription. If a client has several of one topic, the greatest is used."""
 
     none = 0
+    png = 1
     cbor = 2
+    cbor_raw = 3
+
+    @classmethod
+    def named(cls, name: str | None) -> "Compression":
+        """Return a compression by its name in the protocol."""
+        return cls[(name or "none").replace("-", "_")]
 
 
 class Operation(BaseModel):
@@ -47,6 +57,7 @@ class Subscribe(Operation):
         type: Its type, such as `std_msgs/msg/String` or `std_msgs/String`. Needed if nobody has the topic yet.
         throttle_rate: Minimum milliseconds between two messages.
         queue_length: Number of messages that wait for a client that is slow, or for `throttle_rate`.
+        fragment_size: Maximum number of characters of a message; longer ones come in pieces.
         compression: How messages are encoded.
     """
 
@@ -54,7 +65,8 @@ class Subscribe(Operation):
     type: str | None = None
     throttle_rate: Annotated[float, Field(ge=0, le=86_400_000)] = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
-    compression: Literal["none", "cbor"] | None = None
+    fragment_size: FragmentSize = None
+    compression: Literal["none", "png", "cbor", "cbor-raw"] | None = None
 
 
 class Unsubscribe(Operation):
@@ -70,6 +82,7 @@ class SendActionGoal(Operation):
     action_type: str | None = None
     args: Any = None
     feedback: bool = False
+    fragment_size: FragmentSize = None
 
 
 class CancelActionGoal(Operation):
@@ -83,6 +96,7 @@ class CallService(Operation):
 
     service: Name
     args: Any = None
+    fragment_size: FragmentSize = None
 
 
 class SetLevel(Operation):
@@ -169,6 +183,16 @@ def action_result(action: str, identity: Identity, status: GoalStatus, values: A
 def published(topic: str, message: Any) -> bytes:
     """Return a message on a topic."""
     return _message("publish", None, topic=topic, msg=message)
+
+
+def png(image: bytes) -> bytes:
+    """Return a message that is an image."""
+    return _message("png", None, data=b64encode(image).decode())
+
+
+def fragment(data: str, number: int, total: int, identity: Identity) -> bytes:
+    """Return a piece of a message."""
+    return _message("fragment", identity, data=data, num=number, total=total)
 
 
 def _message(op: str, identity: Identity, **fields: Any) -> bytes:

@@ -2,10 +2,11 @@
 
 import asyncio
 import logging
+import time
 from asyncio import Task
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 from dock_gateway.core.errors import GatewayError, NotFound
 from dock_gateway.core.event import websocket_frame
@@ -15,8 +16,9 @@ from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echo import Listening, listening_for
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
-from dock_gateway.rosbridge import cbor
+from dock_gateway.rosbridge import cbor, png
 from dock_gateway.rosbridge.protocol import Compression, published
+from dock_gateway.rosbridge.protocol import png as png_message
 from dock_gateway.rosbridge.values import cbor_values, json_values
 
 log = logging.getLogger(__name__)
@@ -51,6 +53,7 @@ class Published:
 
     def __init__(self, topic: str, kind: EchoType, message: bytes) -> None:
         self.size = len(message)
+        self._received_ns = time.time_ns()
         self._topic = topic
         self._kind = kind
         self._message = message
@@ -71,14 +74,23 @@ class Published:
 
     def _encode(self, compression: Compression) -> Payload | None:
         try:
-            message = self._kind.decode(self._message)
-            if compression is Compression.cbor:
-                document = {"op": "publish", "topic": self._topic, "msg": cbor_values(message)}
-                return Payload(cbor.encode(document), binary=True)
-            return Payload(published(self._topic, json_values(message)), binary=False)
+            match compression:
+                case Compression.cbor_raw:
+                    return self._packed(self._raw())
+                case Compression.cbor:
+                    return self._packed(cbor_values(self._kind.decode(self._message)))
+            text = published(self._topic, json_values(self._kind.decode(self._message)))
+            return Payload(png_message(png.encode(text)) if compression is Compression.png else text, binary=False)
         except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
             log.debug("a message on %s cannot be read as %s: %s", self._topic, self._kind.name, error)
             return None
+
+    def _raw(self) -> dict[str, Any]:
+        seconds, nanoseconds = divmod(self._received_ns, 1_000_000_000)
+        return {"secs": seconds, "nsecs": nanoseconds, "bytes": self._message}
+
+    def _packed(self, message: dict[str, Any]) -> Payload:
+        return Payload(cbor.encode({"op": "publish", "topic": self._topic, "msg": message}), binary=True)
 
 
 class Outlet(Protocol):

@@ -10,16 +10,23 @@ from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.requests import known_query
 from dock_gateway.rosbridge.session import Session
+from dock_gateway.streams.queries import read_flag
 
 router = APIRouter()
 
+CANCEL = "cancel_on_disconnect"
 
-@router.websocket("/rosbridge", dependencies=[Depends(known_query(TICKET))])
+
+@router.websocket("/rosbridge", dependencies=[Depends(known_query(TICKET, CANCEL))])
 @operation(Role.VIEWER, Scope.LISTED)
 async def rosbridge(websocket: WebSocket, parts: AllParts) -> None:
-    """Speak rosbridge v2: receive operations, send messages of topics, feedback and results."""
+    """Speak rosbridge v2: receive operations, send messages of topics, feedback and results.
+
+    `?cancel_on_disconnect=true` cancels the goals of the connection when it ends.
+    """
     principal = principal_of(websocket)
-    session = Session(websocket, parts, principal, frame_writer(websocket))
+    cancel = read_flag(websocket.query_params, CANCEL, default=False)
+    session = Session(websocket, parts, principal, frame_writer(websocket), cancel_on_disconnect=cancel)
     with subscribed(parts, principal, session.event_filter) as place:
         try:
             await websocket.accept()

@@ -27,6 +27,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.rosbridge import rosapi
+from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
 from dock_gateway.rosbridge.goals import ClientGoals, failure
 from dock_gateway.rosbridge.protocol import (
     CallService,
@@ -68,6 +69,7 @@ class Session:
         parts: Carry out the operations.
         principal: The user who sends them.
         writer: Writes frames past the queue; None if the connection cannot.
+        cancel_on_disconnect: Whether the goals of the connection are canceled when it ends.
         max_operations: Maximum number of operations in progress; more are refused.
         max_urgent: Cancels and stops in addition to them. They are never refused: beyond this, the socket is not read
             until one is answered.
@@ -83,6 +85,7 @@ class Session:
         principal: Principal,
         writer: FrameWriter | None,
         *,
+        cancel_on_disconnect: bool = False,
         max_operations: int = 64,
         max_urgent: int = 64,
     ) -> None:
@@ -97,6 +100,8 @@ class Session:
         self._sending = asyncio.Lock()
         self._in_order = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
+        self._fragments = Fragments(parts[Settings].max_body_bytes)
+        self._cancel_on_disconnect = cancel_on_disconnect
         self._closed = False
         self.event_filter: EventFilter = self._goals.event_filter
 
@@ -108,8 +113,21 @@ class Session:
     async def close(self) -> None:
         """End the subscriptions. Operations in progress continue, and goals that are running."""
         self._closed = True
+        if self._cancel_on_disconnect and not self._parts[Hub].closing:
+            await asyncio.gather(*map(self._cancel, self._goals.running))
         async with self._in_order:
             await self._subscriptions.close()
+
+    async def _cancel(self, goal: asyncio.Future[str]) -> None:
+        """Cancel a goal whose client is gone, even if its login has ended."""
+        try:
+            fields = {"goal_id": await goal}
+            cancel_goal = COMMANDS["cancel_goal"]
+            carry_out = partial(cancel_goal, self._parts, self._principal, fields)
+            operation = operation_of(cancel_goal)
+            await audited_command(self._websocket.scope, "cancel_goal", operation, fields, carry_out)
+        except (GatewayError, asyncio.CancelledError) as error:
+            log.info("a goal of a client that is gone was not canceled: %s", error)
 
     async def _follow(self, place: Subscriber) -> None:
         hub = self._parts[Hub]
@@ -141,6 +159,11 @@ class Session:
         op, identity = "", None
         try:
             op, identity, fields = read_operation(_text(received))
+            if op == "fragment":
+                whole = self._fragments.add(read_fields(Fragment, fields), identity)
+                if whole is None:
+                    return
+                op, identity, fields = read_operation(whole)
             operate = OPERATIONS.get(op)
             if operate is None:
                 known = ", ".join(OPERATIONS)
@@ -199,7 +222,7 @@ class Session:
             submit = partial(self._submit, command)
             type_name = await self._goals.submit(request, identity, name, submit)
         except GatewayError as error:
-            await self._send(failure(request, identity, error))
+            await self._send(failure(request, identity, error), request.fragment_size)
             return
         if request.action_type and full_type(request.action_type, "action") != type_name:
             text = f"send_action_goal: {name} has the type {type_name}, not {request.action_type[:200]}"
@@ -221,9 +244,10 @@ class Session:
         try:
             values = await self._call(self._parts[Settings].resolve(service, ""), request.args)
         except GatewayError as error:
-            await self._send(service_response(request.service, identity, error.detail, result=False))
+            response = service_response(request.service, identity, error.detail, result=False)
         else:
-            await self._send(service_response(request.service, identity, values))
+            response = service_response(request.service, identity, values)
+        await self._send(response, request.fragment_size)
 
     async def _call(self, service: str, args: Any) -> Json:
         if service.startswith(rosapi.PREFIX):
@@ -248,14 +272,15 @@ class Session:
             with suppress(WebSocketDisconnect, TimeoutError, RuntimeError):
                 await self._send(status(level, text, identity))
 
-    async def _send(self, message: bytes) -> None:
-        await self._send_frame({"type": "websocket.send", "text": message.decode()})
+    async def _send(self, message: bytes, fragment_size: int | None = None) -> None:
+        for piece in split(message, fragment_size):
+            await self._send_frame({"type": "websocket.send", "text": piece.decode()})
 
-    async def _send_payload(self, payload: Payload) -> None:
+    async def _send_payload(self, payload: Payload, fragment_size: int | None) -> None:
         if payload.binary:
             await self._send_frame({"type": "websocket.send", "bytes": payload.data})
         else:
-            await self._send(payload.data)
+            await self._send(payload.data, fragment_size)
 
     async def _send_frame(self, message: Json) -> None:
         """Send a message. Cut off a client that does not read for `subscriber_timeout` seconds.

@@ -30,6 +30,7 @@ class TopicOutlet:
         self.topic = topic
         self.requests: dict[Identity, Subscribe] = {}
         self.compression = Compression.none
+        self.fragment_size: int | None = None
         self._write = write
         self._wake = wake
         self._period = 0.0
@@ -39,12 +40,13 @@ class TopicOutlet:
         self._queue: deque[Published] = deque()
 
     def configure(self) -> None:
-        """Take what all subscriptions need: the shortest period, the shortest queue, the greatest compression."""
+        """Take what suits all subscriptions: the shortest period, the smallest fragments, the greatest compression."""
         requests = self.requests.values()
         self._period = min(request.throttle_rate for request in requests) / 1000
         length = min(request.queue_length for request in requests)
         self._limit = min(QUEUE, length or (1 if self._period else QUEUE))
-        self.compression = max(Compression[request.compression or "none"] for request in requests)
+        self.compression = max(Compression.named(request.compression) for request in requests)
+        self.fragment_size = min((each.fragment_size for each in requests if each.fragment_size), default=None)
 
     @property
     def due(self) -> float:
@@ -57,7 +59,8 @@ class TopicOutlet:
             payload = await message.payload(self.compression)
             if payload is None:
                 return
-            if not self._queue and self._write(payload.frame):
+            whole = self.fragment_size is None or payload.binary or len(payload.data) <= self.fragment_size
+            if whole and not self._queue and self._write(payload.frame):
                 self._due = _now() + self._period
                 return
         self._queue.append(message)
@@ -118,8 +121,8 @@ class Subscriptions:
             del self._outlets[topic]
             await self._relays.leave(topic, outlet)
 
-    async def send_all(self, send: Callable[[Payload], Any]) -> None:
-        """Send what waits, when it is due, for as long as the client is connected."""
+    async def send_all(self, send: Callable[[Payload, int | None], Any]) -> None:
+        """Send what waits, when it is due and in pieces of its size, for as long as the client is connected."""
         while True:
             due = min((outlet.due for outlet in self._outlets.values()), default=NEVER)
             try:
@@ -130,7 +133,7 @@ class Subscriptions:
             self._changed.clear()
             for outlet in list(self._outlets.values()):
                 if outlet.due <= _now() and (payload := await outlet.take()) is not None:
-                    await send(payload)
+                    await send(payload, outlet.fragment_size)
 
     async def close(self) -> None:
         """End all subscriptions."""

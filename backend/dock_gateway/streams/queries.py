@@ -57,9 +57,18 @@ def read_feedback(query: Mapping[str, str]) -> bool:
     Raises:
         InvalidField: It is neither true nor false.
     """
-    text = query.get("feedback", "true").lower()
+    return read_flag(query, "feedback", default=True)
+
+
+def read_flag(query: Mapping[str, str], name: str, *, default: bool) -> bool:
+    """Return whether a parameter is true.
+
+    Raises:
+        InvalidField: It is neither true nor false.
+    """
+    text = query.get(name, str(default)).lower()
     if text not in ("true", "false"):
-        raise InvalidField([FieldError("query.feedback", "true or false", f"got {text[:60]!r}")])
+        raise InvalidField([FieldError(f"query.{name}", "true or false", f"got {text[:60]!r}")])
     return text == "true"
 
 
