@@ -11,7 +11,7 @@ const LAYERS = [
   // Components that know no robot.
   "ui",
   // What features share: all robots, who uses the page, one goal in words.
-  ...["fleet", "access", "goal", "stop", "alerts"],
+  ...["fleet", "access", "goal", "stop", "alerts", "approvals"],
   // Features.
   ...["battery", "docking", "scene", "simulator", "automation", "actions", "goals", "operations"],
   ...["statistics", "audit", "notifications", "graph"],

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from playwright.sync_api import Browser, Page, expect
@@ -213,6 +214,26 @@ def test_what_a_viewer_may_not_do_says_why(page: Page, gateway: RunningGateway, 
     expect(page.get_by_text(secret)).to_be_visible()
     page.goto(f"{gateway.url}/ui/tokens")
     expect(page.get_by_role("main")).to_contain_text("Needs the role admin; you are viewer.")
+
+
+def test_an_operator_allows_the_goal_of_an_agent(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    agent = create(gateway, "shift planner", "agent")
+    log_in(page, secrets["operator"])
+    expect_live(page)
+    with ThreadPoolExecutor() as pool:
+        headers = {"Authorization": f"Bearer {agent['secret']}"}
+        sent = pool.submit(gateway.http.post, "/dock", headers=headers, timeout=120)
+        question = page.get_by_test_id("approval")
+        expect(question).to_contain_text("shift planner wants to dock")
+        assert find_violations(page) == []
+        for width in (320, 820):
+            page.set_viewport_size({"width": width, "height": 900})
+            expect_no_sideways_scrolling(page)
+        question.get_by_role("button", name="Allow").click()
+        answer = sent.result()
+    assert answer.status_code == 202, answer.text
+    expect(question).to_be_hidden()
+    gateway.stop_once()
 
 
 def test_a_login_that_ends_is_said_and_another_one_goes_on(

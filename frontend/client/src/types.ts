@@ -51,3 +51,4 @@ export type Robot = Schemas["Robot"];
 
 /** Something that an operator has to know of, as `GET /alerts` tells. */
 export type Alert = Schemas["Alert"];
+export type Approval = Schemas["Approval"];

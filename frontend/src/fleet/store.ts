@@ -1,4 +1,4 @@
-import type { Alert, EventOf, GatewayEvent, Robot, StopState } from "@dock-gateway/client";
+import type { Alert, Approval, EventOf, GatewayEvent, Robot, StopState } from "@dock-gateway/client";
 import { steadyNow } from "../clock/beat";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
 import type { StreamState } from "../store/state";
@@ -32,6 +32,13 @@ export class FleetStore extends StreamStore<FleetState, FleetTopics> {
     this.shown.flush();
   }
 
+  /** Takes up that an agent's goal was answered: at once, as people wait for it. */
+  setAnswered(approvalId: string): void {
+    const approvals = this.state.approvals.filter(({ approval_id }) => approval_id !== approvalId);
+    this.state = { ...this.state, approvals };
+    this.shown.flush();
+  }
+
   /** Takes up what an answer over HTTP says of an alert: at once, as people wait for it. */
   setAlert(alert: Alert): void {
     const alerts = this.state.alerts.map((known) => (known.id === alert.id ? alert : known));
@@ -47,6 +54,8 @@ interface FleetState extends StreamState {
   /** Their names and groups: another object only when one of these changes. */
   naming: Naming;
   alerts: readonly Alert[];
+  /** Agents' goals that wait until somebody allows them, oldest first. */
+  approvals: readonly Approval[];
   /** The id of the last decision of automatic docking that the stream told of; null before the first. */
   decision: string | null;
   /** That of the robot that the gateway is configured for. */
@@ -70,6 +79,7 @@ export const initialFleet: FleetState = {
   robots: new Map(),
   naming: new Naming([]),
   alerts: [],
+  approvals: [],
   decision: null,
   stop: NO_STOP,
   clockSkew: 0,
@@ -104,6 +114,8 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
     }
     case "alerts":
       return { ...state, alerts: event.alerts };
+    case "approvals":
+      return { ...state, approvals: event.approvals };
     case "automation":
       return { ...state, decision: event.automation.id };
     default:
@@ -112,7 +124,7 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
 }
 
 function applySnapshot(state: FleetState, event: EventOf<"snapshot">, now: number): FleetState {
-  const { alerts = [] } = event;
+  const { alerts = [], approvals = [] } = event;
   const robots = withRobots(new Map(), event.robots ?? [], []);
   return snapshotGoals(
     {
@@ -121,6 +133,7 @@ function applySnapshot(state: FleetState, event: EventOf<"snapshot">, now: numbe
       robots,
       naming: state.naming.updated(robots),
       alerts,
+      approvals,
       stop: event.stop,
       clockSkew: now - Date.parse(event.time),
     },

@@ -5,6 +5,7 @@ import { LoginEnded } from "../access/Entrance";
 import { OpenBanner } from "../access/OpenNotice";
 import { openAlerts } from "../alerts/order";
 import { useSession } from "../api/session";
+import { ApprovalBanner } from "../approvals/ApprovalBanner";
 import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
@@ -40,6 +41,7 @@ export function Shell() {
           <Stack gap="md">
             {loggedOut ? <LoginEnded /> : <ConnectionBanner />}
             <StopBanner />
+            <ApprovalBanner />
             <OpenBanner />
             <Guarded of={pathname}>
               <Suspense fallback={<PageSkeleton />}>

@@ -20,9 +20,10 @@ NAMES = st.lists(st.sampled_from(["robot1", "robot10", "hall_a", "dock", "x"]), 
     ("role", "included"),
     [
         (Role.VIEWER, {"viewer"}),
-        (Role.OPERATOR, {"viewer", "operator"}),
-        (Role.SUPERVISOR, {"viewer", "operator", "supervisor"}),
-        (Role.ADMIN, {"viewer", "operator", "supervisor", "admin"}),
+        (Role.AGENT, {"viewer", "agent"}),
+        (Role.OPERATOR, {"viewer", "agent", "operator"}),
+        (Role.SUPERVISOR, {"viewer", "agent", "operator", "supervisor"}),
+        (Role.ADMIN, {"viewer", "agent", "operator", "supervisor", "admin"}),
     ],
 )
 def test_roles_include_those_before(role: Role, included: set[str]) -> None:

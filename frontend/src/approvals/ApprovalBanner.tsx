@@ -1,0 +1,89 @@
+import type { Approval } from "@dock-gateway/client";
+import { Anchor, Code, Group, Paper, Text } from "@mantine/core";
+import { memo } from "react";
+import { Link } from "react-router";
+import { answerApproval } from "../api/client";
+import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
+import { robotPath } from "../fleet/names";
+import { CommandErrorAlert } from "../ui/errors";
+import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
+import { Time } from "../ui/Time";
+import classes from "./approvals.module.css";
+
+/** The number of characters of a goal to show. */
+const GOAL = 300;
+
+/** Asks whether robots may get the goals of agents that wait for it; nothing where none does. */
+export function ApprovalBanner() {
+  const approvals = useFleetTopic("approvals");
+  return (
+    <div role="status" className={classes.list}>
+      {approvals.map((approval) => (
+        <Question key={approval.approval_id} approval={approval} />
+      ))}
+    </div>
+  );
+}
+
+const Question = memo(function Question({ approval }: { approval: Approval }) {
+  const { approval_id, agent, client, robot, action_name, verb, goal, expires_at } = approval;
+  const naming = useNaming();
+  const { http, store } = useFleet();
+  const answer = useCommand(async (allow: boolean) => {
+    await answerApproval(http, approval_id, allow);
+    store.setAnswered(approval_id);
+  });
+  const forbidden = useWhyNot("POST /approvals/{approval_id}");
+  const reason = forbidden ?? (answer.isPending ? "The gateway has not answered yet." : null);
+  const what = verb ?? `send a goal to ${action_name}`;
+  const name = verb === null ? what : `${what} ${naming.fullNameOf(robot)}`;
+  return (
+    <Paper
+      component="section"
+      aria-label={`${agent} wants to ${name}`}
+      withBorder
+      radius="md"
+      p="md"
+      className={classes.question}
+      data-testid="approval"
+    >
+      <div className={classes.words}>
+        <Text fw={700}>
+          {agent} wants to {what}
+          {verb !== null && (
+            <>
+              {" "}
+              <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
+                {naming.fullNameOf(robot)}
+              </Anchor>
+            </>
+          )}
+        </Text>
+        {verb === null && <Code>{JSON.stringify(goal).slice(0, GOAL)}</Code>}
+        <Text size="sm">
+          An agent{client !== null && `, ${client},`} asks. Check that the area is clear. Without an answer it
+          is refused at <Time value={expires_at} />.
+        </Text>
+      </div>
+      <Group gap="xs" className={classes.answers}>
+        <ReasonButton
+          variant="default"
+          reason={reason}
+          aria-label={`Refuse: ${name}`}
+          onClick={() => answer.mutate(false)}
+        >
+          Refuse
+        </ReasonButton>
+        <ReasonButton reason={reason} aria-label={`Allow: ${name}`} onClick={() => answer.mutate(true)}>
+          Allow
+        </ReasonButton>
+      </Group>
+      {answer.error !== null && (
+        <div className={classes.failed}>
+          <CommandErrorAlert command="The answer" error={answer.error} onClose={answer.reset} />
+        </div>
+      )}
+    </Paper>
+  );
+});
