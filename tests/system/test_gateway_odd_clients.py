@@ -37,6 +37,16 @@ def ask(gateway: RunningGateway, request: str) -> bytes:
     return answer.partition(b"\r\n\r\n")[0]
 
 
+def exchange(gateway: RunningGateway, handshake: bytes, frame: bytes) -> bytes:
+    """Open a WebSocket, send a frame, and return the first bytes of the answer."""
+    address = urlsplit(gateway.url)
+    with socket.create_connection((address.hostname, address.port), timeout=PATIENCE) as connection:
+        connection.sendall(handshake)
+        assert b" 101 " in connection.recv(65536)
+        connection.sendall(frame)
+        return connection.recv(65536)
+
+
 def subscribers(gateway: RunningGateway) -> int:
     found: int = gateway.http.get("/healthz").json()["subscribers"]
     return found
@@ -62,7 +72,12 @@ def test_a_head(gateway: RunningGateway, path: str) -> None:
 def test_a_stop_over_a_websocket_whose_address_is_in_the_request_line(gateway: RunningGateway) -> None:
     """As clients send it through a proxy. The host in the line counts: no page of another one comes in."""
     address = gateway.url.replace("http", "ws")
-    assert b" 101 " in ask(gateway, f"GET {address}/ws HTTP/1.1\r\nHost: foreign.example\r\n{HANDSHAKE}")
+    stop = b'{"op": "stop", "id": "1"}'
+    frame = b"\x81" + bytes([0x80 | len(stop)]) + bytes(4) + stop  # a text, whose mask changes nothing
+    handshake = f"GET {address}/ws HTTP/1.1\r\nHost: foreign.example\r\n{HANDSHAKE}"
+    assert b'"op":"ack"' in exchange(gateway, handshake.encode(), frame)
+    assert gateway.http.get("/stop").json()["latched"]
+    gateway.http.delete("/stop").raise_for_status()
     for line, origin in (("ws://foreign.example", gateway.url), (address, "http://foreign.example")):
         request = f"GET {line}/ws HTTP/1.1\r\nHost: {urlsplit(gateway.url).netloc}\r\nOrigin: {origin}\r\n{HANDSHAKE}"
         assert b" 403 " in ask(gateway, request), line

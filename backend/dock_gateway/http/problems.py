@@ -2,9 +2,11 @@
 
 from http import HTTPStatus
 from typing import Any
+from urllib.parse import quote
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
+from starlette.datastructures import URL
 from starlette.exceptions import HTTPException
 from starlette.middleware.exceptions import ExceptionMiddleware
 from starlette.requests import HTTPConnection
@@ -17,7 +19,7 @@ from dock_gateway.http.methods import AllowedMethods
 
 MEDIA_TYPE = "application/problem+json"
 INTERNAL = GatewayError("internal error; the gateway's log has the details")
-CODES = {404: "not_found", 405: "method_not_allowed"}
+CODES = {307: "redirected", 404: "not_found", 405: "method_not_allowed"}
 
 
 def problem_response(error: GatewayError) -> Response:
@@ -56,13 +58,20 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
 
     @app.exception_handler(HTTPException)
     async def http_error(request: Request, error: HTTPException) -> Response:
-        headers = dict(error.headers or {})
-        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-            headers["Allow"] = allowed(request.scope["path"]) or headers.get("Allow", "")
+        status, headers, detail = HTTPStatus(error.status_code), dict(error.headers or {}), str(error.detail)
+        path = request.scope["path"]
+        if status is HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = allowed(path) or headers.get("Allow", "")
             if request.method == "OPTIONS":
                 return Response(status_code=HTTPStatus.NO_CONTENT, headers=headers)
-        code = CODES.get(error.status_code, "malformed_request")
-        problem = GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code))
+            detail = f"{request.method[:20]} is not a method of {path[:200]!r}; it has {headers['Allow']}"
+        elif status is HTTPStatus.NOT_FOUND and path.endswith("/") and allowed(without := path.rstrip("/")):
+            # With a body: a client that does not follow it must not look as if it had done something.
+            status, detail = HTTPStatus.TEMPORARY_REDIRECT, f"there is no slash at the end: the path is {without[:200]}"
+            headers["Location"] = str(URL(path=quote(without), query=request.url.query))
+        elif status is HTTPStatus.NOT_FOUND:
+            detail = f"there is nothing at {path[:200]!r}; /docs lists the API"
+        problem = GatewayError(detail, code=CODES.get(status, "malformed_request"), status=status)
         response = _answer(request, problem)
         response.headers.update(headers)
         return response

@@ -233,7 +233,12 @@ GOAL_ID = re.compile(r"[0-9A-Fa-f]{8}-?(?:[0-9A-Fa-f]{4}-?){3}[0-9A-Fa-f]{12}")
 
 
 class GraphNameConvertor(PathConvertor):
-    """Reads a name on the ROS graph from a path. Its leading slash may be there: `/actions/%2Ffibonacci`."""
+    """Reads a name on the ROS graph from a path. Its leading slash may be there: `/actions/%2Ffibonacci`.
+
+    It has none at its end: `/actions/` and `/actions/fibonacci/` are redirected, like every path that ends with one.
+    """
+
+    regex = ".*[^/]"
 
     def convert(self, value: str) -> str:
         """Return the name without its leading slash."""

@@ -1,5 +1,6 @@
 """Requests for a WebSocket that are none, and WebSockets where there is none."""
 
+import logging
 from collections.abc import Iterable
 from http import HTTPStatus
 
@@ -8,6 +9,8 @@ from starlette.responses import Response
 from starlette.routing import BaseRoute, WebSocketRoute
 
 from dock_gateway.core.errors import MalformedRequest, NotFound
+
+log = logging.getLogger(__name__)
 
 
 def install_upgrades(app: FastAPI, routes: Iterable[BaseRoute]) -> None:
@@ -31,7 +34,9 @@ def install_upgrades(app: FastAPI, routes: Iterable[BaseRoute]) -> None:
         )
 
     async def no_websocket(websocket: WebSocket) -> None:
-        raise NotFound(f"there is no WebSocket at {websocket.scope['path'][:200]!r}; there are {', '.join(paths)}")
+        error = NotFound(f"there is no WebSocket at {websocket.scope['path'][:200]!r}; there are {', '.join(paths)}")
+        log.warning("a WebSocket was refused: %s", error.detail)  # a page is not told why
+        raise error
 
     for path in paths:
         app.add_api_route(path, upgrade_required, include_in_schema=False)

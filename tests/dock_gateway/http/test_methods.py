@@ -52,6 +52,32 @@ def test_pages_and_what_is_not_there(client: TestClient) -> None:
     for method in ("OPTIONS", "DELETE"):
         response = client.request(method, "/nothing")
         assert (response.status_code, response.json()["code"]) == (404, "not_found")
+        assert response.json()["detail"] == "there is nothing at '/nothing'; /docs lists the API"
+    assert client.put("/dock").json()["detail"] == "PUT is not a method of '/dock'; it has GET, HEAD, OPTIONS, POST"
+
+
+@pytest.mark.parametrize(
+    ("path", "location"),
+    [
+        ("/dock/", "/dock"),
+        ("/dock/?robot=%2Frobot1&x=%20", "/dock?robot=%2Frobot1&x=%20"),
+        ("/actions/a%20%3Fb%2Fc/goals//", "/actions/a%20%3Fb/c/goals"),
+        ("/actions/", "/actions"),
+        ("/ws/", "/ws"),
+    ],
+)
+def test_a_slash_at_the_end_is_a_redirect_that_says_so(client: TestClient, path: str, location: str) -> None:
+    """On the same host and scheme as the request, whatever a proxy in between speaks."""
+    response = client.post(path, follow_redirects=False)
+    assert (response.status_code, response.headers["location"]) == (307, location)
+    assert response.json()["detail"].startswith("there is no slash at the end: the path is /")
+
+
+@pytest.mark.parametrize(
+    "path", ["//", "//foreign.example/", "//dock/", "/nothing/", "/assets/", "/\\\\foreign.example/"]
+)
+def test_a_slash_at_the_end_of_what_is_not_there(client: TestClient, path: str) -> None:
+    assert client.get(f"http://127.0.0.1:8000{path}", follow_redirects=False).status_code == 404
 
 
 def test_a_request_that_is_no_preflight_of_an_allowed_page() -> None:

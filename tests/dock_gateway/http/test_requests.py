@@ -60,6 +60,8 @@ def test_a_name_on_the_graph_may_have_its_slash() -> None:
     with TestClient(app) as client:
         for path, name in (("robot1/dock", "robot1/dock"), ("%2Frobot1%2Fdock", "robot1/dock"), ("//dock", "/dock")):
             assert client.get(f"/actions/{path}/goals").json() == [name, name]
+        for nothing in ("", "/", "//"):
+            assert client.get(f"/actions{nothing}/goals").status_code == 404
 
 
 @pytest.mark.parametrize(("value", "name"), [("Ada", "Ada"), (" Ada L. ", "Ada L."), ("Ä" * 10, "Ä" * 10)])

@@ -37,8 +37,9 @@ async def test_a_proxy_that_speaks_http_1_0() -> None:
 
 
 @pytest.mark.parametrize("path", ["/", "/dock", "/ws/feedbak"])
-def test_no_websocket_is_there(client: TestClient, path: str) -> None:
+def test_no_websocket_is_there(client: TestClient, path: str, caplog: pytest.LogCaptureFixture) -> None:
     with pytest.raises(WebSocketDenialResponse) as refused, client.websocket_connect(f"ws://127.0.0.1:8000{path}"):
         pass
     assert refused.value.status_code == 404
+    assert "a WebSocket was refused: there is no WebSocket at" in caplog.text
     assert "there are /rosbridge, /ws, /ws/feedback" in refused.value.json()["detail"]
