@@ -18,7 +18,7 @@ from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.goals import action_routes, approval_routes, dock_routes, export_routes, note_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
-from dock_gateway.graph import interface_routes
+from dock_gateway.graph import interface_routes, parameter_routes, publish_routes, service_routes
 from dock_gateway.graph import routes as graph_routes
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
@@ -76,6 +76,9 @@ def api_routers() -> tuple[APIRouter, ...]:
         approval_routes,
         interface_routes,
         graph_routes,
+        service_routes,
+        parameter_routes,
+        publish_routes,
         battery_routes,
         fleet_routes,
         automation_routes,
@@ -157,7 +160,7 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
         app.add_middleware(
             CORSMiddleware,
             allow_origins=settings.allowed_origins,
-            allow_methods=("GET", "HEAD", "POST", "PUT", "DELETE"),
+            allow_methods=("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"),
             allow_headers=(
                 "Authorization",
                 "Content-Type",

@@ -42,6 +42,9 @@ from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echoes import EchoRegistry
+from dock_gateway.graph.parameters import Parameters
+from dock_gateway.graph.publishing import Publishing
+from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.latch.interlock import Interlock
@@ -124,7 +127,7 @@ async def _open(
         recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
         _listen_to_poses(settings, robots, PosePort, recorder, stack)
     graph = _closed_by(stack, GraphCache(bridge))
-    echoes = _closed_by(stack, EchoRegistry(bridge, graph))
+    publishing = _closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
     await bridge.call(
         lambda: DiagnosticsPort(
             robots.topics,
@@ -217,8 +220,11 @@ async def _open(
             AuditLog: audit,
             Subjects: Subjects(settings, actions.action_of, robots.namespaces),
             GraphCache: graph,
-            EchoRegistry: echoes,
             Relays: _closed_by(stack, Relays(bridge, graph)),
+            EchoRegistry: _closed_by(stack, EchoRegistry(bridge, graph)),
+            ServiceCalls: _closed_by(stack, ServiceCalls(settings, bridge, interlock)),
+            Parameters: _closed_by(stack, Parameters(settings, bridge)),
+            Publishing: publishing,
         }
     )
     _observe(parts, stack)
@@ -228,6 +234,14 @@ async def _open(
 def _make_interlock(settings: Settings, hub: Hub) -> Interlock:
     catalog, default = DockingCatalog(settings), normalize_namespace(settings.namespace)
     return Interlock(hub, LatchFile(settings.stop_file), default, catalog.shared, catalog.homes)
+
+
+def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, stopper: Stopper) -> Publishing:
+    """Make what publishes for clients; it leaves the topics of a robot as soon as that is stopped."""
+    publishing = Publishing(settings, bridge, interlock)
+    stopper.on_stop.append(publishing.withdraw)
+    interlock.on_latch.append(publishing.withdraw)
+    return publishing
 
 
 def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry) -> GraphWatch:

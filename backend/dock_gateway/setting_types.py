@@ -21,6 +21,8 @@ TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
 NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
 # A namespace in which `*` stands for any text.
 ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
+# A pattern of names, in which `*` stands for any text. No part between two slashes is empty.
+PATTERN = re.compile(r"(?!.*//)(?:/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
 # Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
@@ -191,6 +193,10 @@ Topics = Annotated[Texts, AfterValidator(_each(_matching(TOPIC, _TOPIC)))]
 Robots = Annotated[
     Texts,
     AfterValidator(_each(_matching(ROBOTS, "a namespace such as /robot1 or /hall_a/*, and not * for all"))),
+]
+Patterns = Annotated[
+    Texts,
+    AfterValidator(_each(_matching(PATTERN, "a name such as /battery_status, or a pattern such as /robot1/*"))),
 ]
 OwnNames = Annotated[Texts, AfterValidator(_check_own_names)]
 Algorithms = Annotated[Texts, AfterValidator(_check_algorithms)]

@@ -29,6 +29,7 @@ from dock_gateway.setting_types import (
     OptionalTopic,
     Origins,
     OwnNames,
+    Patterns,
     Robots,
     RoleNames,
     Seconds,
@@ -263,6 +264,19 @@ class Settings(BaseSettings):
         False,
         description="Whether a node that serves the docking actions of several robots docks different robots. If not, "
         "they count as one robot by several names: automatic docking sends it no goals.",
+    )
+    publish: Patterns = Field(
+        (),
+        description="Topics that clients may publish on, separated by commas: `/battery_status`, or `/robot1/*`, where "
+        "`*` stands for any text. Empty: none ([graph.md](graph.md)).",
+    )
+    call_services: Patterns = Field(
+        (),
+        description="Services that clients may call, likewise, besides those that only read, such as `get_parameters`. "
+        "Name none that may move a robot unless that is meant.",
+    )
+    set_parameters: Patterns = Field(
+        (), description="Nodes whose parameters supervisors may set, likewise. Everyone may read them."
     )
     server_wait: Seconds = Field(
         1.5, description="Seconds to wait for an action server to appear before a goal is refused (503)."

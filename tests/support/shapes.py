@@ -132,7 +132,7 @@ def _operations() -> list[tuple[int, re.Pattern[str], dict[str, Any]]]:
     """Paths with fewer variables first. Names on the ROS graph contain slashes."""
     found = []
     for template, item in document()["paths"].items():
-        pattern = re.sub(r"\\{name\\}", ".+", re.escape(template))
+        pattern = re.sub(r"\\{(name|service|node|topic)\\}", ".+", re.escape(template))
         pattern = re.sub(r"\\{\w+\\}", "[^/]+", pattern)
         literals = [part for part in template.split("/") if part and not part.startswith("{")]
         found.append((-len(literals), re.compile(pattern), item))

@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from dock_gateway.core.errors import NotAllowed, NotAuthenticated
-from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, PATTERN, Grant, Role
+from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, Grant, Role
+from dock_gateway.setting_types import PATTERN
 from dock_gateway.settings import Settings
 
 Claims = Mapping[str, Any]

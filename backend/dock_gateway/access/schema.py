@@ -10,9 +10,10 @@ from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD, describe_w
 from dock_gateway.core import grant as stored
 from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import got
-from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, PATTERN, Role
+from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, Role
 from dock_gateway.http.bodies import Name60, Unique, expected
 from dock_gateway.http.schema import Schema
+from dock_gateway.setting_types import PATTERN
 
 
 class Grant(Schema):

@@ -31,6 +31,9 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
     if scope is Scope.TOPIC:
         covered = grant.covers_topic(topic := _topic(parts, names))
         about = f"the topic {topic[:100]}"
+    elif scope is Scope.PUBLISHING:  # a grant may be limited to some topics alone
+        covered = grant.covers_publishing(topic := _topic(parts, names))
+        about = f"publishing on the topic {topic[:100]}"
     elif not grant.limited or scope in (Scope.ANY, Scope.LISTED):
         return
     elif scope is Scope.EVERY:
@@ -95,6 +98,22 @@ async def _approval(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str
     return True, ""
 
 
+async def _place(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    kind = "node" if "node" in names else "service"
+    name = _graph_name(parts, names, kind)
+    return grant.covers_place(name), f"the {kind} {name[:100]}"
+
+
+async def _service(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    name = _graph_name(parts, names, "service")
+    return grant.covers_service(name), f"calls of the service {name[:100]}"
+
+
+async def _node(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
+    name = _graph_name(parts, names, "node")
+    return grant.covers_parameters(name), f"setting parameters of the node {name[:100]}"
+
+
 _CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]]] = {
     Scope.ROBOT: _robot,
     Scope.ROBOTS: _robots,
@@ -105,6 +124,9 @@ _CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]
     Scope.NEW_GOAL: _command_goal,
     Scope.ALERT: _alert,
     Scope.APPROVAL: _approval,
+    Scope.PLACE: _place,
+    Scope.SERVICE: _service,
+    Scope.NODE: _node,
 }
 
 
@@ -118,4 +140,8 @@ def _describe_robot(robot: str, names: Names) -> str:
 
 
 def _topic(parts: Parts, names: Names) -> str:
-    return f"/{names['name']}" if "name" in names else parts[Settings].resolve(str(names.get("topic", "")), "")
+    return f"/{names['name']}" if "name" in names else _graph_name(parts, names, "topic")
+
+
+def _graph_name(parts: Parts, names: Names, field: str) -> str:
+    return parts[Settings].resolve(str(names.get(field, "")), "")

@@ -16,6 +16,8 @@ from dock_gateway.settings import Settings
 
 # Parameters of paths that have a column of their own: `name` is that of an action.
 COLUMNS = frozenset({"goal_id", "name"})
+# Those that are names on the ROS graph, without their leading slash.
+GRAPH_NAMES = frozenset({"service", "node", "topic"})
 # What only the request says.
 FIELDS = ("robot", "action_name", "goal_id", "subject")
 
@@ -48,7 +50,9 @@ class Subjects:
         path, query = connection.path_params, connection.query_params
         if scope["method"] in READS:
             return {"goal_id": path.get("goal_id"), "subject": str(query) or None}
-        others = [str(value) for name, value in path.items() if name not in COLUMNS]
+        others = [
+            f"/{value}" if name in GRAPH_NAMES else str(value) for name, value in path.items() if name not in COLUMNS
+        ]
         robots: list[str] = []
         if any(field.name == "robot" for field in scope["route"].dependant.query_params):
             robots = query.getlist("robot") or [self._settings.namespace]

@@ -9,7 +9,8 @@ import click
 from dock_gateway.cli.databases import Choice
 from dock_gateway.cli.options import read_settings
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.grant import LIMITS, PATTERN, Grant, Role
+from dock_gateway.core.grant import LIMITS, Grant, Role
+from dock_gateway.setting_types import PATTERN
 
 Command = Callable[..., Any]
 

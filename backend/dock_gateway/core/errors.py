@@ -5,13 +5,13 @@ GatewayError
 │                               415 unsupported_media_type, 426 upgrade_required, 431 header_too_large
 ├── InvalidField                422 invalid_field
 ├── NotAuthenticated            401 not_authenticated, invalid_token, invalid_login, login_failed
-├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required, no_role, not_covered, …
+├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required, no_role, not_listed, …
 ├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
 ├── TooManyRequests             429 too_many_requests, too_many_logins
 ├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
 │                               too_many_connections, provider_unavailable, stop_not_persisted (as a warning)
-└── ServerTimeout               504 action_server_timeout
+└── ServerTimeout               504 action_server_timeout, service_timeout, parameters_timeout
 
 The core raises these; `http/problems.py` turns them into problem+json, streams into a denial with the same body.
 """

@@ -1,7 +1,6 @@
 """Grants: permitted operations, and the robots, actions and topics they cover. Plain data."""
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
@@ -12,11 +11,10 @@ import orjson
 from dock_gateway.core.errors import not_covered
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import encode
+from dock_gateway.core.patterns import expression, match_any
 
 # What a grant can be limited to.
 LIMITS = ("robots", "actions", "topics")
-# A pattern of names, in which `*` stands for any text. No part between two slashes is empty.
-PATTERN = re.compile(r"(?!.*//)(?:/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)")
 # Maximum number of patterns of each limit, and of characters of one: as many as a name on the ROS graph can have.
 MAX_PATTERNS, MAX_PATTERN = 50, 255
 # Between the name of an action and those of its topics, `feedback` and `status`.
@@ -89,6 +87,18 @@ class Grant:
         """Return whether a node or a service is in the namespace of one of their robots."""
         return bool(self._robots.fullmatch(name))
 
+    def covers_service(self, name: str) -> bool:
+        """Return whether they may call a service. It may do what any action does, so a limit to some leaves none."""
+        return self.covers_place(name) and not self.actions
+
+    def covers_publishing(self, name: str) -> bool:
+        """Return whether they may publish on a topic; as for a service."""
+        return self.covers_topic(name) and not self.actions
+
+    def covers_parameters(self, node: str) -> bool:
+        """Return whether they may set the parameters of a node; as for a service."""
+        return self.covers_service(node)
+
     def covers_alert(self, robot: str | None) -> bool:
         """Return whether they see an alert of a robot; None: one of the gateway, which everyone sees."""
         return robot is None or self.covers_robot(robot)
@@ -96,37 +106,19 @@ class Grant:
     @cached_property
     def _robots(self) -> re.Pattern[str]:
         above = (each.rstrip("/") for each in self.robots)
-        return _pattern(_text(f"{each}/*") if each else "/[^/]+" for each in above)
+        return match_any(expression(f"{each}/*") if each else "/[^/]+" for each in above)
 
     @cached_property
     def _actions(self) -> re.Pattern[str]:
-        return _pattern(map(_text, self.actions))
+        return match_any(map(expression, self.actions))
 
     @cached_property
     def _topics(self) -> re.Pattern[str]:
-        return _pattern(map(_text, self.topics))
+        return match_any(map(expression, self.topics))
 
 
 # Someone who may do everything.
 UNLIMITED = Grant(Role.ADMIN)
-
-
-def _text(pattern: str) -> str:
-    """Return an expression for a pattern.
-
-    The first place of each part between two `*` is the only one that is tried. That finds every match, and the time
-    grows with the length of a name, not with its square.
-    """
-    first, *others = map(re.escape, pattern.split("*"))
-    if not others:
-        return first
-    *middle, last = others
-    return first + "".join(f"(?>.*?{part})" for part in middle) + f".*{last}"
-
-
-def _pattern(texts: Iterable[str]) -> re.Pattern[str]:
-    """Return an expression that matches what any of the texts does; everything if there is none."""
-    return re.compile("|".join(texts) or ".*", re.DOTALL)
 
 
 def narrow(event: Event, grant: Grant) -> Event | None:

@@ -28,6 +28,10 @@ class Scope(Enum):
     ALERT = auto()  # the robot of the alert in `alert_id`
     APPROVAL = auto()  # the action of the goal that waits for approval, in `approval_id`
     TOPIC = auto()  # the topic in `name` or `topic`
+    PLACE = auto()  # the node in `node` or the service in `service`, which are only looked at
+    SERVICE = auto()  # the service in `service`, which is called
+    NODE = auto()  # the node in `node`, whose parameters are set
+    PUBLISHING = auto()  # the topic in `topic`, on which something is published
     EVERY = auto()  # every robot
 
 

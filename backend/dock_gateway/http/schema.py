@@ -29,7 +29,8 @@ class Problem(BaseModel):
     """RFC 9457 problem document.
 
     `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
-    `robots` lists those that have one, and `settings` are lines that join the robot with a docking server.
+    `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. Where a
+    setting of the gateway forbids something, `settings` has the line that would allow it.
 
     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
     """

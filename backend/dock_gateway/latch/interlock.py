@@ -113,17 +113,26 @@ class Interlock:
         over = self._latches.over(name)
         return None if over is None else self._latches.held[over].by
 
-    def require_released(self, action_name: str) -> None:
+    def require_released(self, name: str, what: str = "goals") -> None:
         """Check that a goal may be sent.
+
+        Args:
+            name: The action, or whatever else a robot has on the ROS graph.
+            what: What is refused while it is stopped, in the plural.
 
         Raises:
             Conflict: `stop_latched`.
         """
-        over = self._latches.over(action_name)
+        over = self._latches.over(name)
         if over is not None:
             by = self._latches.held[over].by
-            detail = f"{over} was stopped{f' by {by}' if by else ''}: goals are refused until the stop is released"
+            detail = f"{over} was stopped{f' by {by}' if by else ''}: {what} are refused until the stop is released"
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
+
+    @property
+    def held(self) -> list[str]:
+        """The namespaces that were stopped, sorted."""
+        return sorted(self._latches.held)
 
     @property
     def settled(self) -> bool:

@@ -4,10 +4,11 @@ import re
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidTopicNameException
+from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import HistoryPolicy, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -152,6 +153,48 @@ def read_topic(node: Node, name: str) -> Topic:
     except InvalidTopicNameException:  # the name is too long
         return Topic(name, [], [])
     return Topic(name, [_endpoint(info) for info in publishers], [_endpoint(info) for info in subscribers])
+
+
+def read_service(node: Node, name: str) -> list[str]:
+    """Return the types of a service's servers, none if it has no server or its name is invalid; on the ROS thread.
+
+    Which nodes serve it is asked for only if there are several types, as a client that waits for it has one, too.
+    """
+    if not TOPIC_NAME.fullmatch(name) or not _count_services(node, name):
+        return []
+    types = sorted(next((types for known, types in node.get_service_names_and_types() if known == name), ()))
+    return types if len(types) < 2 else _served_types(node, name) or types
+
+
+def _served_types(node: Node, name: str) -> list[str]:
+    found = set[str]()
+    for peer, namespace in dict.fromkeys(node.get_node_names_and_namespaces()):
+        with suppress(NodeNameNonExistentError):  # the node has left meanwhile
+            served = node.get_service_names_and_types_by_node(peer, namespace)
+            found.update(*(types for known, types in served if known == name))
+    return sorted(found)
+
+
+def _count_services(node: Node, name: str) -> int:
+    try:
+        return int(node.count_services(name))
+    except InvalidServiceNameException:  # the name is too long
+        return 0
+
+
+def service_names(node: Node) -> list[str]:
+    """Return the names of all services; on the ROS thread."""
+    return [name for name, _ in node.get_service_names_and_types()]
+
+
+def topic_names(node: Node) -> list[str]:
+    """Return the names of all topics; on the ROS thread."""
+    return [name for name, _ in node.get_topic_names_and_types()]
+
+
+def node_names(node: Node) -> list[str]:
+    """Return the full names of all nodes; on the ROS thread."""
+    return [_full_name(name, namespace) for name, namespace in node.get_node_names_and_namespaces()]
 
 
 def _endpoint(info: TopicEndpointInfo) -> Endpoint:

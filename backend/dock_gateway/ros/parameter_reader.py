@@ -11,7 +11,7 @@ from rclpy.parameter import parameter_value_to_python
 from dock_gateway.core.graph import ACTION_PART, STATUS
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import read_topic
-from dock_gateway.ros.service_client import ServiceClient
+from dock_gateway.ros.service_client import FIND_WITHIN, ServiceClient
 
 # Seconds to wait for each answer.
 ANSWER_WITHIN = 1.5
@@ -25,11 +25,14 @@ class ParameterReader:
     Args:
         bridge: The bridge to the ROS thread.
         node: Full name of the node.
+        find_within: Seconds to find the node's services.
+        attempts: Maximum number of attempts of each request.
     """
 
-    def __init__(self, bridge: Bridge, node: str) -> None:
-        self._lister = ServiceClient(bridge, ListParameters, f"{node}/list_parameters")
-        self._getter = ServiceClient(bridge, GetParameters, f"{node}/get_parameters")
+    def __init__(self, bridge: Bridge, node: str, find_within: float = FIND_WITHIN, attempts: int = 1) -> None:
+        self._attempts = attempts
+        self._lister = ServiceClient(bridge, ListParameters, f"{node}/list_parameters", find_within)
+        self._getter = ServiceClient(bridge, GetParameters, f"{node}/get_parameters", find_within)
 
     async def names(self) -> frozenset[str]:
         """Return the names of all parameters.
@@ -38,7 +41,7 @@ class ParameterReader:
             TimeoutError: The node does not answer.
             Unavailable: It is gone, or the ROS thread is down.
         """
-        answer = await self._lister.call(ListParameters.Request(), ANSWER_WITHIN)
+        answer = await self._lister.call(ListParameters.Request(), ANSWER_WITHIN, attempts=self._attempts)
         return frozenset(answer.result.names)
 
     async def values(self, names: Iterable[str]) -> Mapping[str, Any]:
@@ -48,23 +51,33 @@ class ParameterReader:
             TimeoutError: The node does not answer.
             Unavailable: It is gone, or the ROS thread is down.
         """
+        found = await self.messages(names)
+        values = {name: _read(value) for name, value in found.items()}
+        return {name: value for name, value in values.items() if value is not None}
+
+    async def messages(self, names: Iterable[str]) -> Mapping[str, ParameterValue]:
+        """Return the values as messages, by name; without those of which the node says nothing.
+
+        Raises:
+            TimeoutError, Unavailable: As for `values`.
+        """
         wanted = list(names)
         values = await self._get(wanted)
         if len(values) != len(wanted):  # a parameter that is not set fails the whole request
             limit = asyncio.Semaphore(AT_ONCE)
 
-            async def get(name: str) -> Any:
+            async def get(name: str) -> ParameterValue | None:
                 async with limit:
                     return next(iter(await self._get([name])), None)
 
             values = await asyncio.gather(*map(get, wanted))
         return {name: value for name, value in zip(wanted, values, strict=True) if value is not None}
 
-    async def _get(self, names: list[str]) -> list[Any]:
+    async def _get(self, names: list[str]) -> list[ParameterValue | None]:
         if not names:
             return []
-        answer = await self._getter.call(GetParameters.Request(names=names), ANSWER_WITHIN)
-        return [_read(value) for value in answer.values]
+        answer = await self._getter.call(GetParameters.Request(names=names), ANSWER_WITHIN, attempts=self._attempts)
+        return list(answer.values)
 
     def close(self) -> None:
         """Leave the graph."""

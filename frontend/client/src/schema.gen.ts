@@ -735,6 +735,84 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/services/{service}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Service
+         * @description Return the type of a service, the JSON Schema of its request and response, and whether it may be called.
+         */
+        get: operations["get_service"];
+        put?: never;
+        /**
+         * Call Service
+         * @description Call a service and return its response. The body holds the fields of the request; `{}` sends its defaults.
+         *
+         *     A response that does not come in time is not the end of the call: the service may still carry it out.
+         */
+        post: operations["call_service"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/nodes/{node}/parameters": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Parameters
+         * @description Return all parameters of a node: their values, types, ranges and descriptions, and whether they may be set.
+         */
+        get: operations["get_parameters"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /**
+         * Set Parameters
+         * @description Set parameters of a node. Types and ranges are checked before anything is sent.
+         *
+         *     With `at_once=false` each is set by itself: those that the node refuses have a `reason`, the others are set.
+         */
+        patch: operations["set_parameters"];
+        trace?: never;
+    };
+    "/topics/{topic}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Topic Message
+         * @description Return the type of a topic, the JSON Schema of its messages, and whether it may be published on.
+         */
+        get: operations["get_topic_message"];
+        put?: never;
+        /**
+         * Publish Message
+         * @description Publish one message on a topic. The body holds the fields of the message; `{}` publishes its defaults.
+         *
+         *     `type` is needed only on a topic where no one is yet, or one with several types.
+         */
+        post: operations["publish_message"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/battery": {
         parameters: {
             query?: never;
@@ -3352,6 +3430,17 @@ export interface components {
          */
         NoAlert: Record<string, never>;
         /**
+         * NodeParameters
+         * @description The parameters of a node, sorted by name.
+         */
+        NodeParameters: {
+            /** Node */
+            node: string;
+            set: components["schemas"]["Use"];
+            /** Parameters */
+            parameters: components["schemas"]["ParameterInfo"][];
+        };
+        /**
          * Note
          * @description A note on a goal.
          */
@@ -3414,6 +3503,63 @@ export interface components {
          * @enum {string}
          */
         "Outcome-Input": "done" | "refused" | "failed";
+        /**
+         * ParameterChange
+         * @description The result for one parameter: `value` is its value now, `reason` is why the node refused it.
+         */
+        ParameterChange: {
+            /** Name */
+            name: string;
+            /** Successful */
+            successful: boolean;
+            /** Reason */
+            reason: string;
+            /** Value */
+            value: unknown;
+        };
+        /**
+         * ParameterChanges
+         * @description The results for the parameters that were to be set.
+         */
+        ParameterChanges: {
+            /** Node */
+            node: string;
+            /** Parameters */
+            parameters: components["schemas"]["ParameterChange"][];
+        };
+        /**
+         * ParameterInfo
+         * @description A parameter. `value` is null if it is not set; so is a number that is NaN or infinite.
+         */
+        ParameterInfo: {
+            /** Name */
+            name: string;
+            /** Type */
+            type: string;
+            /** Value */
+            value: unknown;
+            /** Description */
+            description: string;
+            /** Constraints */
+            constraints: string;
+            /** Read Only */
+            read_only: boolean;
+            /** Dynamic Typing */
+            dynamic_typing: boolean;
+            range: components["schemas"]["ParameterRange"] | null;
+        };
+        /**
+         * ParameterRange
+         * @description What a number may be. `step` is 0 if there are no steps; an integer beyond ±(2^53 - 1) is a string.
+         */
+        ParameterRange: {
+            /** Minimum */
+            minimum: number | string;
+            /** Maximum */
+            maximum: number | string;
+            /** Step */
+            step: number | string;
+        };
         /**
          * Person
          * @description A person who is logged in with the identity provider. `subject` is the provider's id of them.
@@ -3532,7 +3678,8 @@ export interface components {
          * @description RFC 9457 problem document.
          *
          *     `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
-         *     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server.
+         *     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. Where a
+         *     setting of the gateway forbids something, `settings` has the line that would allow it.
          *
          *     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
          */
@@ -3621,6 +3768,22 @@ export interface components {
             /** Id */
             id: string | null;
             state: components["schemas"]["BatteryState"];
+        };
+        /**
+         * PublishedMessage
+         * @description A message as it was published, and the number of subscriptions that it was sent to.
+         */
+        PublishedMessage: {
+            /** Topic */
+            topic: string;
+            /** Type */
+            type: string;
+            /** Subscribers */
+            subscribers: number;
+            /** Message */
+            message: {
+                [key: string]: unknown;
+            };
         };
         /**
          * Publisher
@@ -4085,6 +4248,45 @@ export interface components {
             } | null;
             /** Idempotency Key */
             idempotency_key?: string | null;
+        };
+        /**
+         * ServiceAnswer
+         * @description The response of a service.
+         */
+        ServiceAnswer: {
+            /** Service */
+            service: string;
+            /** Type */
+            type: string;
+            /** Response */
+            response: {
+                [key: string]: unknown;
+            };
+        };
+        /**
+         * ServiceInfo
+         * @description A service: its types on the graph, of which `type` is called, and the JSON Schema of what it takes and gives.
+         *
+         *     The schemas are null if its package is missing; `hint` says what to install.
+         */
+        ServiceInfo: {
+            /** Service */
+            service: string;
+            /** Type */
+            type: string;
+            /** Types */
+            types: string[];
+            /** Hint */
+            hint: string | null;
+            call: components["schemas"]["Use"];
+            /** Request */
+            request: {
+                [key: string]: unknown;
+            } | null;
+            /** Response */
+            response: {
+                [key: string]: unknown;
+            } | null;
         };
         /**
          * Session
@@ -4762,6 +4964,27 @@ export interface components {
             hint: string | null;
         };
         /**
+         * TopicInfo
+         * @description A topic: its types on the graph, of which `type` is published, and the JSON Schema of its messages.
+         *
+         *     The schema is null if its package is missing; `hint` says what to install.
+         */
+        TopicInfo: {
+            /** Topic */
+            topic: string;
+            /** Type */
+            type: string;
+            /** Types */
+            types: string[];
+            /** Hint */
+            hint: string | null;
+            publish: components["schemas"]["Use"];
+            /** Message */
+            message: {
+                [key: string]: unknown;
+            } | null;
+        };
+        /**
          * TopicQuality
          * @description Quality of service. A null `depth` is unknown; null seconds are unlimited.
          */
@@ -4803,6 +5026,16 @@ export interface components {
             op: "unsubscribe";
             /** Subscription */
             subscription: string;
+        };
+        /**
+         * Use
+         * @description Whether the gateway's settings let clients use something; if not, `reason` is the sentence that says why.
+         */
+        Use: {
+            /** Allowed */
+            allowed: boolean;
+            /** Reason */
+            reason: string | null;
         };
         /**
          * User
@@ -8098,6 +8331,641 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_service: {
+        parameters: {
+            query?: {
+                /** @description The type, if there are several on the ROS graph */
+                type?: string | null;
+            };
+            header?: never;
+            path: {
+                /** @description The name on the ROS graph; its leading slash may be left out */
+                service: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ServiceInfo"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    call_service: {
+        parameters: {
+            query?: {
+                /** @description The type, if there are several on the ROS graph */
+                type?: string | null;
+                /** @description Seconds to wait for the response */
+                timeout?: number;
+            };
+            header?: never;
+            path: {
+                /** @description The name on the ROS graph; its leading slash may be left out */
+                service: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": Record<string, never>;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ServiceAnswer"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Bad Gateway */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_parameters: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The name on the ROS graph; its leading slash may be left out */
+                node: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["NodeParameters"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    set_parameters: {
+        parameters: {
+            query?: {
+                /** @description Whether all parameters are set or none */
+                at_once?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description The name on the ROS graph; its leading slash may be left out */
+                node: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": Record<string, never>;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ParameterChanges"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_topic_message: {
+        parameters: {
+            query?: {
+                /** @description The type, if there are several on the ROS graph */
+                type?: string | null;
+            };
+            header?: never;
+            path: {
+                /** @description The name on the ROS graph; its leading slash may be left out */
+                topic: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TopicInfo"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    publish_message: {
+        parameters: {
+            query?: {
+                /** @description The type, if there are several on the ROS graph */
+                type?: string | null;
+            };
+            header?: never;
+            path: {
+                /** @description The name on the ROS graph; its leading slash may be left out */
+                topic: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": Record<string, never>;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PublishedMessage"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
                 headers: {
                     [name: string]: unknown;
                 };

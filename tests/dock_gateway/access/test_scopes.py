@@ -98,7 +98,7 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
             scope, what = operation.scope, (method, template)
             if operation.role in (None, Role.ADMIN) or scope in (Scope.ANY, Scope.LISTED):
                 continue
-            if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
+            if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC, Scope.PLACE) and "actions" in limits:
                 continue  # they are about a robot, not about one of its actions
             answer = client.request(method, path_of(template))
             if scope is Scope.GOAL and "{name" not in template:
@@ -122,6 +122,10 @@ NAMES: dict[Scope, dict[str, Any]] = {
     Scope.ACTION: {"name": "robot1/fibonacci"},
     Scope.NEW_GOAL: {"action": "fibonacci", "robot": "/robot1"},
     Scope.TOPIC: {"topic": "/robot1/odom"},
+    Scope.PLACE: {"node": "robot1/base"},
+    Scope.SERVICE: {"service": "robot1/reset"},
+    Scope.NODE: {"node": "/robot1/base"},
+    Scope.PUBLISHING: {"topic": "robot1/odom"},
 }
 OTHERS: dict[Scope, list[dict[str, Any]]] = {
     Scope.ROBOT: [{}, {"robot": "/robot2"}, {"robot": "/"}, {"robot": "/robot10"}],
@@ -138,6 +142,10 @@ OTHERS: dict[Scope, list[dict[str, Any]]] = {
         {"action": "robot2/fibonacci"},
     ],
     Scope.TOPIC: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}, {"name": "rosout"}],
+    Scope.PLACE: [{"node": "robot2/base"}, {"service": "robot10/reset"}, {"service": "reset"}, {}],
+    Scope.SERVICE: [{"service": "robot2/reset"}, {"service": "/reset"}, {}],
+    Scope.NODE: [{"node": "robot2/base"}, {"node": "base"}, {}],
+    Scope.PUBLISHING: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}],
     Scope.GOAL: [{"goal_id": GOAL, "name": "robot2/fibonacci"}],
     Scope.EVERY: [{}, {"robot": "/robot1"}],
 }
@@ -175,6 +183,13 @@ def test_what_is_another_s_is_as_unknown_as_what_there_is_not(
 @pytest.mark.parametrize("scope", list(Scope))
 def test_without_limits_everything_is_allowed(parts: Parts, scope: Scope) -> None:
     assert not refused(parts, Grant(Role.VIEWER), scope, {"topic": "/x"})
+
+
+@pytest.mark.parametrize("scope", [Scope.SERVICE, Scope.NODE, Scope.PUBLISHING])
+def test_who_is_limited_to_some_actions_gets_around_them_by_no_service_topic_or_parameter(
+    parts: Parts, scope: Scope
+) -> None:
+    assert refused(parts, Grant(Role.SUPERVISOR, actions=("/robot1/dock",)), scope, NAMES[scope])
 
 
 @pytest.mark.parametrize("robots", [("/",), ("/", "/*"), ("**",)])

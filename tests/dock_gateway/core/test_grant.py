@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dock_gateway.core.event import Event, fleet_event, message_event, scenes_event, utc_now
-from dock_gateway.core.grant import PATTERN, UNLIMITED, Grant, Role, narrow
+from dock_gateway.core.grant import UNLIMITED, Grant, Role, narrow
+from dock_gateway.setting_types import PATTERN
 
 NAMES = st.lists(st.sampled_from(["robot1", "robot10", "hall_a", "dock", "x"]), max_size=3).map(
     lambda parts: "/" + "/".join(parts)

@@ -11,7 +11,8 @@ from functools import cache
 from dock_gateway.ros.messages.interfaces import definition_text
 from dock_gateway.ros.messages.types import MessageClass, type_name
 
-ACTION_PARTS = ("Goal", "Result", "Feedback")
+# The parts of a definition file, in order, by its kind.
+PARTS = {"action": ("Goal", "Result", "Feedback"), "srv": ("Request", "Response")}
 
 _LINE = re.compile(r"""(?P<code>(?:[^#"']|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|["'])*?)(?:\#+(?P<comment>.*))?""")
 _ELEMENT = re.compile(r"\S+\s+(?P<name>[A-Za-z]\w*)\s*(?P<constant>=)?")
@@ -108,13 +109,13 @@ class Definition:
 def definition(message_class: MessageClass) -> Definition:
     """Return the comments of a message class, none if its definition file is not installed."""
     package, kind, name = type_name(message_class).split("/")
-    if kind == "action":
+    if kind in PARTS:
         name, _, part = name.rpartition("_")
         text = definition_text(package, kind, name)
         sections = re.split(r"^---.*\n?", text or "", flags=re.MULTILINE)
-        if part not in ACTION_PARTS or len(sections) != len(ACTION_PARTS):
+        if part not in PARTS[kind] or len(sections) != len(PARTS[kind]):
             return Definition()
-        return read_definition(sections[ACTION_PARTS.index(part)])
+        return read_definition(sections[PARTS[kind].index(part)])
     return read_definition(definition_text(package, kind, name) or "")
 
 

@@ -1,0 +1,35 @@
+"""Names on the ROS graph that a client gives: hints at similar ones, and the types among which it may choose."""
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
+
+# Similar names in a hint.
+MAX_HINTS = 3
+
+
+def not_found(kind: str, name: str, known: Iterable[str]) -> NotFound:
+    """Return the error that a service, a topic or a node is not on the graph, with the most similar of those known."""
+    similar = difflib.get_close_matches(name, [*known], n=MAX_HINTS, cutoff=0.6)
+    hint = f"; did you mean {' or '.join(similar)}?" if similar else ""
+    return NotFound(f"there is no {kind} {name[:200]} on the ROS graph{hint}", code=f"{kind}_not_found")
+
+
+def choose_type(name: str, types: Sequence[str], wanted: str | None) -> str:
+    """Return the type to use of those that a name has on the graph.
+
+    Raises:
+        InvalidField: The wanted one is none of them, or none is wanted and there are several.
+    """
+    expected = f"one of {', '.join(types)}"
+    if wanted is not None and wanted not in types:
+        raise InvalidField([FieldError("query.type", expected, f"got {wanted[:100]!r}")])
+    if wanted is None and len(types) > 1:
+        raise InvalidField([FieldError("query.type", expected, f"{name} has several types on the ROS graph")])
+    return wanted or types[0]
+
+
+def not_installed(name: str, type_name: str, why: object) -> Unavailable:
+    """Return the error that messages of a type cannot be read or written."""
+    return Unavailable(f"{name} is of type {type_name}: {why}", code="interface_not_installed")

@@ -1,0 +1,74 @@
+"""`/nodes/…/parameters`: the parameters of any node, to read, and to set where the settings name the node."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request
+from starlette.responses import Response
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.filters import parent_of
+from dock_gateway.core.grant import Role
+from dock_gateway.graph.call_schema import NodeParameters, ParameterChanges
+from dock_gateway.graph.parameters import Parameters
+from dock_gateway.graph.service_routes import describe_use
+from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import NO_QUERY, GraphName, json_response, known_query, read_json
+
+router = APIRouter(tags=["Parameters"], prefix="/nodes")
+
+AtOnceQuery = Annotated[bool, Query(description="Whether all parameters are set or none")]
+
+
+@router.get(
+    "/{node:graph_name}/parameters",
+    response_model=NodeParameters,
+    responses=problems(404, 422, 429, 503, 504),
+    dependencies=[NO_QUERY],
+)
+@operation(Role.VIEWER, Scope.PLACE)
+async def get_parameters(node: GraphName, parameters: Part[Parameters], grant: TheGrant) -> Response:
+    """Return all parameters of a node: their values, types, ranges and descriptions, and whether they may be set."""
+    name = f"/{node}"
+    found = await parameters.read(name, grant)
+    return json_response(
+        {
+            "node": name,
+            "set": describe_use(lambda: parameters.require_allowed(name)),
+            "parameters": [parameter.document() for parameter in found],
+        }
+    )
+
+
+@router.patch(
+    "/{node:graph_name}/parameters",
+    response_model=ParameterChanges,
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 429, 503, 504),
+    openapi_extra=body({"type": "object", "description": "New values by name"}, required=True),
+    dependencies=[Depends(known_query("at_once"))],
+)
+@operation(Role.SUPERVISOR, Scope.NODE)
+async def set_parameters(
+    node: GraphName,
+    request: Request,
+    parameters: Part[Parameters],
+    grant: TheGrant,
+    *,
+    at_once: AtOnceQuery = True,
+) -> Response:
+    """Set parameters of a node. Types and ranges are checked before anything is sent.
+
+    With `at_once=false` each is set by itself: those that the node refuses have a `reason`, the others are set.
+    """
+    name = f"/{node}"
+    values = await read_json(request)
+    subject = f"{name} {', '.join(values)}"[:200] if isinstance(values, dict) else name
+    audited(request, subject=subject, robot=parent_of(name))
+    if not isinstance(values, dict):
+        raise InvalidField([FieldError("", "an object with parameters by name", got(values))])
+    changes = await parameters.change(name, values, at_once=at_once, grant=grant)
+    return json_response({"node": name, "parameters": [change.document() for change in changes]})

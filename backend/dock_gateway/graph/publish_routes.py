@@ -1,0 +1,81 @@
+"""`/topics`: what is published on any topic of the ROS graph, and messages on those that the settings name."""
+
+from typing import Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.filters import parent_of
+from dock_gateway.core.goal import encode, fragment
+from dock_gateway.core.grant import Role
+from dock_gateway.graph.call_schema import PublishedMessage, TopicInfo
+from dock_gateway.graph.publishing import Publishing
+from dock_gateway.graph.service_routes import TypeQuery, describe_use, message_schema
+from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import GraphName, json_response, known_query, read_json
+
+router = APIRouter(tags=["Topics"], prefix="/topics", dependencies=[Depends(known_query("type"))])
+
+
+@router.get("/{topic:graph_name}", response_model=TopicInfo, responses=problems(404, 422, 503))
+@operation(Role.VIEWER, Scope.TOPIC)
+async def get_topic_message(
+    topic: GraphName, publishing: Part[Publishing], grant: TheGrant, *, type_name: TypeQuery = None
+) -> Response:
+    """Return the type of a topic, the JSON Schema of its messages, and whether it may be published on."""
+    found = await publishing.find(f"/{topic}", type_name, grant)
+    document: dict[str, Any] = {
+        "topic": found.name,
+        "type": found.type,
+        "types": found.types,
+        "hint": None,
+        "publish": describe_use(lambda: publishing.require_allowed(found.name)),
+        "message": None,
+    }
+    try:
+        document["message"] = message_schema(await publishing.load(found), complete=False)
+    except GatewayError as error:
+        document["hint"] = error.detail
+    return json_response(document)
+
+
+@router.post(
+    "/{topic:graph_name}",
+    response_model=PublishedMessage,
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
+    openapi_extra=body({"type": "object", "description": "The message's own fields"}, required=True),
+)
+@operation(Role.OPERATOR, Scope.PUBLISHING)
+async def publish_message(
+    topic: GraphName,
+    request: Request,
+    publishing: Part[Publishing],
+    grant: TheGrant,
+    *,
+    type_name: TypeQuery = None,
+) -> Response:
+    """Publish one message on a topic. The body holds the fields of the message; `{}` publishes its defaults.
+
+    `type` is needed only on a topic where no one is yet, or one with several types.
+    """
+    name = f"/{topic}"
+    audited(request, subject=name, robot=parent_of(name))
+    fields = await read_json(request)
+    published = await publishing.publish(name, fields, type_name=type_name, grant=grant)
+    return Response(
+        encode(
+            {
+                "topic": name,
+                "type": published.type,
+                "subscribers": published.subscribers,
+                "message": fragment(published.message),
+            }
+        ),
+        media_type="application/json",
+    )

@@ -1,0 +1,258 @@
+"""Calls of any service on the ROS graph, as far as the setting `call_services` allows them.
+
+A service may do anything, also move a robot past goals and the latch. So none is called that the setting does not
+name, except those that only read; and none of a stopped robot, except those.
+"""
+
+import asyncio
+from collections import Counter, OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any
+
+from dock_gateway.core.allow_list import AllowList
+from dock_gateway.core.errors import GatewayError, NotAllowed, ServerTimeout, TooManyRequests
+from dock_gateway.core.goal import Json
+from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.graph import ACTION_PART
+from dock_gateway.core.request import act
+from dock_gateway.graph.names import choose_type, not_found, not_installed
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import TOPIC_NAME, read_service, service_names
+from dock_gateway.ros.messages.codec import codec
+from dock_gateway.ros.messages.interfaces import load_service
+from dock_gateway.ros.service_client import ServiceClient
+from dock_gateway.setting_types import LONGEST_NAME
+from dock_gateway.settings import Settings
+
+# Calls in progress, of all services and of one: a service that never answers takes no more than its own.
+MAX_CALLS, MAX_CALLS_OF_ONE = 32, 8
+# Clients that are kept for the next call.
+MAX_CLIENTS = 50
+# Seconds between two looks for a service that is not there yet.
+LOOK = 0.25
+
+# Services that only read. They say nothing of what a robot does, so everyone who may call services may call these.
+READING = frozenset(
+    {
+        "lifecycle_msgs/srv/GetAvailableStates",
+        "lifecycle_msgs/srv/GetAvailableTransitions",
+        "lifecycle_msgs/srv/GetState",
+        "rcl_interfaces/srv/DescribeParameters",
+        "rcl_interfaces/srv/GetLoggerLevels",
+        "rcl_interfaces/srv/GetParameterTypes",
+        "rcl_interfaces/srv/GetParameters",
+        "rcl_interfaces/srv/ListParameters",
+        "type_description_interfaces/srv/GetTypeDescription",
+    }
+)
+# Services that set parameters, which needs the role and the setting for that.
+SETTING = frozenset({"rcl_interfaces/srv/SetParameters", "rcl_interfaces/srv/SetParametersAtomically"})
+
+
+@dataclass(frozen=True)
+class FoundService:
+    """A service on the graph.
+
+    Attributes:
+        name: Absolute name.
+        type: The type that is called.
+        types: All types that its servers have; more than one is a mistake on the graph.
+    """
+
+    name: str
+    type: str
+    types: tuple[str, ...]
+
+    @property
+    def reads(self) -> bool:
+        """Whether it only reads."""
+        return READING.issuperset(self.types)
+
+
+@dataclass(frozen=True)
+class Called:
+    """The response of a service of this type."""
+
+    type: str
+    response: Json
+
+
+class ServiceCalls:
+    """Calls services. Who uses it has checked that the user's grant covers the name (`Grant.covers_service`).
+
+    Args:
+        settings: Which services may be called.
+        bridge: The bridge to the ROS thread.
+        interlock: Which robots are stopped.
+    """
+
+    def __init__(self, settings: Settings, bridge: Bridge, interlock: Interlock) -> None:
+        self._wait = settings.server_wait
+        self._find_within = settings.accept_timeout
+        self._bridge = bridge
+        self._interlock = interlock
+        self._listed = AllowList("call_services", settings.call_services, "the gateway does not call the service")
+        self._clients: OrderedDict[tuple[str, str], ServiceClient] = OrderedDict()
+        self._running: Counter[str] = Counter()
+
+    async def find(self, name: str, type_name: str | None = None, grant: Grant = UNLIMITED) -> FoundService:
+        """Return a service, waiting for it to appear.
+
+        Args:
+            name: Absolute name.
+            type_name: Its type, if it has several.
+            grant: What the user may see of the graph.
+
+        Raises:
+            NotFound: `service_not_found`, with similar names.
+            InvalidField: `type_name` is not a type that it has, or it is missing and needed.
+            Unavailable: `ros_unavailable`.
+        """
+        loop = asyncio.get_running_loop()
+        until = loop.time() + (self._wait if TOPIC_NAME.fullmatch(name) and len(name) <= LONGEST_NAME else 0)
+        while not (types := await self._bridge.call(lambda: read_service(self._bridge.node, name))):
+            if loop.time() >= until:
+                known = await self._bridge.call(lambda: service_names(self._bridge.node))
+                raise not_found("service", name, filter(grant.covers_place, known))
+            await asyncio.sleep(LOOK)
+        return FoundService(name, choose_type(name, types, type_name), tuple(types))
+
+    def require_allowed(self, service: FoundService) -> None:
+        """Refuse a service that may not be called.
+
+        Raises:
+            NotAllowed: It is not in the setting (`not_listed`), or is called in another way (`use_the_action`,
+                `use_the_parameters`).
+        """
+        if ACTION_PART in service.name:
+            action = service.name.partition(ACTION_PART)[0]
+            raise NotAllowed(
+                f"{service.name[:200]} is a part of the action {action[:200]}: send it a goal "
+                f"(POST /actions{action[:200]}/goals), so that a stop holds and the goal is known",
+                code="use_the_action",
+            )
+        if not SETTING.isdisjoint(service.types):
+            node = service.name.rpartition("/")[0]
+            raise NotAllowed(
+                f"{service.name[:200]} sets parameters: use PATCH /nodes{node[:200]}/parameters",
+                code="use_the_parameters",
+            )
+        if not service.reads:
+            self._listed.require(service.name)
+
+    async def call(
+        self,
+        name: str,
+        fields: object,
+        *,
+        type_name: str | None = None,
+        timeout: float = 5.0,
+        grant: Grant = UNLIMITED,
+    ) -> Called:
+        """Call a service and return its response. Nothing is sent unless the request is valid.
+
+        Args:
+            name: Absolute name.
+            fields: The request, as decoded JSON; fields that are left out get their default.
+            type_name: The type of the service, if it has several.
+            timeout: Seconds to wait for the response, after the service has been found.
+            grant: What the user may see of the graph.
+
+        Raises:
+            NotFound, InvalidField: As for `find`; or `fields` are not a request of this type.
+            NotAllowed: As for `require_allowed`.
+            Conflict: `stop_latched`: the robot is stopped.
+            TooManyRequests: `too_many_calls`.
+            Unavailable: Its package is not installed (`interface_not_installed`), it is not reached
+                (`service_unavailable`) or has left (`service_gone`), or `ros_unavailable`.
+            ServerTimeout: `service_timeout`: it did not answer. It may have carried out the call.
+            GatewayError: `response_too_large`.
+        """
+        service = await self.find(name, type_name, grant)
+        self.require_allowed(service)
+        kind = await self.load(service)
+        request = codec(kind.Request).parse(fields)
+        self._require_released(service)
+
+        def before() -> None:
+            act()
+            self._require_released(service)
+
+        with self._counted(name):
+            client = self._client(service, kind)
+            try:
+                response = await client.ask(request, timeout, before)
+            except TimeoutError:
+                raise ServerTimeout(
+                    f"{name} did not answer within {timeout:g} s; it may still carry out the call",
+                    code="service_timeout",
+                ) from None
+        return Called(service.type, await asyncio.to_thread(self._encode, name, kind, response))
+
+    @staticmethod
+    async def load(service: FoundService) -> Any:
+        """Return the Python class of a service's type.
+
+        Raises:
+            Unavailable: `interface_not_installed`.
+        """
+
+        def load() -> Any:
+            kind = load_service(service.type)
+            codec(kind.Request), codec(kind.Response)
+            return kind
+
+        try:
+            return await asyncio.to_thread(load)
+        except (ImportError, TypeError) as error:
+            raise not_installed(service.name, service.type, error) from None
+
+    def _require_released(self, service: FoundService) -> None:
+        if not service.reads:
+            self._interlock.require_released(service.name, "calls of its services")
+
+    @contextmanager
+    def _counted(self, name: str) -> Iterator[None]:
+        """Count a call while the block runs."""
+        if self._running.total() >= MAX_CALLS or self._running[name] >= MAX_CALLS_OF_ONE:
+            raise TooManyRequests("too many calls of services are in progress", code="too_many_calls")
+        self._running[name] += 1
+        try:
+            yield
+        finally:
+            self._running[name] -= 1
+            if not self._running[name]:
+                del self._running[name]
+
+    def _client(self, service: FoundService, kind: Any) -> ServiceClient:
+        """Return a client, kept from an earlier call or new. One participant has one type for each service."""
+        key = service.name, service.type
+        for other in [each for each in self._clients if each[0] == service.name and each != key]:
+            self._clients.pop(other).close()
+        client = self._clients.setdefault(key, ServiceClient(self._bridge, kind, service.name, self._find_within))
+        self._clients.move_to_end(key)
+        while len(self._clients) > MAX_CLIENTS:
+            oldest = next((each for each in self._clients if each[0] not in self._running), None)
+            if oldest is None:
+                break
+            self._clients.pop(oldest).close()
+        return client
+
+    def _encode(self, name: str, kind: Any, response: Any) -> Json:
+        encoded = codec(kind.Response).encode(response)
+        if len(encoded) > self._bridge.max_message_bytes:
+            raise GatewayError(
+                f"the response of {name} has {len(encoded)} bytes, more than max_message_bytes",
+                code="response_too_large",
+                status=HTTPStatus.BAD_GATEWAY,
+            )
+        return encoded
+
+    async def close(self) -> None:
+        """Leave all services."""
+        while self._clients:
+            self._clients.popitem()[1].close()

@@ -1,0 +1,107 @@
+"""`/services`: what any service on the ROS graph takes and gives, and calls of those that the settings name."""
+
+from collections.abc import Callable
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request
+from starlette.responses import Response
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import GatewayError, NotAllowed
+from dock_gateway.core.filters import parent_of
+from dock_gateway.core.goal import encode, fragment
+from dock_gateway.core.grant import Role
+from dock_gateway.graph.call_schema import ServiceAnswer, ServiceInfo
+from dock_gateway.graph.service_calls import ServiceCalls
+from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import GraphName, json_response, known_query, read_json
+from dock_gateway.ros.messages.codec import codec
+from dock_gateway.ros.messages.schema import DIALECT
+from dock_gateway.ros.messages.types import MessageClass
+
+router = APIRouter(tags=["Services"], prefix="/services")
+
+TypeQuery = Annotated[
+    str | None, Query(alias="type", max_length=300, description="The type, if there are several on the ROS graph")
+]
+TimeoutQuery = Annotated[float, Query(gt=0, le=300, description="Seconds to wait for the response")]
+
+
+def describe_use(require: Callable[[], None]) -> dict[str, Any]:
+    """Return whether something may be used, as the API shows it, by the check that refuses it."""
+    try:
+        require()
+    except NotAllowed as error:
+        return {"allowed": False, "reason": error.detail}
+    return {"allowed": True, "reason": None}
+
+
+def message_schema(message_class: MessageClass, *, complete: bool) -> dict[str, Any]:
+    """Return the JSON Schema of a message, a request or a response."""
+    return {"$schema": DIALECT, **codec(message_class).schema(complete=complete)}
+
+
+@router.get(
+    "/{service:graph_name}",
+    response_model=ServiceInfo,
+    responses=problems(404, 422, 503),
+    dependencies=[Depends(known_query("type"))],
+)
+@operation(Role.VIEWER, Scope.PLACE)
+async def get_service(
+    service: GraphName, services: Part[ServiceCalls], grant: TheGrant, *, type_name: TypeQuery = None
+) -> Response:
+    """Return the type of a service, the JSON Schema of its request and response, and whether it may be called."""
+    found = await services.find(f"/{service}", type_name, grant)
+    document: dict[str, Any] = {
+        "service": found.name,
+        "type": found.type,
+        "types": found.types,
+        "hint": None,
+        "call": describe_use(lambda: services.require_allowed(found)),
+        "request": None,
+        "response": None,
+    }
+    try:
+        kind = await services.load(found)
+    except GatewayError as error:
+        document["hint"] = error.detail
+    else:
+        document["request"] = message_schema(kind.Request, complete=False)
+        document["response"] = message_schema(kind.Response, complete=True)
+    return json_response(document)
+
+
+@router.post(
+    "/{service:graph_name}",
+    response_model=ServiceAnswer,
+    responses=problems(400, 404, 408, 409, 413, 415, 422, 429, 502, 503, 504),
+    openapi_extra=body({"type": "object", "description": "The request's own fields"}, required=True),
+    dependencies=[Depends(known_query("type", "timeout"))],
+)
+@operation(Role.OPERATOR, Scope.SERVICE)
+async def call_service(
+    service: GraphName,
+    request: Request,
+    services: Part[ServiceCalls],
+    grant: TheGrant,
+    *,
+    type_name: TypeQuery = None,
+    timeout: TimeoutQuery = 5.0,
+) -> Response:
+    """Call a service and return its response. The body holds the fields of the request; `{}` sends its defaults.
+
+    A response that does not come in time is not the end of the call: the service may still carry it out.
+    """
+    name = f"/{service}"
+    audited(request, subject=name, robot=parent_of(name))
+    fields = await read_json(request)
+    called = await services.call(name, fields, type_name=type_name, timeout=timeout, grant=grant)
+    return Response(
+        encode({"service": name, "type": called.type, "response": fragment(called.response)}),
+        media_type="application/json",
+    )
