@@ -161,7 +161,9 @@ class HttpProtocol(H11Protocol):
         super().handle_events()
         if self.cycle is not before:
             self._edge.scheduler.charge(REQUEST_COST)
-            if not self.transport.connection.regular:
+            # A careless proxy takes a connection on which it has seen a WebSocket's upgrade for a tunnel, whatever the
+            # answer: its client could send any request through it.
+            if not self.transport.connection.regular or super()._get_upgrade() == b"websocket":
                 self.cycle.keep_alive = False
         if self.transport.connection.protocol is self:
             self._watch(incomplete=self._has_begun or self.unread)

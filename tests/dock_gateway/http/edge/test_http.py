@@ -187,6 +187,19 @@ async def test_a_slow_body_without_end_after_the_answer() -> None:
             await ended
 
 
+async def test_after_a_websocket_that_is_none_the_connection_is_no_tunnel() -> None:
+    """Such as one by POST. A careless proxy would pass on whatever its client sends next."""
+    head = (
+        b"POST /echo HTTP/1.1\r\n"
+        + HOST
+        + b"Content-Length: 5\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\r\nhello"
+    )
+    async with serving(app) as edge:
+        answer = await edge.ask(head, START + b"\r\n")
+    assert answer.endswith(b"\r\n\r\n5")
+    assert answer.count(b"HTTP/1.1 ") == 1
+
+
 @pytest.mark.parametrize("upgrade", [b"websocket", b"h2c", b"anything"])
 @pytest.mark.parametrize("method", [b"POST", b"DELETE"])
 async def test_an_upgrade_that_is_not_offered_is_ignored(upgrade: bytes, method: bytes) -> None:
