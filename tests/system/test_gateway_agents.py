@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import httpx2
 import pytest
+from mcp_types import ElicitRequestFormParams, ElicitResult
 
 from tests.support.access import Site, bearer
 from tests.support.agents import agent, answer, refusal
@@ -37,7 +38,7 @@ def world(shared_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Itera
         running_program(shared_domain, "dock_simulator"),
         running_program(shared_domain, "fibonacci_action_server", *slowly),
         running_program(shared_domain, "fibonacci_action_server", "-r", "__ns:=/real", *slowly),
-        site.gateway(shared_domain, mcp="true") as gateway,
+        site.gateway(shared_domain, mcp="true", approval_by_client="true") as gateway,
     ):
         headers = bearer(tokens[0])
 
@@ -78,16 +79,14 @@ async def test_an_agent_finds_its_way_and_sends_a_goal(world: World) -> None:
         assert goal["goal_id"] in [each["goal_id"] for each in listed]
         answer(await client.call_tool("list_alerts", {}))
 
-    entry = world.gateway.http.get("/audit?what=send_goal", headers=bearer(world.admin)).json()["records"][0]
-    said = {name: entry[name] for name in ("principal", "role", "subject", "action_name", "goal_id", "outcome")}
-    assert said == {
-        "principal": "bot",
-        "role": "agent",
-        "subject": "test-agent 1.0",
-        "action_name": SIMULATED,
-        "goal_id": goal["goal_id"],
-        "outcome": "done",
-    }
+    def entries() -> list[dict]:
+        url = f"/audit?what=send_goal&goal_id={goal['goal_id']}"
+        found: list[dict] = world.gateway.http.get(url, headers=bearer(world.admin)).json()["records"]
+        return found
+
+    (entry,) = wait_until(entries, "the audit log")
+    said = [entry[name] for name in ("principal", "role", "subject", "action_name", "outcome")]
+    assert said == ["bot", "agent", "test-agent 1.0", SIMULATED, "done"]
 
 
 @pytest.mark.parametrize("mode", ["auto", "legacy"])
@@ -175,6 +174,40 @@ async def test_a_goal_to_a_real_robot_waits_for_a_person(world: World) -> None:
         await asyncio.to_thread(waiting, world)
         assert http.post("/stop?robot=/", json={"latch": False}, headers=operator).is_success
         assert "(stopped)" in refusal(await calling)
+
+
+async def test_the_person_who_uses_the_agent_is_asked_in_its_program(world: World) -> None:
+    """Where the settings say that their answer counts. Who is on the dashboard may refuse all the same."""
+    http, operator = world.gateway.http, bearer(world.operator)
+    arguments = {"action": REAL, "goal": {"order": 2}}
+    asked: list[str] = []
+
+    async def person(_: object, params: ElicitRequestFormParams) -> ElicitResult:
+        asked.append(params.message)
+        if len(asked) < 3:
+            return ElicitResult(action="accept", content={"allow": len(asked) == 1})
+        approval = await asyncio.to_thread(waiting, world)
+        http.post(f"/approvals/{approval['approval_id']}", json={"allow": False}, headers=operator)
+        return ElicitResult(action="accept", content={"allow": True})
+
+    async with agent(world.gateway, world.agent, elicitation_callback=person) as client:
+        assert answer(await client.call_tool("send_goal", arguments))["goal"]["status"] == "succeeded"
+        assert asked == [f"bot wants to send a goal to {REAL}. Check that the area is clear."]
+        assert "the user of bot has refused" in refusal(await client.call_tool("send_goal", arguments))
+        assert "ada has refused" in refusal(await client.call_tool("send_goal", arguments))
+        for state in ("no such", asked[0]):
+            again = await client.session.call_tool("send_goal", arguments, request_state=state)
+            assert "approval_not_found" in refusal(again)
+
+    late = "approval_not_found"
+    expected = [("allowed", late), ("refused", None), ("allowed", None)]
+
+    def recorded() -> bool:
+        records = http.get("/audit?what=answer_approval", headers=bearer(world.admin)).json()["records"]
+        assert {(each["principal"], each["action_name"]) for each in records} <= {("bot", REAL)}
+        return [(each["subject"].removesuffix(" in test-agent 1.0"), each["code"]) for each in records] == expected
+
+    wait_until(recorded, "the audit log")
 
 
 async def test_so_does_one_by_rest_with_the_token_of_an_agent(world: World) -> None:

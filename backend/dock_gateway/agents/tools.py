@@ -15,6 +15,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.action_routes import describe
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.queries import read_goal_filter
@@ -134,6 +135,14 @@ async def wait_for_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
     return {"goal": goal_document(await parts[Goals].get(read_goal_id(fields["goal_id"])))}
 
 
+@operation(Role.AGENT, Scope.APPROVAL)
+async def answer_approval(parts: Parts, principal: Principal, fields: Fields) -> Fields:
+    """Take the answer of the person who uses an agent, in the agent's own program."""
+    by = f"the user of {principal.name or principal.client}"
+    approval = parts[Approvals].decide(fields["approval_id"], allow=fields["allow"], by=by)
+    return {"approval_id": approval.approval_id}
+
+
 # ---------------------------------------------------------------------- what the tools' arguments mean to commands
 
 
@@ -185,11 +194,6 @@ class Tool:
     def __post_init__(self) -> None:
         """Refuse a command that does not say what it needs."""
         object.__setattr__(self, "operation", operation_of(self.command))
-
-    @property
-    def what(self) -> str:
-        """The name of the command in the audit log."""
-        return self.command.__name__
 
     def read(self, arguments: object) -> Fields:
         """Return the arguments of a call, with defaults and without what was not given.
@@ -352,6 +356,9 @@ async def follow(parts: Parts, principal: Principal, goal_id: str, report: Any) 
 
 def _progress(document: Mapping[str, Any]) -> str:
     if document["type"] == "feedback":
-        return str(orjson.dumps(document["feedback"]).decode())[:MAX_PROGRESS]
+        feedback = document["feedback"]
+        if battery := feedback.get("current_battery_state"):  # of docking; the whole of it tells less
+            return f"battery at {battery['voltage']} V, {battery['current']} A"
+        return str(orjson.dumps(feedback).decode())[:MAX_PROGRESS]
     stage = document["stage"]
     return str(document["status"] if stage is None else f"{document['status']}: {stage}")

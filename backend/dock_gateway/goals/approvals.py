@@ -51,7 +51,7 @@ class Approval:
     @property
     def agent(self) -> str:
         """What the agent is called."""
-        return self.principal.name or self.principal.client or "an agent without a name"
+        return _name_of(self.principal)
 
     def answer(self, refused: GatewayError | None) -> None:
         """Answer it, unless it is answered."""
@@ -120,12 +120,11 @@ class Approvals:
             raise refused
 
     def _ask(self, principal: Principal, action_name: str, robot: str, goal: Json) -> Approval:
-        own = [each for each in self._waiting.values() if each.agent == (principal.name or principal.client)]
+        own = [each for each in self._waiting.values() if each.agent == _name_of(principal)]
         if len(own) >= MAX_OF_AGENT or len(self._waiting) >= MAX_WAITING:
-            raise TooManyRequests(
-                f"{len(own) or len(self._waiting)} goals of agents already wait for a person",
-                code="too_many_approvals",
-            )
+            who = "this agent" if len(own) >= MAX_OF_AGENT else "agents"
+            count = len(own) if len(own) >= MAX_OF_AGENT else len(self._waiting)
+            raise TooManyRequests(f"{count} goals of {who} already wait for a person", code="too_many_approvals")
         now = utc_now()
         expires = now + timedelta(seconds=self._settings.approval_timeout)
         action = self._actions.get(action_name)
@@ -206,3 +205,8 @@ class Approvals:
         """Drop what waits."""
         for approval in self._waiting.values():
             approval.answer(Unavailable("the gateway is shutting down", code="shutting_down"))
+
+
+def _name_of(agent: Principal) -> str:
+    """Return what an agent is called: its own name, or that of its program."""
+    return agent.name or agent.client or "an agent without a name"
