@@ -217,7 +217,9 @@ class Stopper:
         refused: dict[str, GatewayError] = {}
         for namespace in namespaces or (None,):
             try:
-                names.add(self._robots.get(namespace).namespace)
+                # A robot that was to stop must not go on over a slash: `robot1` can only be `/robot1`.
+                named = f"/{namespace.lstrip('/')}" if namespace else namespace
+                names.add(self._robots.get(named).namespace)
             except GatewayError as error:
                 refused[namespace or ""] = error
         if not names:

@@ -262,6 +262,20 @@ def test_reading_is_for_admins_and_recorded(site: Site) -> None:
         assert [entry.what for entry in site.audit.entries] == ["export_audit"] * 3
 
 
+def test_a_head_is_allowed_and_recorded_as_its_get(site: Site) -> None:
+    with site.client() as http:
+        assert http.head("/audit").status_code == 401
+        assert site.one().what == "list_audit"
+    with site.client(Role.SUPERVISOR) as http:
+        assert http.head("/audit/export").status_code == 403
+        assert site.one().code == "role_required"
+    with site.client(Role.ADMIN) as http:
+        for _ in range(5):  # more than one user may have at a time
+            response = http.head("/audit/export")
+            assert (response.status_code, response.content) == (200, b"")
+            assert (site.one().what, response.headers["content-type"]) == ("export_audit", "application/json")
+
+
 @pytest.mark.parametrize("kind", ["csv", "json"])
 def test_an_export_of_a_history_that_is_away_is_refused(site: Site, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     async def fail(*_: object, **__: object) -> None:

@@ -246,6 +246,9 @@ def test_all_that_was_wrong_is_one_warning() -> None:
         (b"robot=/robot2", b'{"robot": "/robot2"}', ONE),
         (b"robot=/robot2", b'{"robot": 7}', ONE),
         (b"robot=/robot1/arm", b"", ["/robot1/arm"]),
+        (b"robot=robot2", b"", ONE),
+        (b"robot=robot1/arm/&robot=//robot2", b"", ["/robot1/arm", *ONE]),
+        (b"", b'{"robot": "robot2"}', ONE),
         (b"robot=/robot1/arm&robot=/robot2&robot=/robot2", b"", ["/robot1/arm", *ONE]),
         (b"robot=/robot1/arm&robot=/robot1", b"", ALL),
     ],
@@ -256,11 +259,11 @@ def test_the_robot_that_is_meant(query: bytes, body: bytes, robots: list[str]) -
 
 
 def test_a_robot_that_is_not_known_keeps_none_of_the_others_from_being_stopped() -> None:
-    status, document, still, held = stopped(Asked(b"robot=/robot7&robot=/robot2&robot=/robot1/arm&robot=x"))
+    status, document, still, held = stopped(Asked(b"robot=/robot7&robot=/robot2&robot=/robot1/arm&robot=a%20b"))
     assert (status, still, held) == (200, ["/robot1/arm", *ONE], ["/robot1/arm", *ONE])
     assert [(each["robot"], each["code"]) for each in document["failed"]] == [
         ("/robot7", "robot_not_found"),
-        ("x", "invalid_field"),
+        ("a b", "invalid_field"),
     ]
     assert (document["stop"]["latched"], document["stop"]["robots"]) == (True, ["/robot1/arm", *ONE])
 
