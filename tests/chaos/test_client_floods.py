@@ -15,7 +15,7 @@ pytestmark = pytest.mark.ros
 
 @pytest.fixture(scope="module")
 def gateway() -> Iterator[RunningGateway]:
-    with ros_domain() as domain, running_gateway(domain) as gateway:
+    with ros_domain() as domain, running_gateway(domain, mcp="true") as gateway:
         yield gateway
 
 

@@ -152,6 +152,14 @@ ENDLESS = b"GET /healthz HTTP/1.1\r\n" + HOST + b"Content-Length: 100000000000\r
 FRAGMENTS = frame(CONTINUATION, fin=False) * 5_000
 PINGS = frame(PING, b"x" * 100) * 1_000
 
+
+def _call(tool: bytes) -> bytes:
+    """A call of a tool of agents."""
+    body = b'{"jsonrpc":"2.0","id":1,"method":"tools/call","params":{"name":"%s","arguments":{}}}' % tool
+    accept = b"Accept: application/json, text/event-stream\r\nContent-Type: application/json\r\n"
+    return b"POST /mcp HTTP/1.1\r\n%s%sContent-Length: %d\r\n\r\n%s" % (HOST, accept, len(body), body)
+
+
 FLOODS: dict[str, Flood] = {
     "fragments on /ws": _websocket("/ws", frame(TEXT, b"{", fin=False), FRAGMENTS),
     "fragments on /ws/feedback": _websocket("/ws/feedback", frame(TEXT, b"{", fin=False), FRAGMENTS),
@@ -172,6 +180,8 @@ FLOODS: dict[str, Flood] = {
     "an unwanted body": _request(ENDLESS, b"x" * 65_536),
     "pipelined requests": _request(b"", (START + b"\r\n") * 100),
     "connections": _many(100, START + b"Connection: close\r\n\r\n", pause=0.0),
+    "calls of agents": _many(20, _call(b"list_robots"), _call(b"list_alerts"), pause=0.01),
+    "unread calls of agents": _request(b"", _call(b"list_robots") * 100),
     "unread answers": _slow_readers("/openapi.json", 200),
     "slow event streams": _slow_websockets,
 }

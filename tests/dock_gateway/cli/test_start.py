@@ -71,3 +71,11 @@ def test_messages_of_another_distribution(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(Exception, match="the ROS package sensor_msgs does not load") as caught:
         load_ros({})
     assert "`make setup`" in str(caught.value)
+
+
+@pytest.mark.parametrize("command", ["serve", "up"])
+def test_agents_without_what_speaks_their_protocol(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mcp", None)
+    result = CliRunner().invoke(main, [command, "--mcp", "true"])
+    assert result.exit_code == 2
+    assert "dock-gateway[mcp] is not installed" in result.output
