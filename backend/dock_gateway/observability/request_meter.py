@@ -7,7 +7,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from dock_gateway.observability.request_metrics import RequestMetrics
 
 # Without HEAD, which counts as the GET that it is answered like.
-METHODS = frozenset({"GET", "POST", "PUT", "DELETE", "OPTIONS"})
+METHODS = frozenset({"GET", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 OTHER = "other"
 
 
