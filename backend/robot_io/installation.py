@@ -87,6 +87,9 @@ def find_package_fault(environment: Mapping[str, str], packages: Iterable[str] =
         packages: The packages of messages that are needed.
     """
     if find_folder("rclpy") is None:
+        for prefix in find_rclpy_versions(environment):
+            if prefix.joinpath("setup.bash").is_file():
+                return f"ROS is in {prefix}, but PYTHONPATH does not say so: run `source {prefix}/setup.bash`"
         return f"there is no rclpy for {sys.executable}: {_install('rclpy[fastrtps]', environment)}"
     faults = (
         _find_misfit("rclpy", "_rclpy_pybind11", environment),
@@ -110,15 +113,27 @@ def mend(package: str, environment: Mapping[str, str]) -> str:
     folder = find_folder(package)
     for path in filter(None, environment.get("PYTHONPATH", "").split(os.pathsep)):
         if folder is not None and folder.is_relative_to(Path(path).absolute()):
+            if not _has_wheels():
+                return (
+                    "open a new terminal, and source only the ROS whose Python made this environment (docs/install.md)"
+                )
             return f"PYTHONPATH names that folder; run `unset {' '.join(SOURCED)}` and start again"
     return f"reinstall it; {_install(package, environment)}"
 
 
 def find_mixture_fault(environment: Mapping[str, str]) -> str | None:
-    """Return that ROS is sourced next to the ROS wheels, whose libraries would mix, and what mends it; None if not."""
+    """Return that two ROS are there, whose libraries would mix, and what mends it; None if not.
+
+    One is sourced next to the ROS wheels, or two distributions are sourced, which differ in the first number of rclpy.
+    """
     installation = find_installation(environment)
-    wheels = any(WHEEL.match(each.name) for each in Path(sysconfig.get_path("purelib")).iterdir())
-    if installation is None or installation.wheels or not wheels:
+    if installation is None or installation.wheels:
+        return None
+    versions = find_rclpy_versions(environment)
+    if len({version.partition(".")[0] for version in versions.values()}) > 1:
+        listed = " and ".join(f"{prefix} (rclpy {version})" for prefix, version in versions.items())
+        return f"several ROS distributions are sourced, {listed}: open a new terminal, and source one of them"
+    if not _has_wheels():
         return None
     return (
         f"ROS is there twice, as wheels in the environment {sys.prefix} and as {installation.source}: run `unset "
@@ -148,6 +163,28 @@ def _install(package: str, environment: Mapping[str, str]) -> str:
         apt = name.partition("[")[0].replace("jazzy", distribution)
         return f"run `sudo apt-get install {apt}`, or `make setup` in a clone of dock-gateway where no ROS is sourced"
     return f"run `make setup` in a clone of dock-gateway, or `pip install '{name}'`, or source a ROS installation"
+
+
+def find_rclpy_versions(environment: Mapping[str, str]) -> dict[Path, str]:
+    """Return the prefixes with an rclpy that the variables of a sourced installation name, and its version there."""
+    listed = {name: [Path(each) for each in environment.get(name, "").split(os.pathsep) if each] for name in SOURCED}
+    python, ament, libraries = (listed[name] for name in SOURCED)
+    prefixes = [*ament, *(_prefix(each / "rclpy") for each in python), *(each.parent for each in libraries)]
+    found = {each.absolute(): _version(each) for each in prefixes}
+    return {prefix: version for prefix, version in found.items() if version}
+
+
+def find_setup(package: str, installation: Installation) -> Path:
+    """Return the file to source for a package: that of its workspace, or of the installation."""
+    folder = find_folder(package)
+    prefixes = [] if folder is None else [_prefix(folder).parent, _prefix(folder)]
+    found = (each / "setup.bash" for each in prefixes if each.joinpath("setup.bash").is_file())
+    return next(found, installation.prefix / "setup.bash")
+
+
+def _has_wheels() -> bool:
+    """Return whether ROS wheels are installed in this Python environment."""
+    return any(WHEEL.match(each.name) for each in Path(sysconfig.get_path("purelib")).iterdir())
 
 
 def find_folder(package: str) -> Path | None:

@@ -13,6 +13,7 @@ from robot_io.installation import (
     find_middleware_fault,
     find_mixture_fault,
     find_package_fault,
+    find_setup,
     mend,
 )
 
@@ -51,7 +52,7 @@ def find_load_fault(environment: Mapping[str, str], packages: Iterable[str] = ME
         why, advice = str(error).partition("\n")[0], mend(package, environment)
         installation = find_installation(environment)
         if installation is not None and not installation.wheels and "shared object" in why:
-            advice = f"run `source {installation.prefix}/setup.bash`, or `unset {' '.join(SOURCED)}`"
+            advice = f"run `source {find_setup(package, installation)}`, or `unset {' '.join(SOURCED)}`"
         return f"the ROS package {package} does not load ({why}): {advice}"
     try:
         require_supported()

@@ -73,6 +73,32 @@ def test_wheels_and_a_sourced_installation_do_not_mix(site: Path) -> None:
     assert "run `unset PYTHONPATH AMENT_PREFIX_PATH LD_LIBRARY_PATH`" in (find_mixture_fault({}) or "")
 
 
+def add_rclpy(prefix: Path, version: str) -> None:
+    share = prefix / "share/rclpy"
+    share.mkdir(parents=True)
+    share.joinpath("package.xml").write_text(f"<package><version>{version}</version></package>")
+    prefix.joinpath("setup.bash").touch()
+
+
+def test_two_distributions_that_are_sourced_in_one_terminal(site: Path, tmp_path: Path) -> None:
+    add_package(site, "rclpy", "_rclpy_pybind11")
+    add_rclpy(tmp_path, "7.1.5")
+    add_rclpy(tmp_path / "overlay", "7.1.6")
+    add_rclpy(tmp_path / "kilted", "9.1.2")
+    environment = {"PYTHONPATH": str(site), "AMENT_PREFIX_PATH": f"{tmp_path}/overlay:{tmp_path}"}
+    assert "as wheels" in (find_mixture_fault(environment) or "")
+    environment["LD_LIBRARY_PATH"] = f"{tmp_path}/lib:{tmp_path}/kilted/lib"
+    fault = find_mixture_fault(environment) or ""
+    assert f"{tmp_path} (rclpy 7.1.5)" in fault
+    assert f"{tmp_path}/kilted (rclpy 9.1.2): open a new terminal" in fault
+
+
+def test_an_installation_that_is_sourced_by_half(site: Path, tmp_path: Path) -> None:
+    add_rclpy(tmp_path, "7.1.5")
+    fault = find_package_fault({"ROS_DISTRO": "jazzy", "AMENT_PREFIX_PATH": str(tmp_path)}) or ""
+    assert f"run `source {tmp_path}/setup.bash`" in fault
+
+
 @pytest.mark.parametrize(
     ("distribution", "command"), [("", "pip install 'ros-jazzy-rclpy[fastrtps]'"), ("kilted", "ros-kilted-rclpy`")]
 )

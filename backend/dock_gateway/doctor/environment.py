@@ -13,6 +13,9 @@ from robot_io import ros_variables
 from robot_io.installation import DOCKING, find_installation, find_package_fault
 from robot_io.startup import find_load_fault, find_ros_fault
 
+# The packages of the docking actions that can be used.
+DOCKING_PACKAGES = tuple(dict.fromkeys(adapter.action_type.partition("/")[0] for adapter in ADAPTERS["dock"]))
+
 
 def check_environment(
     settings: Settings, environment: Mapping[str, str], docking_fault: str | None = None
@@ -24,12 +27,15 @@ def check_environment(
         environment: The variables.
         docking_fault: Why our docking actions cannot be used, if that is known.
     """
+    ros, docking = _check_ros(environment), check_docking(environment, docking_fault)
+    if ros.level is Level.OK and (fault := find_load_fault(environment, _docking_packages(environment))):
+        docking = Check("docking", Level.ERROR, fault)
     python = f"dock-gateway {__version__} on Python {platform.python_version()}, {sys.executable}"
     return [
         Check("python", Level.OK, python),
         check_settings(settings, environment),
-        _check_ros(environment),
-        check_docking(environment, docking_fault),
+        ros,
+        docking,
         _check_domain(environment),
         _check_discovery(environment),
     ]
@@ -87,14 +93,18 @@ def check_docking(environment: Mapping[str, str], fault: str | None) -> Check:
         environment: The variables.
         fault: Why ours cannot be used, if that is known.
     """
-    packages = dict.fromkeys(adapter.action_type.partition("/")[0] for adapter in ADAPTERS["dock"])
-    there = [name for name in packages if find_package_fault(environment, [name]) is None]
-    missing = [name for name in packages if name not in there]
+    there = _docking_packages(environment)
+    missing = [name for name in DOCKING_PACKAGES if name not in there]
     if not there:
         fault = fault or find_package_fault(environment, [DOCKING])
         return judge("docking", f"no docking action is installed: {fault}", "")
     absent = f"; not installed: {', '.join(missing)} (`make nav2-interfaces`, docs/nav2.md)" if missing else ""
     return Check("docking", Level.OK, f"the docking actions of {', '.join(there)} can be used{absent}")
+
+
+def _docking_packages(environment: Mapping[str, str]) -> list[str]:
+    """Return those of the docking actions that are installed."""
+    return [name for name in DOCKING_PACKAGES if find_package_fault(environment, [name]) is None]
 
 
 def _check_domain(environment: Mapping[str, str]) -> Check:

@@ -78,6 +78,8 @@ def _load(package: str, kind: str, name: str) -> Any:
         raise ImportError(f"{package} is not installed: {install_hint(package)}")
     module = f"{package}.{kind}"
     try:
+        # rclpy imports it when it uses the type, too late for an answer.
+        importlib.import_module(f"{package}.{package}_s__rosidl_typesupport_c")
         return getattr(importlib.import_module(module), name, None)
     except ModuleNotFoundError as error:
         if error.name == module:
