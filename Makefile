@@ -33,7 +33,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) backend/action_tutorials_interfaces/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels release interfaces-wheel colcon-workspace test-ros clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -106,6 +106,13 @@ wheels: frontend/dist/index.html $(UV) ## build into dist/ what dock-gateway is 
 
 test-wheels: setup wheels ## install from dist/ without a compiler, dock, stop; prints the seconds
 	@$(BIN)/pytest tests/wheels $(PYTEST_ARGS)
+
+test-clients: setup $(STAMPS)/clients/installed ## roslib and roslibpy from the registries, on a gateway; see docs/rosbridge.md
+	@. scripts/node-env && CLIENTS=$(STAMPS)/clients $(BIN)/pytest tests/clients $(PYTEST_ARGS)
+
+$(STAMPS)/clients/installed: scripts/install-clients | setup
+	@scripts/install-clients $(BIN)/python $(STAMPS)/clients
+	@touch $@
 
 release: $(UV) ## check tag, CHANGELOG.md and version; then wheels, their parts with licences, SHA256SUMS
 	@scripts/check-release >/dev/null

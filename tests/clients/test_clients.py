@@ -1,0 +1,111 @@
+"""The clients of rosbridge as their users install them, on a real gateway: `make test-clients`."""
+
+import json
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.waiting import wait_until
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+# Where scripts/install-clients has put them.
+CLIENTS = Path(os.environ.get("CLIENTS", ROOT / ".venv/.stamps/clients")).resolve()
+# The port that the tests of roslibpy expect.
+PORT = 9090
+BUNDLER = ROOT / "frontend/node_modules/.bin/rolldown"
+ENTRY = """
+import * as roslib from "{package}";
+import {{ scenario }} from "{scenario}";
+globalThis.scenario = (url) => scenario("{package}" === "roslib" && roslib.default || roslib, url);
+"""
+
+
+@pytest.fixture(scope="module")
+def gateway() -> Iterator[RunningGateway]:
+    with ros_domain() as domain, ExitStack() as stack:
+        topic = "scan:sensor_msgs/msg/LaserScan:20"
+        stack.enter_context(running_talker(domain, "--long", "720", "--topic", topic))
+        stack.enter_context(running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.3"))
+        gateway = stack.enter_context(running_gateway(domain, rosbridge_port=str(PORT)))
+        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+        wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
+        yield gateway
+
+
+@pytest.mark.usefixtures("gateway")
+@pytest.mark.parametrize("transport", ["twisted", "asyncio"])
+def test_the_own_tests_of_roslibpy(transport: str) -> None:
+    command = [CLIENTS / "python/bin/python", "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/ros2"]
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    done = subprocess.run(
+        command,
+        cwd=CLIENTS / "roslibpy",
+        env={**environment, "ROSLIBPY_TRANSPORT": transport},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.parametrize("version", ["2.1.0", "1.4.1"])
+def test_roslib_on_node(gateway: RunningGateway, version: str) -> None:
+    node = shutil.which("node") or "node"
+    url = f"{gateway.url.replace('http', 'ws')}/rosbridge"
+    command = [node, HERE / "run.mjs", CLIENTS / version, url]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    check(json.loads(done.stdout.splitlines()[-1]), actions=version == "2.1.0")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason=MISSING)
+@pytest.mark.parametrize("version", ["2.1.0", "1.4.1"])
+def test_roslib_in_chromium(gateway: RunningGateway, tmp_path: Path, version: str) -> None:
+    script = bundle(tmp_path, version)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        page = browser.new_context(bypass_csp=True).new_page()
+        page.goto(f"{gateway.url}/healthz")
+        page.add_script_tag(path=script)
+        seen = page.evaluate("(url) => scenario(url)", f"{gateway.url.replace('http', 'ws')}/rosbridge")
+        browser.close()
+    check(seen, actions=version == "2.1.0")
+
+
+def bundle(folder: Path, version: str) -> Path:
+    """One script of roslib and the scenario."""
+    roslib = CLIENTS / version / "node_modules/roslib"
+    package = roslib / ("dist/RosLib.js" if version == "2.1.0" else "src/RosLib.js")
+    entry, script = CLIENTS / version / "entry.mjs", folder / "script.js"
+    entry.write_text(ENTRY.format(package=package, scenario=HERE / "scenario.mjs"))
+    command = [BUNDLER, entry, "--file", script, "--format", "iife", "--platform", "browser"]
+    done = subprocess.run(command, cwd=CLIENTS / version, capture_output=True, text=True, timeout=60, check=False)
+    assert script.exists(), done.stdout + done.stderr
+    return script
+
+
+def check(seen: dict[str, Any], *, actions: bool) -> None:
+    """What the scenario has seen; roslib 1 knows no actions of ROS 2."""
+    assert "/talker0/scan" in seen["topics"]
+    assert seen["twist"]["linear"] == {"x": "double", "y": "double", "z": "double"}
+    assert seen["scans"]["none"] == seen["scans"]["png"] == ["Array", 720, 5]
+    assert seen["scans"]["cbor"] == ["Float32Array", 720, 5]
+    assert seen["scans"]["cbor-raw"][0] == "Uint8Array"
+    assert seen["version"] == 2
+    assert "/nobody" in seen["refused"]
+    if actions:
+        assert seen["result"] == {"sequence": [0, 1, 1, 2, 3]}
+        assert seen["feedback"] == {"partial_sequence": [0, 1, 1]}
+        assert "canceled" in seen["canceled"]
