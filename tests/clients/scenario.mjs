@@ -2,7 +2,11 @@
 
 const once = (start) => new Promise((resolve) => start(resolve));
 
-export async function scenario({ Action, Ros, Service, Topic }, url) {
+const late = (_, reject) => setTimeout(() => reject(new Error("the scenario takes too long")), 60_000);
+
+export const scenario = (roslib, url) => Promise.race([play(roslib, url), new Promise(late)]);
+
+async function play({ Action, Ros, Service, Topic }, url) {
   const seen = { statuses: [] };
   const ros = new Ros({});
   ros.on("error", (error) => console.error(error.message ?? error));
@@ -29,6 +33,17 @@ export async function scenario({ Action, Ros, Service, Topic }, url) {
   seen.version = (await once((resolve) => service.callService({}, resolve))).version;
   const unknown = new Service({ ros, name: "/nobody", serviceType: "std_srvs/srv/Empty" });
   seen.refused = await once((resolve) => unknown.callService({}, () => resolve(null), resolve));
+
+  const chatter = new Topic({ ros, name: "/chatter", messageType: "std_msgs/msg/String" });
+  seen.chatter = await once((resolve) => {
+    chatter.subscribe(resolve);
+    chatter.publish({ data: "hello" });
+  });
+  // roslib tells a page only of statuses without an id.
+  await once((resolve) => {
+    ros.on("status", resolve);
+    ros.callOnConnection({ op: "publish", topic: "/cmd_vel", msg: { linear: { x: 1 } } });
+  });
 
   if (Action) {
     const action = new Action({ ros, name: "/fibonacci", actionType: "action_tutorials_interfaces/action/Fibonacci" });

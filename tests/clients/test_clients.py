@@ -37,7 +37,7 @@ def gateway() -> Iterator[RunningGateway]:
         topic = "scan:sensor_msgs/msg/LaserScan:20"
         stack.enter_context(running_talker(domain, "--long", "720", "--topic", topic))
         stack.enter_context(running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.3"))
-        gateway = stack.enter_context(running_gateway(domain, rosbridge_port=str(PORT)))
+        gateway = stack.enter_context(running_gateway(domain, rosbridge_port=str(PORT), publish="/chatter,/points"))
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
         yield gateway
@@ -54,7 +54,7 @@ def test_the_own_tests_of_roslibpy(transport: str) -> None:
         env={**environment, "ROSLIBPY_TRANSPORT": transport},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=120,
         check=False,
     )
     assert done.returncode == 0, done.stdout
@@ -105,6 +105,8 @@ def check(seen: dict[str, Any], *, actions: bool) -> None:
     assert seen["scans"]["cbor-raw"][0] == "Uint8Array"
     assert seen["version"] == 2
     assert "/nobody" in seen["refused"]
+    assert seen["chatter"] == {"data": "hello"}
+    assert "--publish '/cmd_vel'" in seen["statuses"][-1]
     if actions:
         assert seen["result"] == {"sequence": [0, 1, 1, 2, 3]}
         assert seen["feedback"] == {"partial_sequence": [0, 1, 1]}

@@ -22,6 +22,9 @@ pytestmark = pytest.mark.ros
 FIBONACCI = "action_tutorials_interfaces/action/Fibonacci"
 # More steps than a test takes; the server accepts no more.
 LONG = 45
+# What clients may reach past goals and the latch.
+ALLOWED = {"publish": "/chatter,/points,/cmd_vel", "set_parameters": "/talker0/talker"}
+TWIST = "geometry_msgs/msg/Twist"
 SCAN = "sensor_msgs/msg/LaserScan"
 
 
@@ -77,7 +80,7 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
         topics = ("--long", "720", "--topic", f"scan:{SCAN}:20", "--topic", "latched:std_msgs/msg/String:latched")
         stack.enter_context(running_talker(shared_domain, *topics))
         stack.enter_context(running_program(shared_domain, "fibonacci_action_server", "-p", "step_period:=0.2"))
-        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1"))
+        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1", **ALLOWED))
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
         yield gateway
@@ -270,10 +273,79 @@ def test_rosapi(client: Client) -> None:
     assert definition["fieldnames"] == ["linear", "angular"]
     assert client.call("/rosapi/get_time")["time"]["sec"] > 1_700_000_000
     assert client.call("/rosapi/get_ros_version")["version"] == 2
-    for service in ("/rosapi/nothing", "/rosapi/topic_type", "/talker0/talker/get_parameters"):
+    for service in ("/rosapi/nothing", "/rosapi/topic_type"):
         client.send("call_service", service=service, id="x")
         answer = client.until("service_response", id="x")
         assert (answer["result"], type(answer["values"])) == (False, str)
+
+
+def test_messages_are_published_where_that_is_allowed(client: Client) -> None:
+    client.send("publish", topic="/other", msg={"data": "a"}, id="p")
+    assert "--publish '/other'" in client.error("publish: ")
+    client.send("advertise", topic="/other", type="std_msgs/String")
+    client.error("advertise: ")
+    client.send("publish", topic="/chatter", msg={"data": "a"})
+    client.error("no topic /chatter")
+    client.send("subscribe", topic="/chatter", type="std_msgs/String")
+    client.send("advertise", topic="/chatter", type="std_msgs/String")
+    client.send("publish", topic="/chatter", msg={"data": "a"})
+    assert client.until("publish", topic="/chatter")["msg"] == {"data": "a"}
+    client.send("publish", topic="/chatter", msg={"data": 7})
+    client.error("data: expected a string")
+    client.send("unadvertise", topic="/chatter")
+
+    client.send("subscribe", topic="/points", type="geometry_msgs/PointStamped")
+    client.send("advertise", topic="/points", type="geometry_msgs/PointStamped")
+    client.send("publish", topic="/points", msg={"point": {"x": 1}})
+    message = client.until("publish", topic="/points")["msg"]
+    assert message["point"] == {"x": 1.0, "y": 0.0, "z": 0.0}
+    assert message["header"]["stamp"]["sec"] > 1_700_000_000
+
+
+def test_nothing_is_published_on_the_velocity_of_a_stopped_robot(gateway: RunningGateway, client: Client) -> None:
+    client.send("subscribe", topic="/cmd_vel", type=TWIST)
+    client.send("advertise", topic="/cmd_vel", type=TWIST)
+    client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.1}})
+    client.until("publish", topic="/cmd_vel", msg=twist(0.1))
+    assert gateway.http.post("/stop").status_code == 200
+    client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.2}}, id="p")
+    assert client.until("status", id="p")["level"] == "error"
+    assert gateway.http.delete("/stop").status_code == 200
+    client.send("publish", topic="/cmd_vel", msg={"linear": {"x": 0.3}})
+    client.until("publish", topic="/cmd_vel", msg=twist(0.3))
+    assert not [message for message in client.seen if message.get("msg") == twist(0.2)]
+    entries = gateway.http.get("/audit", params={"what": "advertise"}).json()["records"]
+    assert "/cmd_vel" in {entry["subject"] for entry in entries}
+
+
+def twist(speed: float) -> dict[str, Any]:
+    zero = {"x": 0.0, "y": 0.0, "z": 0.0}
+    return {"linear": {**zero, "x": speed}, "angular": zero}
+
+
+def test_services_and_parameters(client: Client) -> None:
+    service = "/talker0/talker/get_parameters"
+    assert client.call(service, names=["use_sim_time"])["values"][0]["bool_value"] is False
+    client.send("call_service", service=service, args=[["use_sim_time"]], id="list")
+    assert client.until("service_response", id="list")["values"]["values"][0]["type"] == 1
+    name = "/talker0/talker:use_sim_time"
+    assert client.call("/rosapi/get_param", name=name)["value"] == "false"
+    assert client.call("/rosapi/get_param", name="/talker0/talker:nothing", default_value="7")["value"] == "7"
+    assert client.call("/rosapi/has_param", name=name) == {"exists": True}
+    assert name in client.call("/rosapi/get_param_names")["names"]
+    client.call("/rosapi/set_param", name=name, value="false")
+    for service, args, reason in (
+        ("/rosapi/set_param", {"name": "/fibonacci_action_server:use_sim_time", "value": "false"}, "--set-parameters"),
+        ("/rosapi/set_param", {"name": name, "value": "{"}, "not JSON"),
+        ("/rosapi/get_param", {"name": "use_sim_time"}, "a node and a parameter"),
+        ("/fibonacci/_action/cancel_goal", {}, "action"),
+        ("/talker0/talker/set_parameters", {}, "parameters"),
+        ("/nobody", {}, "no service /nobody"),
+    ):
+        client.send("call_service", service=service, args=args, id="x")
+        answer = client.until("service_response", id="x")
+        assert answer["result"] is False
+        assert reason in answer["values"]
 
 
 def test_bad_input_is_answered_and_nothing_is_lost(gateway: RunningGateway, client: Client) -> None:

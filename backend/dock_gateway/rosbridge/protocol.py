@@ -1,6 +1,7 @@
 """The operations of rosbridge v2 as a client sends them, and the messages that it is sent. No ROS, no socket."""
 
 from base64 import b64encode
+from datetime import datetime
 from enum import IntEnum
 from typing import Annotated, Any, Literal
 
@@ -92,11 +93,38 @@ class CancelActionGoal(Operation):
 
 
 class CallService(Operation):
-    """Call a service."""
+    """Call a service.
+
+    Attributes:
+        service: Its name.
+        args: The fields of the request, by name or in order.
+        timeout: Seconds to wait for the response.
+    """
 
     service: Name
     args: Any = None
+    timeout: Annotated[float, Field(gt=0, le=300)] = 5.0
     fragment_size: FragmentSize = None
+
+
+class Advertise(Operation):
+    """Tell the type of a topic, before messages are published on it."""
+
+    topic: Name
+    type: Name
+
+
+class Unadvertise(Operation):
+    """Publish no more on a topic."""
+
+    topic: Name
+
+
+class Publish(Operation):
+    """Publish a message. Its type has to be advertised if nobody else has the topic."""
+
+    topic: Name
+    msg: Any = None
 
 
 class SetLevel(Operation):
@@ -152,6 +180,11 @@ def full_type(name: str, kind: str = "msg") -> str:
     """Return `std_msgs/msg/String` for `std_msgs/String`, too."""
     package, separator, rest = name.partition("/")
     return name if not separator or "/" in rest else f"{package}/{kind}/{rest}"
+
+
+def stamp(time: datetime) -> Json:
+    """Return a time as a message of ROS."""
+    return {"sec": int(time.timestamp()), "nanosec": time.microsecond * 1000}
 
 
 def status(level: Level, text: str, identity: Identity) -> bytes:

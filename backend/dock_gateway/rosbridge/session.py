@@ -8,36 +8,35 @@ import logging
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any
 
 from fastapi import WebSocket
 from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
-from dock_gateway.access.authorization import authorize_command
-from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Principal
-from dock_gateway.core.errors import GatewayError, NotAllowed, TooManyRequests
+from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
 from dock_gateway.http.bodies import read_fields
-from dock_gateway.http.operation import Audit, Scope, operation, operation_of
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.slow_clients import send_in_time
-from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
 from dock_gateway.rosbridge.goals import ClientGoals, failure
 from dock_gateway.rosbridge.protocol import (
+    Advertise,
     CallService,
     CancelActionGoal,
     Identity,
     Json,
     Level,
+    Publish,
     SendActionGoal,
     SetLevel,
     Subscribe,
+    Unadvertise,
     Unsubscribe,
     full_type,
     read_operation,
@@ -45,18 +44,18 @@ from dock_gateway.rosbridge.protocol import (
     split_name,
     status,
 )
+from dock_gateway.rosbridge.publications import Publications
 from dock_gateway.rosbridge.relay import Payload
 from dock_gateway.rosbridge.relays import Relays
+from dock_gateway.rosbridge.rights import Rights
+from dock_gateway.rosbridge.services import OWN_SERVICES, Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
-from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.events import CLOSE_CODES, until_one_ends
 from dock_gateway.streams.feed import end_of
 
 log = logging.getLogger(__name__)
 
-# Services of the gateway itself: the commands of `/ws` with these names.
-OWN_SERVICES = {f"/dock_gateway/{name}": name for name in ("stop", "release_stop")}
 STOP = "stop"
 CANCEL = "cancel_action_goal"
 
@@ -91,11 +90,13 @@ class Session:
     ) -> None:
         self._websocket = websocket
         self._parts = parts
-        self._principal = principal
         self._max_operations = max_operations
         self._max_urgent = max_urgent
         self._level = Level.error
+        self._rights = Rights(websocket.scope, parts, principal)
         self._goals = ClientGoals(self._send)
+        self._services = Services(parts, self._rights)
+        self._publications = Publications(parts, self._rights)
         self._subscriptions = Subscriptions(parts[Relays], writer)
         self._sending = asyncio.Lock()
         self._in_order = asyncio.Lock()
@@ -119,13 +120,8 @@ class Session:
             await self._subscriptions.close()
 
     async def _cancel(self, goal: asyncio.Future[str]) -> None:
-        """Cancel a goal whose client is gone, even if its login has ended."""
         try:
-            fields = {"goal_id": await goal}
-            cancel_goal = COMMANDS["cancel_goal"]
-            carry_out = partial(cancel_goal, self._parts, self._principal, fields)
-            operation = operation_of(cancel_goal)
-            await audited_command(self._websocket.scope, "cancel_goal", operation, fields, carry_out)
+            await self._rights.cancel(await goal)
         except (GatewayError, asyncio.CancelledError) as error:
             log.info("a goal of a client that is gone was not canceled: %s", error)
 
@@ -181,24 +177,11 @@ class Session:
             log.exception("an operation failed")
             await self._report(Level.error, f"{op}: {INTERNAL.detail}", identity)
 
-    async def _authorize(self, function: Callable[..., object], op: str, fields: Json) -> None:
-        await authorize_command(self._parts, self._principal, op, operation_of(function), fields)
-
-    async def _command(self, name: str, fields: Json) -> Json:
-        """Carry out a command of `/ws`."""
-        command = COMMANDS[name]
-
-        async def carry_out() -> Json:
-            await self._authorize(command, name, fields)
-            return await command(self._parts, self._principal, fields)
-
-        return await audited_command(self._websocket.scope, name, operation_of(command), fields, carry_out)
-
     @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
     async def subscribe(self, fields: Json, identity: Identity) -> None:
         """Send the messages of a topic."""
         request = read_fields(Subscribe, fields)
-        await self._authorize(Session.subscribe, "subscribe", fields)
+        await self._rights.require(Session.subscribe, fields)
         if self._closed:
             return
         topic = self._parts[Settings].resolve(request.topic, "")
@@ -229,37 +212,41 @@ class Session:
             await self._report(Level.warning, text, identity)
 
     async def _submit(self, command: Json) -> Json:
-        goal: Json = (await self._command("send_goal", command))["goal"]
+        goal: Json = (await self._rights.command("send_goal", command))["goal"]
         return goal
 
     async def cancel_action_goal(self, fields: Json, identity: Identity) -> None:
         """Cancel a goal of this connection."""
         _, identity = split_name(read_fields(CancelActionGoal, fields).action or "", identity)
-        await self._command("cancel_goal", {"goal_id": await self._goals.goal_id(identity)})
+        await self._rights.command("cancel_goal", {"goal_id": await self._goals.goal_id(identity)})
 
     async def call_service(self, fields: Json, identity: Identity) -> None:
-        """Call a service of the gateway: one of `/rosapi`, or a stop."""
+        """Call a service."""
         request = read_fields(CallService, fields)
         service, identity = split_name(request.service, identity)
         try:
-            values = await self._call(self._parts[Settings].resolve(service, ""), request.args)
+            values = await self._services.call(self._parts[Settings].resolve(service, ""), request)
         except GatewayError as error:
             response = service_response(request.service, identity, error.detail, result=False)
         else:
             response = service_response(request.service, identity, values)
         await self._send(response, request.fragment_size)
 
-    async def _call(self, service: str, args: Any) -> Json:
-        if service.startswith(rosapi.PREFIX):
-            return await self._ask_rosapi(service, args)
-        if service in OWN_SERVICES:
-            return await self._command(OWN_SERVICES[service], args if isinstance(args, dict) else {})
-        raise NotAllowed(f"{service[:200]} cannot be called through the gateway", code="not_supported")
+    async def advertise(self, fields: Json, identity: Identity) -> None:
+        """Prepare for messages on a topic."""
+        request = read_fields(Advertise, fields)
+        topic = self._parts[Settings].resolve(request.topic, "")
+        await self._publications.advertise(topic, full_type(request.type))
+        await self._report(Level.info, f"advertised {topic}", identity)
 
-    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
-    async def _ask_rosapi(self, service: str, args: Any) -> Json:
-        await self._authorize(Session._ask_rosapi, "call_service", {})
-        return await rosapi.answer(self._parts, self._principal.grant, service, args)
+    async def unadvertise(self, fields: Json, _: Identity) -> None:
+        """Publish no more on a topic."""
+        self._publications.unadvertise(self._parts[Settings].resolve(read_fields(Unadvertise, fields).topic, ""))
+
+    async def publish(self, fields: Json, _: Identity) -> None:
+        """Publish a message."""
+        request = read_fields(Publish, fields)
+        await self._publications.publish(self._parts[Settings].resolve(request.topic, ""), request.msg)
 
     async def set_level(self, fields: Json, _: Identity) -> None:
         """Choose which status messages are sent."""
@@ -310,11 +297,14 @@ OPERATIONS: dict[str, Operate] = {
         Session.send_action_goal,
         Session.cancel_action_goal,
         Session.call_service,
+        Session.publish,
+        Session.advertise,
+        Session.unadvertise,
         Session.set_level,
     )
 }
 # Operations that wait for one another.
-IN_ORDER = frozenset({"subscribe", "unsubscribe", "set_level"})
+IN_ORDER = frozenset({"subscribe", "unsubscribe", "advertise", "unadvertise", "publish", "set_level"})
 
 
 def _text(received: Message) -> str | bytes:

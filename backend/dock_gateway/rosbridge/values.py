@@ -11,10 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dock_gateway.ros.messages.types import Integer, Kind, MessageClass, Nested, Sequence, kinds
+from dock_gateway.core.event import utc_now
+from dock_gateway.ros.messages.types import Integer, Kind, MessageClass, Nested, Sequence, kinds, type_name
 from dock_gateway.rosbridge.cbor import TYPED, Tagged
+from dock_gateway.rosbridge.protocol import stamp
 
 Encoder = Callable[[Any], Any]
+TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 # For fewer numbers, a numpy array costs more than it saves.
 FEW = 32
 
@@ -115,3 +118,39 @@ def _adapt(kind: Kind) -> Encoder | None:
             return None if adapt is None else lambda values: [adapt(value) for value in values]
         case _:
             return None
+
+
+@cache
+def reader(message_class: MessageClass) -> Encoder | None:
+    """Return what converts a message of a client to what the gateway reads; None if both are the same.
+
+    Times may have the field names of ROS 1, or be `"now"`. What is no such message is left as it is.
+    """
+    if type_name(message_class) in TIMES:
+        return _read_time
+    fields = {name: read for name, kind in kinds(message_class).items() if (read := _reader(kind)) is not None}
+    if not fields:
+        return None
+
+    def convert(value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        return {name: fields[name](item) if name in fields else item for name, item in value.items()}
+
+    return convert
+
+
+def _reader(kind: Kind) -> Encoder | None:
+    if isinstance(kind, Nested):
+        return reader(kind.message_class)
+    if not isinstance(kind, Sequence) or (read := _reader(kind.item)) is None:
+        return None
+    return lambda value: [read(item) for item in value] if isinstance(value, list) else value
+
+
+def _read_time(value: Any) -> Any:
+    if value == "now":
+        return stamp(utc_now())
+    if isinstance(value, dict) and value.keys() == {"secs", "nsecs"}:
+        return {"sec": value["secs"], "nanosec": value["nsecs"]}
+    return value

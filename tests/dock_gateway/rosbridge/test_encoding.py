@@ -8,6 +8,7 @@ import numpy as np
 import orjson
 import pytest
 from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseArray
 from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import Header, String
 from test_msgs.msg import Arrays, BasicTypes, UnboundedSequences
@@ -17,7 +18,7 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.rosbridge import cbor
 from dock_gateway.rosbridge.cbor import Tagged
 from dock_gateway.rosbridge.typedefs import definition_texts, message_definitions, service_definitions
-from dock_gateway.rosbridge.values import adapter, cbor_values, json_values
+from dock_gateway.rosbridge.values import adapter, cbor_values, json_values, reader
 
 
 @pytest.mark.parametrize(
@@ -90,6 +91,16 @@ def test_the_json_of_the_gateway_is_adapted() -> None:
     assert adapted["uint8_values"] == "AQL/"
     assert adapted["int64_values"] == [2**60]
     assert adapted["basic_types_values"][0]["uint64_value"] == 2**63
+
+
+def test_times_of_ros_1_are_read() -> None:
+    assert reader(String) is None
+    read = reader(PoseArray)
+    assert read is not None
+    assert read({"header": {"stamp": {"secs": 1, "nsecs": 2}}}) == {"header": {"stamp": {"sec": 1, "nanosec": 2}}}
+    assert read({"header": {"stamp": "now"}})["header"]["stamp"]["sec"] > 1_700_000_000
+    for wrong in (None, 7, {"header": 7}, {"header": {"stamp": {"secs": 1}}}, {"poses": 7}, {"other": [[]]}):
+        assert read(wrong) == wrong
 
 
 def test_definitions() -> None:

@@ -1,0 +1,109 @@
+"""The topics on which one client publishes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Role
+from dock_gateway.graph.publishing import Publishing
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Parts
+from dock_gateway.ros.messages.types import Nested, kinds, type_name
+from dock_gateway.rosbridge.protocol import stamp
+from dock_gateway.rosbridge.rights import Rights
+from dock_gateway.rosbridge.values import reader
+
+HEADER = "std_msgs/msg/Header"
+MAX_ADVERTISED = 100
+
+
+@dataclass(frozen=True)
+class Advertised:
+    """A topic on which a client publishes.
+
+    Attributes:
+        type: Its type.
+        has_header: Whether its messages have a header.
+        read: Converts what the client sends; None if that is not needed.
+    """
+
+    type: str
+    has_header: bool
+    read: Callable[[Any], Any] | None
+
+
+class Publications:
+    """Publishes for one client, as far as the setting `publish` and the user's grant allow it.
+
+    The audit log has each topic that is advertised, and the first message on one that is not.
+
+    Args:
+        parts: Publish.
+        rights: Those of the client's user.
+    """
+
+    def __init__(self, parts: Parts, rights: Rights) -> None:
+        self._publishing = parts[Publishing]
+        self._rights = rights
+        self._types: dict[str, str | None] = {}  # as the client says
+        self._advertised: dict[str, Advertised] = {}
+
+    @operation(Role.OPERATOR, Scope.PUBLISHING)
+    async def advertise(self, topic: str, wanted: str) -> None:
+        """Note the type of a topic.
+
+        Raises:
+            GatewayError: Nothing may be published on it, or others have another type there.
+        """
+
+        async def look() -> dict[str, Any]:
+            self._publishing.require_allowed(topic)
+            if len(self._types) >= MAX_ADVERTISED:
+                self._types.clear()
+            self._types[topic] = wanted
+            await self._look(topic)
+            return {}
+
+        await self._rights.carry_out(Publications.advertise, {"topic": topic}, look)
+
+    def unadvertise(self, topic: str) -> None:
+        """Forget a topic. Its publisher leaves after a minute without messages."""
+        self._types.pop(topic, None)
+        self._advertised.pop(topic, None)
+
+    @operation(Role.OPERATOR, Scope.PUBLISHING)
+    async def publish(self, topic: str, message: Any) -> None:
+        """Publish a message.
+
+        Raises:
+            GatewayError: As `Publishing.publish`; or the user's grant does not reach.
+        """
+        fields = {"topic": topic}
+        if topic in self._advertised:
+            await self._rights.require(Publications.publish, fields)
+            await self._publish(topic, message)
+        else:
+            await self._rights.carry_out(Publications.publish, fields, lambda: self._publish(topic, message))
+
+    async def _publish(self, topic: str, message: Any) -> dict[str, Any]:
+        known = self._advertised.get(topic) or await self._look(topic)
+        if known.has_header and isinstance(message, dict):
+            header = message.get("header") or {}
+            if isinstance(header, dict) and header.get("stamp") is None:
+                message = {**message, "header": {**header, "stamp": stamp(utc_now())}}
+        if known.read is not None:
+            message = known.read(message)
+        await self._publishing.publish(topic, message, type_name=known.type, grant=self._rights.grant)
+        return {}
+
+    async def _look(self, topic: str) -> Advertised:
+        self._publishing.require_allowed(topic)
+        found = await self._publishing.find(topic, self._types.get(topic), self._rights.grant)
+        kind = await self._publishing.load(found)
+        header = kinds(kind).get("header")
+        has_header = isinstance(header, Nested) and type_name(header.message_class) == HEADER
+        if len(self._advertised) >= MAX_ADVERTISED:
+            self._advertised.clear()
+        known = self._advertised[topic] = Advertised(found.type, has_header, reader(kind))
+        return known

@@ -1,0 +1,81 @@
+"""What the user of a connection may do: each operation is authorized and audited as it is at `/ws`."""
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from starlette.types import Scope
+
+from dock_gateway.access.authorization import authorize_command
+from dock_gateway.audit.trail import audited_command
+from dock_gateway.core.access import Principal
+from dock_gateway.core.filters import parent_of
+from dock_gateway.core.grant import Grant
+from dock_gateway.http.operation import operation_of
+from dock_gateway.http.parts import Parts
+from dock_gateway.streams.commands import COMMANDS
+
+Json = dict[str, Any]
+Do = Callable[[], Awaitable[Json]]
+
+
+class Rights:
+    """The rights of a connection's user.
+
+    Args:
+        scope: The scope of the WebSocket.
+        parts: Carry out the operations.
+        principal: The user.
+    """
+
+    def __init__(self, scope: Scope, parts: Parts, principal: Principal) -> None:
+        self._scope = scope
+        self._parts = parts
+        self._principal = principal
+
+    @property
+    def grant(self) -> Grant:
+        """The grant of the user."""
+        return self._principal.grant
+
+    async def require(self, function: Callable[..., object], fields: Json) -> None:
+        """Refuse an operation that is not allowed.
+
+        Args:
+            function: Declares what the operation needs.
+            fields: What it is about.
+
+        Raises:
+            NotAuthenticated, NotAllowed, TooManyRequests: As `authorize_command`.
+        """
+        await authorize_command(self._parts, self._principal, function.__name__, operation_of(function), fields)
+
+    async def carry_out(self, function: Callable[..., object], fields: Json, do: Do) -> Json:
+        """Carry out an operation if it is allowed, and record it. Return its answer.
+
+        Raises:
+            GatewayError: It is not allowed (as `require`), or failed.
+        """
+
+        async def authorized() -> Json:
+            await self.require(function, fields)
+            return await do()
+
+        return await self.record(function, fields, authorized)
+
+    async def record(self, function: Callable[..., object], fields: Json, do: Do) -> Json:
+        """Carry out an operation, and record it. Return its answer."""
+        name: str | None = next((fields[each] for each in ("topic", "service", "node") if each in fields), None)
+        if name is not None:
+            fields = {**fields, "robot": parent_of(name)}
+        return await audited_command(self._scope, function.__name__, operation_of(function), fields, do, subject=name)
+
+    async def command(self, name: str, fields: Json) -> Json:
+        """Carry out a command of `/ws`."""
+        command = COMMANDS[name]
+        return await self.carry_out(command, fields, lambda: command(self._parts, self._principal, fields))
+
+    async def cancel(self, goal_id: str) -> None:
+        """Cancel a goal of this user, even if the login has ended: its client is gone, and wanted it."""
+        fields = {"goal_id": goal_id}
+        cancel = COMMANDS["cancel_goal"]
+        await self.record(cancel, fields, lambda: cancel(self._parts, self._principal, fields))

@@ -1,0 +1,161 @@
+"""Services that a client calls: the gateway's own, those of `/rosapi`, and those of ROS nodes by permission."""
+
+import asyncio
+from collections.abc import Iterable
+from itertools import chain
+from typing import Any
+
+import orjson
+
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Role
+from dock_gateway.core.graph import Seen
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.parameters import Parameters
+from dock_gateway.graph.service_calls import ServiceCalls
+from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Parts
+from dock_gateway.ros.messages.interfaces import load_service
+from dock_gateway.rosbridge import rosapi
+from dock_gateway.rosbridge.protocol import CallService
+from dock_gateway.rosbridge.rights import Rights
+from dock_gateway.rosbridge.values import adapter
+
+Json = dict[str, Any]
+
+# Services of the gateway itself: the commands of `/ws` with these names.
+OWN_SERVICES = {f"/dock_gateway/{name}": name for name in ("stop", "release_stop")}
+# Nodes that are asked for the names of their parameters, and how many of them at a time.
+MAX_NODES, NODES_AT_ONCE = 50, 4
+
+
+class Services:
+    """Calls services for one client.
+
+    Args:
+        parts: Carry out the calls.
+        rights: Those of the client's user.
+    """
+
+    def __init__(self, parts: Parts, rights: Rights) -> None:
+        self._parts = parts
+        self._rights = rights
+        self._parameters = {
+            "get_param": self._get_param,
+            "has_param": self._has_param,
+            "set_param": self._set_param,
+            "get_param_names": self._get_param_names,
+        }
+
+    async def call(self, service: str, request: CallService) -> Any:
+        """Call a service, and return its response.
+
+        Args:
+            service: Absolute name.
+            request: The operation.
+
+        Raises:
+            GatewayError: It may not be called, or failed.
+        """
+        args = request.args
+        if service in OWN_SERVICES:
+            return await self._rights.command(OWN_SERVICES[service], args if isinstance(args, dict) else {})
+        if not service.startswith(rosapi.PREFIX):
+            return await self.call_service(service, request)
+        parameter = self._parameters.get(service.removeprefix(rosapi.PREFIX))
+        if parameter is not None:
+            return await parameter(args)
+        return await self.ask(service, args)
+
+    @operation(Role.OPERATOR, Scope.SERVICE)
+    async def call_service(self, service: str, request: CallService) -> Any:
+        """Call a service of a ROS node."""
+
+        async def call() -> Json:
+            services, grant, fields = self._parts[ServiceCalls], self._rights.grant, request.args or {}
+            if isinstance(fields, list):  # its fields in order
+                found = await services.find(service, grant=grant)
+                kind = await services.load(found)
+                fields = dict(zip(kind.Request.get_fields_and_field_types(), fields, strict=False))
+            called = await services.call(service, fields, timeout=request.timeout, grant=grant)
+            adapt = adapter(load_service(called.type).Response)
+            response = orjson.loads(called.response)
+            return {"response": response if adapt is None else adapt(response)}
+
+        answer = await self._rights.carry_out(Services.call_service, {"service": service}, call)
+        return answer["response"]
+
+    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+    async def ask(self, service: str, args: Any) -> Json:
+        """Ask a service of `/rosapi`."""
+        await self._rights.require(Services.ask, {})
+        return await rosapi.answer(self._parts, self._rights.grant, service, args)
+
+    @operation(Role.VIEWER, Scope.PLACE, Audit.NEVER)
+    async def get_param(self, node: str, name: str) -> Any:
+        """Return the value of a parameter, None if the node has no such parameter."""
+        await self._rights.require(Services.get_param, {"node": node})
+        for parameter in await self._parts[Parameters].read(node, self._rights.grant):
+            if (document := parameter.document())["name"] == name:
+                return document["value"]
+        return None
+
+    @operation(Role.SUPERVISOR, Scope.NODE)
+    async def set_param(self, node: str, name: str, value: Any) -> None:
+        """Set a parameter."""
+
+        async def change() -> Json:
+            await self._parts[Parameters].change(node, {name: value}, grant=self._rights.grant)
+            return {}
+
+        await self._rights.carry_out(Services.set_param, {"node": node}, change)
+
+    async def _get_param(self, args: Any) -> Json:
+        value = await self.get_param(*_parameter(args))
+        default = args.get("default_value", args.get("default", "")) if isinstance(args, dict) else ""
+        return {"value": default if value is None else encode(value).decode(), "successful": value is not None}
+
+    async def _has_param(self, args: Any) -> Json:
+        return {"exists": await self.get_param(*_parameter(args)) is not None}
+
+    async def _set_param(self, args: Any) -> Json:
+        node, name = _parameter(args)
+        text = args.get("value")
+        try:
+            value = orjson.loads(text) if isinstance(text, str) else text
+        except orjson.JSONDecodeError as error:
+            raise MalformedRequest(f"args.value is not JSON: {error}") from None
+        await self.set_param(node, name, value)
+        return {"successful": True, "reason": ""}
+
+    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+    async def get_param_names(self, nodes: Iterable[str]) -> list[str]:
+        """Return the names of the parameters of nodes; those that do not answer are left out."""
+        await self._rights.require(Services.get_param_names, {})
+        at_once = asyncio.Semaphore(NODES_AT_ONCE)
+
+        async def names(node: str) -> list[str]:
+            try:
+                async with at_once:
+                    found = await self._parts[Parameters].read(node, self._rights.grant)
+            except GatewayError:
+                return []
+            return [f"{node}:{parameter.name}" for parameter in found]
+
+        return sorted(chain.from_iterable(await asyncio.gather(*map(names, nodes))))
+
+    async def _get_param_names(self, _: Any) -> Json:
+        seen: Seen = (await self._parts[GraphCache].graph(self._rights.grant)).seen
+        return {"names": await self.get_param_names(sorted(seen.nodes)[:MAX_NODES])}
+
+
+def _parameter(args: Any) -> tuple[str, str]:
+    """Return the node and the name of a parameter, which a client writes as `/node:name`."""
+    text = args.get("name") if isinstance(args, dict) else None
+    node, separator, name = text.partition(":") if isinstance(text, str) else ("", "", "")
+    if not (separator and node.strip("/") and name):
+        raise InvalidField(
+            [FieldError("args.name", "a node and a parameter, such as /node:name", "got something else")]
+        )
+    return f"/{node.lstrip('/')}", name
