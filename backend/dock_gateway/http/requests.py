@@ -253,7 +253,7 @@ GraphName = Annotated[
     str,
     Path(
         description="The name on the ROS graph; its leading slash may be left out",
-        json_schema_extra={"pattern": f"^{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*$"},
+        json_schema_extra={"pattern": f"^/?{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*$"},
     ),
 ]
 ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}
