@@ -232,6 +232,8 @@ def test_a_port_for_rosbridge_tokens_and_tickets(shared_domain: int, tmp_path: P
             assert "/talker0/scan" not in client.call("/rosapi/topics")["topics"]
             client.send("subscribe", topic="/talker0/scan")
             client.error("the topic /talker0/scan")
+            client.send("subscribe", topic="/talker0/scan", name="robot1/scan")  # what counts is the topic
+            client.error("the topic /talker0/scan")
             client.goal(3, "g1")
             assert "needs the role" in client.until("action_result")["values"]
             assert other.call("/rosapi/get_ros_version")["version"] == 2
@@ -362,6 +364,7 @@ def test_bad_input_is_answered_and_nothing_is_lost(gateway: RunningGateway, clie
             ('{"op": "nonsense", "id": "a"}', "unknown operation 'nonsense'"),
             ('{"op": "subscribe"}', "topic: expected"),
             ('{"op": "subscribe", "topic": 7}', "topic: expected"),
+            ('{"op": "subscribe", "topic": "/a//{node}", "type": "std_msgs/String"}', "topic: expected a name"),
             ('{"op": "subscribe", "topic": "/rosout", "throttle_rate": -1}', "throttle_rate: expected"),
             ('{"op": "subscribe", "topic": "/rosout", "id": {}}', "id: expected"),
             ('{"op": "call_service"}', "service: expected"),

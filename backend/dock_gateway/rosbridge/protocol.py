@@ -63,7 +63,7 @@ class Subscribe(Operation):
     """
 
     topic: Name
-    type: str | None = None
+    type: Name | None = None
     throttle_rate: Annotated[float, Field(ge=0, le=86_400_000)] = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
     fragment_size: FragmentSize = None

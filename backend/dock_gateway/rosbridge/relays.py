@@ -7,7 +7,9 @@ from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFoun
 from dock_gateway.core.graph import Topic
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import TOPIC_NAME
 from dock_gateway.rosbridge.relay import Outlet, Relay
+from dock_gateway.setting_types import LONGEST_NAME
 
 log = logging.getLogger(__name__)
 
@@ -38,11 +40,13 @@ class Relays:
 
         Raises:
             Conflict: The topic has another type (`type_conflict`).
-            InvalidField: Nobody has the topic, and the client does not know its type.
+            InvalidField: The name is none, or nobody has the topic, and the client does not know its type.
             NotFound: Its messages cannot be read here (`interface_not_found`).
             TooManyRequests: Too many topics are relayed.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
+        if not TOPIC_NAME.fullmatch(topic) or len(topic) > LONGEST_NAME:
+            raise InvalidField([FieldError("topic", "a name on the ROS graph", f"got {topic[:60]!r}")])
         async with self._changing:
             relay = self._relays.get(topic) or await self._open(topic, type_name)
             if type_name not in (None, relay.kind):

@@ -181,10 +181,10 @@ class Session:
     async def subscribe(self, fields: Json, identity: Identity) -> None:
         """Send the messages of a topic."""
         request = read_fields(Subscribe, fields)
-        await self._rights.require(Session.subscribe, fields)
+        topic = self._parts[Settings].resolve(request.topic, "")
+        await self._rights.require(Session.subscribe, {"topic": topic})
         if self._closed:
             return
-        topic = self._parts[Settings].resolve(request.topic, "")
         type_name = full_type(request.type) if request.type else None
         await self._subscriptions.subscribe(topic, type_name, identity, request)
         await self._report(Level.info, f"subscribed to {topic}", identity)
@@ -318,5 +318,6 @@ def _is_urgent(received: Message) -> bool:
         op, _, fields = read_operation(_text(received))
     except GatewayError:
         return False
-    called = f"/{str(fields.get('service')).lstrip('/')}" if op == "call_service" else ""
+    service, _ = split_name(str(fields.get("service")), None)
+    called = f"/{service.lstrip('/')}" if op == "call_service" else ""
     return op == CANCEL or OWN_SERVICES.get(called) == STOP

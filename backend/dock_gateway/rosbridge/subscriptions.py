@@ -11,7 +11,8 @@ from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
 from dock_gateway.rosbridge.relay import Payload, Published
 from dock_gateway.rosbridge.relays import Relays
 
-MAX_TOPICS = 64
+# Topics of a client, and its subscriptions of all of them together.
+MAX_TOPICS, MAX_SUBSCRIPTIONS = 64, 500
 # Messages and bytes of one topic that wait for a client that reads slowly. The oldest are dropped.
 QUEUE, QUEUE_BYTES = 100, 16_000_000
 NEVER = float("inf")
@@ -95,11 +96,14 @@ class Subscriptions:
         """Send the messages of a topic.
 
         Raises:
-            GatewayError: As `Relays.join`; the client has too many topics already.
+            GatewayError: As `Relays.join`; the client has too many topics or subscriptions already.
         """
         outlet = self._outlets.get(topic)
         if outlet is None and len(self._outlets) >= MAX_TOPICS:
             raise TooManyRequests(f"this connection already has {MAX_TOPICS} topics")
+        known = outlet is not None and identity in outlet.requests
+        if not known and sum(len(each.requests) for each in self._outlets.values()) >= MAX_SUBSCRIPTIONS:
+            raise TooManyRequests(f"this connection already has {MAX_SUBSCRIPTIONS} subscriptions")
         joined = outlet or TopicOutlet(topic, self._write, self._changed.set)
         joined.requests[identity] = request
         joined.configure()

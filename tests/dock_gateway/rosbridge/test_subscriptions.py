@@ -2,10 +2,15 @@
 
 from types import SimpleNamespace
 from typing import Any, cast
+from unittest.mock import AsyncMock
 
+import pytest
+
+from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.rosbridge.protocol import Compression, Subscribe
 from dock_gateway.rosbridge.relay import Payload, Published
-from dock_gateway.rosbridge.subscriptions import QUEUE, QUEUE_BYTES, TopicOutlet
+from dock_gateway.rosbridge.relays import Relays
+from dock_gateway.rosbridge.subscriptions import MAX_SUBSCRIPTIONS, QUEUE, QUEUE_BYTES, Subscriptions, TopicOutlet
 
 
 class FakeMessage:
@@ -82,3 +87,16 @@ async def test_several_subscriptions_of_one_topic_share_their_messages() -> None
     for number in range(2):
         await client.end.offer(message(number))
     assert client.written == [b"0cbor", b"1cbor"]
+
+
+async def test_a_client_cannot_subscribe_without_end() -> None:
+    relays = AsyncMock(Relays)
+    client, request = Subscriptions(relays, None), Subscribe(topic="/topic")
+    for number in range(MAX_SUBSCRIPTIONS):
+        await client.subscribe(f"/topic{number % 2}", None, number, request)
+    for topic in ("/topic0", "/topic2"):
+        with pytest.raises(TooManyRequests, match="subscriptions"):
+            await client.subscribe(topic, None, MAX_SUBSCRIPTIONS, request)
+    await client.subscribe("/topic0", None, 0, request)  # another setting of one that it has
+    await client.unsubscribe("/topic0", 0)
+    await client.subscribe("/topic0", None, "new", request)
