@@ -13,6 +13,7 @@ import socket
 import struct
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from urllib.parse import urlsplit
@@ -132,12 +133,32 @@ def _slow_readers(path: str, count: int) -> Flood:
     return _many(count, b"GET %s HTTP/1.1\r\n%s\r\n" % (path.encode(), HOST))
 
 
-def _slow_websockets(address: Address) -> None:
-    """Open event streams and read none of them."""
-    _raise_limit()
-    held = [open_websocket(address, "/ws/feedback?include=battery,cmd_vel,system,robots,scene") for _ in range(100)]
-    while all(_goes_on(connection, frame(PING, b"x" * 125)) or True for connection in held):
-        time.sleep(0.1)
+def _slow_websockets(path: str, first: bytes = b"") -> Flood:
+    """Open streams, send `first` on each, and read none of them."""
+
+    def flood(address: Address) -> None:
+        _raise_limit()
+        held = [open_websocket(address, path) for _ in range(100)]
+        for connection in held:
+            connection.sendall(first)
+        while all(_goes_on(connection, frame(PING, b"x" * 125)) or True for connection in held):
+            time.sleep(0.1)
+
+    return flood
+
+
+def _sessions(path: str, first: bytes) -> Flood:
+    """Open a WebSocket, send `first` and leave, again and again, twenty at a time."""
+
+    def flood(address: Address) -> None:
+        held: deque[socket.socket] = deque()
+        while True:
+            held.append(open_websocket(address, path))
+            held[-1].sendall(first)
+            if len(held) > 20:
+                held.popleft().close()
+
+    return flood
 
 
 def _raise_limit() -> None:
@@ -153,9 +174,32 @@ FRAGMENTS = frame(CONTINUATION, fin=False) * 5_000
 PINGS = frame(PING, b"x" * 100) * 1_000
 
 
+def _operation(text: bytes) -> bytes:
+    """An operation of rosbridge, as a frame."""
+    return frame(TEXT, text)
+
+
+SUBSCRIBE = _operation(b'{"op":"subscribe","topic":"/battery_status","type":"sensor_msgs/BatteryState"}')
+CALL = _operation(b'{"op":"call_service","service":"/rosapi/topics_and_raw_types","id":"flood"}')
+NONSENSE = (b"dock please", b'{"op":"dock"}', b"[]", b'{"op":7}', b'{"op":"subscribe","topic":', b"[" * 20_000, b"\0")
+PIECE = b'{"op":"fragment","id":"%d","num":%d,"total":10000,"data":"%s"}'
+PIECES = b"".join(_operation(PIECE % (n % 9, n, b"x" * 5_000)) for n in range(1_000))
+CHURN = b"".join(
+    _operation(b'{"op":"subscribe","topic":"/flood%d","type":"std_msgs/String"}' % n)
+    + _operation(b'{"op":"unsubscribe","topic":"/flood%d"}' % n)
+    for n in range(200)
+)
+# A frame that announces 100 GB.
+ENDLESS_FRAME = struct.pack("!BBQ", FIN | TEXT, 0xFF, 100_000_000_000) + bytes(4)
+
+
 def _call(tool: bytes) -> bytes:
     """A call of a tool of agents."""
-    body = b'{"jsonrpc":"2.0","id":1,"method":"tools/call","params":{"name":"%s","arguments":{}}}' % tool
+    return _message(b'{"jsonrpc":"2.0","id":1,"method":"tools/call","params":{"name":"%s","arguments":{}}}' % tool)
+
+
+def _message(body: bytes) -> bytes:
+    """A message of an agent."""
     accept = b"Accept: application/json, text/event-stream\r\nContent-Type: application/json\r\n"
     return b"POST /mcp HTTP/1.1\r\n%s%sContent-Length: %d\r\n\r\n%s" % (HOST, accept, len(body), body)
 
@@ -182,8 +226,17 @@ FLOODS: dict[str, Flood] = {
     "connections": _many(100, START + b"Connection: close\r\n\r\n", pause=0.0),
     "calls of agents": _many(20, _call(b"list_robots"), _call(b"list_alerts"), pause=0.01),
     "unread calls of agents": _request(b"", _call(b"list_robots") * 100),
+    "garbage of agents": _many(20, b"", b"".join(map(_message, NONSENSE)), pause=0.01),
+    "fragments on /rosbridge": _websocket("/rosbridge", frame(TEXT, b"{", fin=False), FRAGMENTS),
+    "garbage on /rosbridge": _websocket("/rosbridge", b"", b"".join(map(_operation, NONSENSE)) * 10),
+    "an endless message on /rosbridge": _websocket("/rosbridge", ENDLESS_FRAME, b"x" * 65_536),
+    "pieces of messages on /rosbridge": _websocket("/rosbridge", b"", PIECES),
+    "unread calls on /rosbridge": _websocket("/rosbridge", b"", CALL * 1_000, read=False),
+    "subscriptions on /rosbridge": _websocket("/rosbridge", b"", CHURN),
+    "slow readers of /rosbridge": _slow_websockets("/rosbridge", SUBSCRIBE + CALL * 100),
+    "sessions of /rosbridge": _sessions("/rosbridge", SUBSCRIBE + CALL),
     "unread answers": _slow_readers("/openapi.json", 200),
-    "slow event streams": _slow_websockets,
+    "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),
 }
 
 
