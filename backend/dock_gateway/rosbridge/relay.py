@@ -179,8 +179,6 @@ class Relay:
                 await asyncio.sleep(self._tick)
 
     async def _wait(self, until: float) -> None:
-        if self._port is not None:
-            self._port.tell_next()
         try:
             async with asyncio.timeout_at(until):
                 await self._changed.wait()
@@ -191,6 +189,7 @@ class Relay:
     async def _pass_on(self) -> None:
         if self._port is None or self._kind is None:
             return
+        self._port.tell_next()  # before the take: what comes after it is told, and does not wait for the next message
         for message in self._port.take():
             newest = Published(self._topic.name, self._kind, message)
             for outlet in tuple(self.outlets):

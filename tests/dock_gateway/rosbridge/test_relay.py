@@ -1,0 +1,76 @@
+"""One subscription for all clients of a topic."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, cast
+
+import pytest
+
+from dock_gateway.core.graph import Topic
+from dock_gateway.rosbridge.relay import Published, Relay
+from tests.support.waiting import PATIENCE
+
+FIRST, SECOND = b"1", b"22"
+
+
+class FakePort:
+    """A subscription whose second message arrives just after the first one was taken."""
+
+    def __init__(self, *_: object, on_news: Callable[[], None], **__: object) -> None:
+        self._on_news = on_news
+        self._told = False
+        self._kept: list[bytes] = []
+        self._coming = [FIRST]
+
+    def hear(self, message: bytes) -> None:
+        self._kept.append(message)
+        if not self._told:
+            self._told = True
+            asyncio.get_running_loop().call_soon(self._on_news)
+
+    def tell_next(self) -> None:
+        self._told = False
+
+    def take(self) -> list[bytes]:
+        taken, self._kept = self._kept, []
+        if self._coming:
+            asyncio.get_running_loop().call_soon(self.hear, self._coming.pop())  # when the relay waits
+        if FIRST in taken:
+            self.hear(SECOND)
+        return taken
+
+    def close(self) -> None:
+        """Nothing to close."""
+
+
+class FakeBridge:
+    """Runs at once what belongs on the ROS thread."""
+
+    async def call(self, function: Callable[[], Any], **_: object) -> Any:
+        return function()
+
+    def to_ros(self, function: Callable[[], Any]) -> None:
+        function()
+
+
+class Listener:
+    """A client that notes the sizes of its messages."""
+
+    def __init__(self) -> None:
+        self.sizes: asyncio.Queue[int] = asyncio.Queue()
+
+    async def offer(self, message: Published) -> None:
+        self.sizes.put_nowait(message.size)
+
+
+async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dock_gateway.rosbridge.relay.EchoPort", FakePort)
+    relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), tick=3600.0)
+    listener = Listener()
+    await relay.add(listener)
+    await relay.open("std_msgs/msg/String")
+    try:
+        assert await asyncio.wait_for(listener.sizes.get(), PATIENCE) == len(FIRST)
+        assert await asyncio.wait_for(listener.sizes.get(), PATIENCE) == len(SECOND)
+    finally:
+        await relay.close()
