@@ -3,9 +3,10 @@
 import gc
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import ExitStack
 from datetime import UTC, datetime
+from typing import Any
 
 import orjson
 import uvloop
@@ -26,8 +27,11 @@ from benchmarks.systems.gateway import Gateway, GatewayInMemory, GatewayWithToke
 from benchmarks.systems.http_gateway import HttpGateway
 from benchmarks.systems.rosbridge import Rosbridge
 from benchmarks.table import table
+from benchmarks.topics import topics
 
-RUNNING = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate}
+Case = Callable[[Results, Sequence[Any], Options], Awaitable[None]]
+
+RUNNING: dict[str, Case] = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate, "h": topics}
 
 
 def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gateway]:
@@ -44,14 +48,16 @@ def _site(stack: ExitStack, options: Options, robots: int = 0) -> Site:
     return stack.enter_context(site(options.payload, robots))
 
 
-def _peers(stack: ExitStack, options: Options, results: Results) -> list[System]:
+def _peers(
+    stack: ExitStack, options: Options, results: Results, of: Sequence[type[System]] = (HttpGateway, Rosbridge)
+) -> list[System]:
     """The peers that are installed, each at a site of its own."""
     peers: list[System] = []
     if options.peers is None:
         return peers
     for name, why in LEFT_OUT.items():
         results.leave_out(name, "", why)
-    for peer in (HttpGateway, Rosbridge):
+    for peer in of:
         prefix = options.peers / peer.name
         if prefix.is_dir():
             peers.append(peer(stack.enter_context(site(options.payload)), prefix))
@@ -67,7 +73,7 @@ async def _run(options: Options, results: Results) -> None:
             if "e" in options.cases:
                 _say("e")
                 await startup(results, systems, options)
-            await _run_together(options, results, systems)
+            await _run_together(options, results, systems, "abcd")
     if "f" in options.cases:
         _say("f")
         with ExitStack() as stack:
@@ -76,11 +82,15 @@ async def _run(options: Options, results: Results) -> None:
         _say("g")
         with ExitStack() as stack:
             await requests(results, _gateways(stack, options), GatewayInMemory(_site(stack, options)), options)
+    if "h" in options.cases:
+        with ExitStack() as stack:
+            systems = [*_gateways(stack, options), *_peers(stack, options, results, (Rosbridge,))]
+            await _run_together(options, results, systems, "h")
 
 
-async def _run_together(options: Options, results: Results, systems: Sequence[System]) -> None:
-    """Run the cases in which all systems stay up."""
-    cases = [case for case in options.cases if case in RUNNING]
+async def _run_together(options: Options, results: Results, systems: Sequence[System], of: str) -> None:
+    """Run those of some cases that are wanted; all systems stay up."""
+    cases = [case for case in options.cases if case in of]
     started: list[System] = []
     try:
         for system in systems if cases else ():

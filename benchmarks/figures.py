@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
-BARE, OURS, STOCK = "bare rclpy", "dock-gateway", "stock FastAPI"
+BARE, OURS, STOCK, ROSBRIDGE = "bare rclpy", "dock-gateway", "stock FastAPI", "rosbridge-server-rs"
 
 
 @dataclass

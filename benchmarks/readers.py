@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from picows import WSFrame, WSListener, WSMsgType, WSTransport, ws_connect
 
 STAMP = re.compile(rb'"sec":\s*(\d+),\s*"nanosec":\s*(\d+)')
+# The same in CBOR: the seconds have four bytes, the nanoseconds as many as they need.
+CBOR_STAMP = re.compile(rb"csec\x1a(.{4})gnanosec(?:\x1a(.{4})|\x19(.{2})|\x18(.)|([\0-\x17]))", re.DOTALL)
 
 
 class Tally:
@@ -17,13 +19,23 @@ class Tally:
     def __init__(self) -> None:
         self.latencies = array("d")
         self.stamps: set[int] = set()
+        self.last_ns = 0  # when the newest arrived
 
     def note(self, text: bytes, now_ns: int) -> None:
         """A feedback message arrived."""
         if match := STAMP.search(text):
-            sent = int(match[1]) * 1_000_000_000 + int(match[2])
-            self.latencies.append((now_ns - sent) / 1e6)
-            self.stamps.add(sent)
+            self._add(int(match[1]), int(match[2]), now_ns)
+
+    def note_cbor(self, data: bytes, now_ns: int) -> None:
+        """A message in CBOR arrived."""
+        if match := CBOR_STAMP.search(data):
+            self._add(int.from_bytes(match[1]), int.from_bytes(match[match.lastindex or 2]), now_ns)
+
+    def _add(self, seconds: int, nanoseconds: int, now_ns: int) -> None:
+        sent = seconds * 1_000_000_000 + nanoseconds
+        self.latencies.append((now_ns - sent) / 1e6)
+        self.stamps.add(sent)
+        self.last_ns = now_ns
 
     async def settle(self, expected: int, patience: float = 2.0) -> None:
         """Wait until everything is there, or nothing has come for a while."""
@@ -35,7 +47,7 @@ class Tally:
 
 
 class WebSocketReader(WSListener):  # type: ignore[misc]
-    """Reads text messages; those that begin with, or hold, `mark` are feedback."""
+    """Reads messages. Texts that hold `mark` near their beginning are feedback, and all binary messages, in CBOR."""
 
     def __init__(self, tally: Tally, mark: bytes, others: Callable[[bytes], None] = lambda _: None) -> None:
         super().__init__()
@@ -47,6 +59,9 @@ class WebSocketReader(WSListener):  # type: ignore[misc]
     def on_ws_frame(self, transport: WSTransport, frame: WSFrame) -> None:
         """A message arrived."""
         now_ns = time.time_ns()
+        if frame.msg_type == WSMsgType.BINARY:
+            self._tally.note_cbor(frame.get_payload_as_bytes(), now_ns)
+            return
         if frame.msg_type != WSMsgType.TEXT:
             if frame.msg_type == WSMsgType.CLOSE:
                 transport.disconnect()

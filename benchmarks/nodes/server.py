@@ -1,7 +1,8 @@
 """The action server under every benchmark; each goal says how much feedback it wants.
 
 Goal fields: `voltage` is the rate in Hz, `capacity` the number of messages, `charge` the seconds before the first one.
-A feedback message carries the time of its publication in `header.stamp`.
+A feedback message carries the time of its publication in `header.stamp`. With `location` "topic", the same messages
+go to the topic `/benchmark` instead.
 
 ROS parameters: `rate` and `count` where a goal does not say, `payload` (bytes added to each message) and `robots`:
 0 serves one action in the root namespace, N serves one in each of /robot1 … /robotN.
@@ -33,6 +34,7 @@ class Server(Node):
         self.payload = "x" * self.declare_parameter("payload", 0).value
         self.robots = self.declare_parameter("robots", 0).value
         names = [f"/robot{number}/{ACTION}" for number in range(1, self.robots + 1)] or [ACTION]
+        self.topic = self.create_publisher(BatteryState, "/benchmark", 1000)
         group = ReentrantCallbackGroup()
         self.servers = [
             ActionServer(self, ConnectToChargingDock, name, self.execute, callback_group=group, result_timeout=1)
@@ -47,6 +49,7 @@ class Server(Node):
         feedback = ConnectToChargingDock.Feedback()
         state = BatteryState(serial_number=self.payload, voltage=2.16, percentage=0.24, present=True)
         feedback.current_battery_state = state
+        to_topic = wanted.location == "topic"
         due = time.monotonic() + _or(wanted.charge, 0.0)
         for _ in range(count):
             ahead = due - time.monotonic()
@@ -54,7 +57,10 @@ class Server(Node):
                 time.sleep(ahead)
             due += 1 / rate
             state.header.stamp.sec, state.header.stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
-            handle.publish_feedback(feedback)
+            if to_topic:
+                self.topic.publish(state)
+            else:
+                handle.publish_feedback(feedback)
         handle.succeed()
         return ConnectToChargingDock.Result(final_battery_state=state)
 

@@ -51,6 +51,11 @@ class Gateway(System):
         self.process = Process(str(self._prefix / "bin/dock-gateway"), "serve", env=environment).__enter__()
         await asyncio.to_thread(self._until_listening)
 
+    @property
+    def rosbridge_url(self) -> str:
+        """Where clients of rosbridge connect."""
+        return f"ws://127.0.0.1:{self.port}/rosbridge"
+
     def _more_settings(self) -> dict[str, str]:
         """Return further settings; prepare what the gateway asks its users for."""
         return {}

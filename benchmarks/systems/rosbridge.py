@@ -11,6 +11,7 @@ import orjson
 from picows import WSMsgType, WSTransport
 from tests.support.processes import Process
 
+from benchmarks.figures import ROSBRIDGE
 from benchmarks.http import free_port
 from benchmarks.readers import Tally, WebSocketReader, connect
 from benchmarks.site import ACTION, ACTION_TYPE, Goal, Site, site_packages
@@ -39,7 +40,7 @@ class Rosbridge(System):
         prefix: Its Python environment, which brings ROS's libraries.
     """
 
-    name = "rosbridge-server-rs"
+    name = ROSBRIDGE
 
     def __init__(self, where: Site, prefix: Path) -> None:
         super().__init__(where)
@@ -62,11 +63,11 @@ class Rosbridge(System):
             ROS_DISTRO="jazzy",
         )
         address = f"127.0.0.1:{free_port()}"
-        self._url = f"ws://{address}"
+        self.rosbridge_url = f"ws://{address}"
         command = (str(binary), "--bind", address, "--log-directory", self._folder.name, "--no-rosapi")
         self.process = Process(*command, env=environment).__enter__()
         await self._until_subscribed()
-        self._transport, _ = await connect(self._url, lambda: WebSocketReader(Tally(), b"\0", self._hear))
+        self._transport, _ = await connect(self.rosbridge_url, lambda: WebSocketReader(Tally(), b"\0", self._hear))
         await self._goal(Goal())
 
     async def _until_subscribed(self) -> None:
@@ -85,7 +86,7 @@ class Rosbridge(System):
     async def _subscribe(self, tally: Tally) -> WSTransport:
         """Open a connection that reads the feedback, and return when the server has subscribed."""
         answers: asyncio.Queue[bytes] = asyncio.Queue()
-        transport, _ = await connect(self._url, lambda: WebSocketReader(tally, MARK, answers.put_nowait))
+        transport, _ = await connect(self.rosbridge_url, lambda: WebSocketReader(tally, MARK, answers.put_nowait))
         _send(transport, SUBSCRIBE)
         _send(transport, BARRIER)
         answer = orjson.loads(await asyncio.wait_for(answers.get(), ANSWER_TIMEOUT))
