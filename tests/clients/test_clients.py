@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -111,3 +112,30 @@ def check(seen: dict[str, Any], *, actions: bool) -> None:
         assert seen["result"] == {"sequence": [0, 1, 1, 2, 3]}
         assert seen["feedback"] == {"partial_sequence": [0, 1, 1]}
         assert "canceled" in seen["canceled"]
+
+
+def program(number: int) -> str:
+    """A program of docs/clients.md that uses roslib or roslibpy."""
+    page = (ROOT / "docs/clients.md").read_text()
+    blocks = re.findall(r"^```(?:python|javascript)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    return [block for block in blocks if "/rosbridge" in block][number]
+
+
+@pytest.mark.parametrize(
+    ("number", "folder", "name", "expected"),
+    [
+        (0, "python", "program.py", "[0, 1, 1, 2, 3, 5]"),
+        (1, "2.1.0", "program.mjs", "[0,1,1,2,3,5]"),
+        (2, "1.4.1", "program.cjs", "/talker0/scan"),
+    ],
+)
+def test_the_programs_of_the_documentation(
+    gateway: RunningGateway, number: int, folder: str, name: str, expected: str
+) -> None:
+    file = CLIENTS / folder / name
+    file.write_text(program(number).replace("127.0.0.1:8000", gateway.url.removeprefix("http://")))
+    runtime = CLIENTS / "python/bin/python" if name.endswith(".py") else shutil.which("node") or "node"
+    environment = {each: value for each, value in os.environ.items() if not each.startswith("PYTHON")}
+    done = subprocess.run([runtime, file], env=environment, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    assert expected in done.stdout
