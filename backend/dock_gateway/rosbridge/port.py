@@ -8,6 +8,8 @@ PATH = "/rosbridge"
 class RosbridgePort:
     """ASGI middleware that answers WebSockets of `/` on this port at `/rosbridge`.
 
+    So does one whose upgrade a proxy has not passed on: its answer says so (426). A browser gets the dashboard.
+
     Args:
         app: The application.
         port: The port.
@@ -19,7 +21,13 @@ class RosbridgePort:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on."""
-        root = scope["type"] == "websocket" and scope["path"] in ("/", "")
-        if root and scope["server"] and scope["server"][1] == self._port:
+        if _is_meant(scope) and scope["path"] in ("/", "") and scope["server"] and scope["server"][1] == self._port:
             scope = {**scope, "path": PATH, "raw_path": PATH.encode()}
         await self._app(scope, receive, send)
+
+
+def _is_meant(scope: Scope) -> bool:
+    """Return whether a client asks for a WebSocket."""
+    if scope["type"] == "http":
+        return any(name == b"sec-websocket-key" for name, _ in scope["headers"])
+    return bool(scope["type"] == "websocket")
