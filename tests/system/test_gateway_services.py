@@ -39,7 +39,21 @@ def node(domain: int) -> Iterator[Process]:
 def open_gateway(domain: int, node: Process) -> Iterator[RunningGateway]:
     """A gateway whose settings allow something."""
     with running_gateway(domain, **LISTS) as gateway:
+        wait_for_node(gateway)
         yield gateway
+
+
+def wait_for_node(gateway: RunningGateway) -> None:
+    """Wait until the gateway has found all of the node."""
+
+    def found() -> bool:
+        graph = gateway.http.get("/graph").raise_for_status().json()
+        services = {service["name"] for service in graph["services"] if service["servers"]}
+        heard = {topic["name"] for topic in graph["topics"] if topic["subscribers"]}
+        names = ("base/list_parameters", "base/set_parameters_atomically", "echo", "huge", "never")
+        return {f"/robot1/{name}" for name in names} <= services and {"/robot1/cmd_vel", "/robot1/chatter"} <= heard
+
+    wait_until(found, "the node")
 
 
 def answered(gateway: RunningGateway, method: str, path: str, body: object = None, **params: Any) -> Any:
@@ -244,6 +258,7 @@ def test_stops_and_actions_cannot_be_faked_whatever_the_settings_say(open_gatewa
 
 def test_by_default_there_is_only_reading(domain: int, node: Process) -> None:
     with running_gateway(domain) as gateway:
+        wait_for_node(gateway)
         for method, path, option in (
             ("POST", "/services/robot1/echo", "--call-services '/robot1/echo'"),
             ("POST", "/topics/robot1/cmd_vel", "--publish '/robot1/cmd_vel'"),

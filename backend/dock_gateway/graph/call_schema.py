@@ -15,12 +15,14 @@ class Use(Schema):
 class ServiceInfo(Schema):
     """A service: its types on the graph, of which `type` is called, and the JSON Schema of what it takes and gives.
 
-    The schemas are null if its package is missing; `hint` says what to install.
+    The schemas are null if its package is missing; `hint` says what to install. If it only `reads`, no setting is
+    needed to call it, and a stop does not hold for it.
     """
 
     service: str
     type: str
     types: list[str]
+    reads: bool
     hint: str | None
     call: Use
     request: dict[str, Any] | None
@@ -38,12 +40,14 @@ class ServiceAnswer(Schema):
 class TopicInfo(Schema):
     """A topic: its types on the graph, of which `type` is published, and the JSON Schema of its messages.
 
-    The schema is null if its package is missing; `hint` says what to install.
+    The schema is null if its package is missing; `hint` says what to install. If it only `reports` something, a stop
+    does not hold for it.
     """
 
     topic: str
     type: str
     types: list[str]
+    reports: bool
     hint: str | None
     publish: Use
     message: dict[str, Any] | None

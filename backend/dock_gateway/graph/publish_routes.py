@@ -34,6 +34,7 @@ async def get_topic_message(
         "topic": found.name,
         "type": found.type,
         "types": found.types,
+        "reports": found.reports,
         "hint": None,
         "publish": describe_use(lambda: publishing.require_allowed(found.name)),
         "message": None,

@@ -53,6 +53,11 @@ class FoundTopic:
     latched: bool
     subscribers: int
 
+    @property
+    def reports(self) -> bool:
+        """Whether its messages command nothing."""
+        return self.type in REPORTS
+
 
 @dataclass
 class Publication:
@@ -158,7 +163,7 @@ class Publishing:
         Raises:
             NotAllowed: As for `require_allowed`.
             NotFound, InvalidField: As for `find`; or `fields` are not a message of this type.
-            Conflict: `stop_latched`: the robot is stopped, and the message may command it; or `wrong_topic_type`.
+            Conflict: `stop_latched`: the robot is stopped, and the message may command it; or `topic_in_use`.
             Unavailable: `interface_not_installed` or `ros_unavailable`.
         """
         self.require_allowed(name)
@@ -219,7 +224,7 @@ class Publishing:
             raise not_installed(topic.name, topic.type, error) from None
 
     def _require_released(self, topic: FoundTopic) -> None:
-        if topic.type in REPORTS:
+        if topic.reports:
             return
         what = "messages on its topics"
         self._interlock.require_released(topic.name, what)
@@ -230,7 +235,7 @@ class Publishing:
     def withdraw(self, robot: str) -> None:
         """Leave the topics of a robot that is stopped, so that nothing that was published before reaches it late."""
         for name, publication in [*self._publications.items()]:
-            commands = publication.topic.type not in REPORTS
+            commands = not publication.topic.reports
             if commands and (is_under(name, robot) or name == self._settings.cmd_vel_topic):
                 self._drop(name)
 

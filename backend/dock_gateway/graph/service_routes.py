@@ -61,6 +61,7 @@ async def get_service(
         "service": found.name,
         "type": found.type,
         "types": found.types,
+        "reads": found.reads,
         "hint": None,
         "call": describe_use(lambda: services.require_allowed(found)),
         "request": None,

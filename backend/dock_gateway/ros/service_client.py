@@ -97,11 +97,14 @@ class ServiceClient:
             Unavailable: It is not reached (`service_unavailable`) or has left (`service_gone`), or the ROS thread is
                 down.
         """
+        gone = Unavailable(f"{self.name} is not reached: its server is gone", code="service_unavailable")
         try:
             client = await self._find()
         except TimeoutError:
-            raise Unavailable(f"{self.name} is not reached: its server is gone", code="service_unavailable") from None
+            raise gone from None
         before()
+        if not self._is_ready(client):
+            raise gone
         pending = self._bridge.request(client, request)
         try:
             async with asyncio.timeout(within):

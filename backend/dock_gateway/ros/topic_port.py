@@ -28,7 +28,7 @@ class TopicPort:
         latched: Whether late subscribers get the last messages.
 
     Raises:
-        Conflict: `wrong_topic_type`: the gateway itself uses the topic with another type.
+        Conflict: `topic_in_use`: the gateway itself uses the topic with another type.
 
     Attributes:
         open: Whether it publishes still.
@@ -44,7 +44,7 @@ class TopicPort:
             )
         except (RCLError, InvalidTopicNameException) as error:
             detail = f"the gateway itself uses {topic} with another type, or ROS does not take its name"
-            raise Conflict(detail, code="wrong_topic_type") from error
+            raise Conflict(detail, code="topic_in_use") from error
 
     @property
     def subscribers(self) -> int:

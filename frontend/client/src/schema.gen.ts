@@ -4267,7 +4267,8 @@ export interface components {
          * ServiceInfo
          * @description A service: its types on the graph, of which `type` is called, and the JSON Schema of what it takes and gives.
          *
-         *     The schemas are null if its package is missing; `hint` says what to install.
+         *     The schemas are null if its package is missing; `hint` says what to install. If it only `reads`, no setting is
+         *     needed to call it, and a stop does not hold for it.
          */
         ServiceInfo: {
             /** Service */
@@ -4276,6 +4277,8 @@ export interface components {
             type: string;
             /** Types */
             types: string[];
+            /** Reads */
+            reads: boolean;
             /** Hint */
             hint: string | null;
             call: components["schemas"]["Use"];
@@ -4967,7 +4970,8 @@ export interface components {
          * TopicInfo
          * @description A topic: its types on the graph, of which `type` is published, and the JSON Schema of its messages.
          *
-         *     The schema is null if its package is missing; `hint` says what to install.
+         *     The schema is null if its package is missing; `hint` says what to install. If it only `reports` something, a stop
+         *     does not hold for it.
          */
         TopicInfo: {
             /** Topic */
@@ -4976,6 +4980,8 @@ export interface components {
             type: string;
             /** Types */
             types: string[];
+            /** Reports */
+            reports: boolean;
             /** Hint */
             hint: string | null;
             publish: components["schemas"]["Use"];

@@ -10,12 +10,14 @@ const JsonCode = lazyPart(() => import("./JsonCode"));
 interface JsonEditorProps {
   text: string;
   onChange: (text: string) => void;
+  /** What it is. */
+  label?: string;
   /** Why it cannot be shown as a form. */
   hidden: readonly FieldError[];
 }
 
 /** The goal message as JSON, as it is sent. */
-export function JsonEditor({ text, onChange, hidden }: JsonEditorProps) {
+export function JsonEditor({ text, onChange, label = "Goal message as JSON", hidden }: JsonEditorProps) {
   const { errors, sought, found } = useForm();
   const id = useId();
   const focused = useRef(false);
@@ -33,7 +35,7 @@ export function JsonEditor({ text, onChange, hidden }: JsonEditorProps) {
     <div>
       <Input.Wrapper
         id={id}
-        label="Goal message as JSON"
+        label={label}
         description="Fields that are left out have their defaults. Constants may be given by name, null is NaN."
         labelProps={{ onClick: () => document.getElementById(id)?.focus() }}
         style={{ "--rows": rows } as CSSProperties}

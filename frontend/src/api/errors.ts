@@ -129,6 +129,19 @@ const WORDS: Record<string, Words> = {
     title: "The gateway is shutting down",
     advice: "Wait until it is back; nothing is sent again by itself.",
   },
+  parameters_refused: { title: "The node refused the parameters", advice: "None of them was changed." },
+  parameters_timeout: {
+    title: "The node does not answer",
+    advice: "It may be busy, or frozen: look at its log. If parameters were to be set, read them again.",
+  },
+  service_gone: {
+    title: "The service has left",
+    advice: "Its node ended during the call, which it may have carried out.",
+  },
+  service_timeout: {
+    title: "The service did not answer",
+    advice: "It may still carry out the call: look at the robot before calling it again.",
+  },
   token_exists: {
     title: "There is a token of this name",
     advice: "Choose a different name, or revoke that token first.",

@@ -4,8 +4,10 @@ import type { ReactNode } from "react";
 import { Link } from "react-router";
 import type { Graph, GraphAction, GraphNode, GraphService } from "../api/graph";
 import { Command, CopyButton } from "../ui/CopyButton";
+import { ServiceCall } from "./calls";
 import { clientsOf } from "./filter";
 import classes from "./graph.module.css";
+import { NodeParameters } from "./NodeParameters";
 import { ThingList, TypeNames } from "./names";
 import { TopicDetails } from "./TopicDetails";
 import type { Thing } from "./things";
@@ -149,6 +151,7 @@ function NodeDetails({ node, change }: { node: GraphNode; change: ChangeView }) 
       <ThingList title="Sends goals to" kind="action" names={node.action_clients} change={change} />
       <ThingList title="Serves" kind="service" names={node.services} change={change} />
       <ThingList title="Asks services" kind="service" names={node.clients} change={change} />
+      <NodeParameters key={node.name} node={node.name} />
       <Command line={`ros2 node info ${node.name}`} what="the command for a terminal" />
     </Stack>
   );
@@ -212,7 +215,8 @@ interface ServiceDetailsProps {
 }
 
 /** Who offers a service, and who asks. */
-function ServiceDetails({ service: { name, types, servers }, nodes, change }: ServiceDetailsProps) {
+function ServiceDetails({ service, nodes, change }: ServiceDetailsProps) {
+  const { name, types, servers } = service;
   return (
     <ServedDetails
       types={types}
@@ -221,6 +225,8 @@ function ServiceDetails({ service: { name, types, servers }, nodes, change }: Se
       clients={clientsOf(nodes).get(name) ?? []}
       line={`ros2 service call ${name} ${types[0] ?? ""}`}
       change={change}
-    />
+    >
+      {servers.length > 0 && <ServiceCall key={name} service={service} />}
+    </ServedDetails>
   );
 }

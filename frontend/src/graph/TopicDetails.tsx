@@ -2,6 +2,7 @@ import { Alert, Badge, Group, Stack, Text, Title } from "@mantine/core";
 import { useMemo } from "react";
 import type { Endpoint, GraphTopic } from "../api/graph";
 import { Command } from "../ui/CopyButton";
+import { TopicPublish } from "./calls";
 import { Echo } from "./Echo";
 import classes from "./graph.module.css";
 import { ThingLink, TypeNames } from "./names";
@@ -38,6 +39,7 @@ export function TopicDetails({ topic, echo, change }: TopicDetailsProps) {
         </Alert>
       )}
       <Echo topic={name} on={echo} onSwitch={(on) => change({ echo: on })} />
+      <TopicPublish key={name} topic={topic} />
       <EndpointList
         title="Publishers"
         absent="None."
