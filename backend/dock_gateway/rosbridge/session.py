@@ -6,7 +6,7 @@ Goals are the gateway's: they survive a broken connection. What a client may do 
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from functools import partial
 
 from fastapi import WebSocket
@@ -23,6 +23,7 @@ from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.slow_clients import send_in_time
+from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
 from dock_gateway.rosbridge.goals import ClientGoals, failure
 from dock_gateway.rosbridge.protocol import (
@@ -100,6 +101,7 @@ class Session:
         self._subscriptions = Subscriptions(parts[Relays], writer)
         self._sending = asyncio.Lock()
         self._in_order = asyncio.Lock()
+        self._asking = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
         self._fragments = Fragments(parts[Settings].max_body_bytes)
         self._cancel_on_disconnect = cancel_on_disconnect
@@ -224,8 +226,14 @@ class Session:
         """Call a service."""
         request = read_fields(CallService, fields)
         service, identity = split_name(request.service, identity)
+        service = self._parts[Settings].resolve(service, "")
+        # Answers about the graph are long: one at a time waits for a client that does not read.
+        async with self._asking if service in rosapi.SERVICES else nullcontext():
+            await self._call(service, request, identity)
+
+    async def _call(self, service: str, request: CallService, identity: Identity) -> None:
         try:
-            values = await self._services.call(self._parts[Settings].resolve(service, ""), request)
+            values = await self._services.call(service, request)
         except GatewayError as error:
             response = service_response(request.service, identity, error.detail, result=False)
         else:

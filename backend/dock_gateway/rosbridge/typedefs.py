@@ -1,6 +1,7 @@
 """The definitions of ROS types, as `/rosapi` returns them."""
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
 
 from dock_gateway.ros.messages.interfaces import definition_text, load_message, load_service
@@ -21,8 +22,11 @@ from dock_gateway.rosbridge.protocol import full_type
 Json = dict[str, Any]
 
 SEPARATOR = "=" * 80
+# Definitions that are kept: looking for a type costs milliseconds.
+KEEP = 1000
 
 
+@lru_cache(KEEP)
 def message_definitions(name: str) -> list[Json]:
     """Return the definition of a message type and of the types in it.
 
@@ -32,6 +36,7 @@ def message_definitions(name: str) -> list[Json]:
     return list(_definitions(load_message(full_type(name)), set()))
 
 
+@lru_cache(KEEP)
 def service_definitions(name: str, part: str) -> list[Json]:
     """Return the definition of a service's `Request` or `Response`, and of the types in it.
 
@@ -44,9 +49,14 @@ def service_definitions(name: str, part: str) -> list[Json]:
 def definition_texts(name: str) -> str:
     """Return the text of a message definition, and those of the types in it; empty if there is none here."""
     try:
-        classes = [message_class for message_class, _ in _classes(load_message(full_type(name)), set())]
+        return _texts(full_type(name))
     except (ImportError, TypeError):
         return ""
+
+
+@lru_cache(KEEP)
+def _texts(name: str) -> str:
+    classes = [message_class for message_class, _ in _classes(load_message(name), set())]
     texts = []
     for index, message_class in enumerate(classes):
         package, kind, short = type_name(message_class).split("/")
