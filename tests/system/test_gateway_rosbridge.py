@@ -110,6 +110,8 @@ def test_a_goal_with_feedback_and_a_result(gateway: RunningGateway, client: Clie
         "action": "/fibonacci",
         "values": {"partial_sequence": [0, 1, 1]},
     }
+    client.goal(0, "in order", args=[2])
+    assert client.until("action_result", id="in order")["values"] == {"sequence": [0, 1, 1]}
     (goal, *_) = gateway.http.get("/actions/fibonacci/goals").json()["goals"]
     assert (goal["status"], goal["origin"]) == ("succeeded", "gateway")
 
@@ -148,6 +150,8 @@ def test_a_goal_survives_its_client_and_a_stop_ends_it_for_another(gateway: Runn
     assert next(each for each in client.seen[::-1] if each["op"] == "service_response")["values"]["stop"]["latched"]
     result = client.until("action_result", id="mine") if not ended(client, "mine") else ended(client, "mine")[0]
     assert result["status"] == 5
+    client.send("call_service", service="/dock_gateway/release_stop", args=["/robot1"], id="list")
+    assert client.until("service_response", id="list")["result"] is False
     client.goal(3, "refused")
     assert "stop" in client.until("action_result", id="refused")["values"]
     client.call("/dock_gateway/release_stop")
@@ -371,6 +375,7 @@ def test_bad_input_is_answered_and_nothing_is_lost(gateway: RunningGateway, clie
             ('{"op": "cancel_action_goal", "id": "g1"}', "id: expected"),
             ('{"op": "advertise_service", "service": "/a", "type": "b/C"}', "cannot offer services"),
             ('{"op": "set_level", "level": "loud"}', "level: expected"),
+            ('\ufeff{"op": "set_level", "level": 7}', "level: expected"),
         ):
             other.connection.send(text)
             other.error(expected)

@@ -5,11 +5,11 @@ from datetime import datetime
 from enum import IntEnum
 from typing import Annotated, Any, Literal
 
-import orjson
 from pydantic import BaseModel, ConfigDict, Field
 
-from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, NotAllowed
+from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed
 from dock_gateway.core.goal import GoalStatus, encode
+from dock_gateway.http.requests import decode_json
 
 Json = dict[str, Any]
 Identity = str | int | None
@@ -154,10 +154,7 @@ def read_operation(text: str | bytes) -> tuple[str, Identity, Json]:
         InvalidField: It is not an operation.
         NotAllowed: It is one that the gateway does not have on purpose.
     """
-    try:
-        message = orjson.loads(text)
-    except orjson.JSONDecodeError as error:
-        raise MalformedRequest(f"the message is not JSON: {error}") from None
+    message = decode_json(text, "the message")
     if not isinstance(message, dict):
         raise InvalidField([FieldError("", "an object with op", "got something else")])
     op, identity = message.pop("op", None), message.pop("id", None)

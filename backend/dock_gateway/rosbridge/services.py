@@ -25,7 +25,8 @@ from dock_gateway.rosbridge.values import adapter
 Json = dict[str, Any]
 
 # Services of the gateway itself: the commands of `/ws` with these names.
-OWN_SERVICES = {f"/dock_gateway/{name}": name for name in ("stop", "release_stop")}
+STOP = "stop"
+OWN_SERVICES = {f"/dock_gateway/{name}": name for name in (STOP, "release_stop")}
 # Nodes that are asked for the names of their parameters, and how many of them at a time.
 MAX_NODES, NODES_AT_ONCE = 50, 4
 
@@ -60,7 +61,12 @@ class Services:
         """
         args = request.args
         if service in OWN_SERVICES:
-            return await self._rights.command(OWN_SERVICES[service], args if isinstance(args, dict) else {})
+            command = OWN_SERVICES[service]
+            if (
+                not isinstance(args, dict) and args not in (None, []) and command != STOP
+            ):  # a stop is carried out anyway
+                raise InvalidField([FieldError("args", "an object", "got something else")])
+            return await self._rights.command(command, args if isinstance(args, dict) else {})
         if not service.startswith(rosapi.PREFIX):
             return await self.call_service(service, request)
         parameter = self._parameters.get(service.removeprefix(rosapi.PREFIX))
@@ -73,7 +79,8 @@ class Services:
         """Call a service of a ROS node."""
 
         async def call() -> Json:
-            services, grant, fields = self._parts[ServiceCalls], self._rights.grant, request.args or {}
+            services, grant = self._parts[ServiceCalls], self._rights.grant
+            fields = {} if request.args in (None, []) else request.args
             if isinstance(fields, list):  # its fields in order
                 found = await services.find(service, grant=grant)
                 kind = await services.load(found)

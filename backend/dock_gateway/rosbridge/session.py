@@ -8,6 +8,7 @@ import logging
 from collections.abc import Awaitable, Callable
 from contextlib import nullcontext, suppress
 from functools import partial
+from typing import Any
 
 from fastapi import WebSocket
 from starlette.types import Message
@@ -18,11 +19,13 @@ from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.slow_clients import send_in_time
+from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
 from dock_gateway.rosbridge.goals import ClientGoals, failure
@@ -49,7 +52,7 @@ from dock_gateway.rosbridge.publications import Publications
 from dock_gateway.rosbridge.relay import Payload
 from dock_gateway.rosbridge.relays import Relays
 from dock_gateway.rosbridge.rights import Rights
-from dock_gateway.rosbridge.services import OWN_SERVICES, Services
+from dock_gateway.rosbridge.services import OWN_SERVICES, STOP, Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
 from dock_gateway.streams.events import CLOSE_CODES, until_one_ends
@@ -57,7 +60,6 @@ from dock_gateway.streams.feed import end_of
 
 log = logging.getLogger(__name__)
 
-STOP = "stop"
 CANCEL = "cancel_action_goal"
 
 
@@ -202,9 +204,8 @@ class Session:
         request = read_fields(SendActionGoal, fields)
         action, identity = split_name(request.action, identity)
         name = self._parts[Settings].resolve(action, "")
-        command = {"action": name, "goal": {} if request.args in (None, []) else request.args}
         try:
-            submit = partial(self._submit, command)
+            submit = partial(self._submit, {"action": name, "goal": await self._goal_fields(name, request.args)})
             type_name = await self._goals.submit(request, identity, name, submit)
         except GatewayError as error:
             await self._send(failure(request, identity, error), request.fragment_size)
@@ -212,6 +213,16 @@ class Session:
         if request.action_type and full_type(request.action_type, "action") != type_name:
             text = f"send_action_goal: {name} has the type {type_name}, not {request.action_type[:200]}"
             await self._report(Level.warning, text, identity)
+
+    async def _goal_fields(self, name: str, args: Any) -> Any:
+        """Return the fields of a goal by name; a client may send them in order."""
+        if args in (None, []):
+            return {}
+        if not isinstance(args, list):
+            return args
+        self._rights.grant.require_action(name)
+        action = await self._parts[ActionRegistry].find(name)
+        return dict(zip(kinds(type(action.port.goal_codec.default())), args, strict=False))
 
     async def _submit(self, command: Json) -> Json:
         goal: Json = (await self._rights.command("send_goal", command))["goal"]
