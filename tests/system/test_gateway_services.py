@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.client import AsyncClient, Client, GatewayRefused
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_talker
 from tests.support.processes import ForkedProcess, Process, ros_environment
@@ -227,6 +228,24 @@ def test_a_topic_with_two_types_needs_one_of_them(open_gateway: RunningGateway, 
         assert (status, problem["errors"][0]["path"]) == (422, "query.type")
         status, answer = answered(open_gateway, "POST", "/topics/mixed", {"data": True}, type="std_msgs/msg/Bool")
         assert (status, answer["type"]) == (200, "std_msgs/msg/Bool")
+
+
+# ---------------------------------------------------------------------- clients
+
+
+async def test_the_python_clients_do_the_same(open_gateway: RunningGateway, node: Process) -> None:
+    with Client(open_gateway.url) as client:
+        assert client.call_service("/robot1/echo", {"data": True}) == {"success": True, "message": "echoed"}
+        assert client.publish("/robot1/chatter", {"data": "from Python"}) == 1
+        node.wait_for("heard from Python")
+        assert client.set_parameters("/robot1/base", {"speed": 0.4}) == {"speed": 0.4}
+        with pytest.raises(GatewayRefused, match="--publish '/elsewhere'"):
+            client.publish("/elsewhere", {})
+    async with AsyncClient(open_gateway.url) as aio:
+        assert (await aio.call_service("robot1/echo"))["message"] == "echoed"
+        assert await aio.publish("robot1/chatter", {"data": "again"}) == 1
+        await aio.set_parameters("/robot1/base", {"speed": 0.2})
+        assert (await aio.parameters("/robot1/base"))["speed"] == 0.2
 
 
 # ---------------------------------------------------------------------- what moves robots

@@ -81,6 +81,24 @@ class AsyncClient:
         """Release a stop."""
         await self.call(calls.release(robot))
 
+    async def call_service(
+        self, name: str, request: Mapping[str, Any] | None = None, *, timeout: float = 5
+    ) -> Document:
+        """Call a ROS service, and return its response. It is sent once."""
+        return await self.call(calls.call_service(name, request, timeout))
+
+    async def publish(self, topic: str, message: Mapping[str, Any], *, type_name: str | None = None) -> int:
+        """Publish a message on a topic; return the number of its subscribers."""
+        return await self.call(calls.publish(topic, message, type_name))
+
+    async def parameters(self, node: str) -> Document:
+        """Return the values of all parameters of a node, by name."""
+        return await self.call(calls.parameters(node))
+
+    async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Document:
+        """Set parameters of a node, all or none; return their values."""
+        return await self.call(calls.set_parameters(node, values))
+
     def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
         """Yield events as they happen, first a snapshot; forever."""
         return self.read(Reading(self.connection, query, after))

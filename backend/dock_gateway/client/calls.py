@@ -81,6 +81,41 @@ def release(robot: str | None) -> Call[Document]:
     return Call("DELETE", "/stop", dict, params=_of(robot))
 
 
+def call_service(name: str, request: Mapping[str, Any] | None, timeout: float) -> Call[Document]:
+    """Call a service. Not repeated: the first call may have been carried out."""
+    return Call(
+        "POST",
+        f"/services/{quote(name.strip('/'))}",
+        lambda answer: answer["response"],
+        request or {},
+        {"timeout": timeout},
+    )
+
+
+def publish(topic: str, message: Mapping[str, Any], type_name: str | None) -> Call[int]:
+    """Publish a message."""
+    params: Params = {} if type_name is None else {"type": type_name}
+    return Call("POST", f"/topics/{quote(topic.strip('/'))}", lambda answer: answer["subscribers"], message, params)
+
+
+def parameters(node: str) -> Call[Document]:
+    """Ask for the values of a node's parameters."""
+    return Call("GET", _parameters(node), _read_values, repeatable=True)
+
+
+def set_parameters(node: str, values: Mapping[str, Any]) -> Call[Document]:
+    """Set parameters of a node."""
+    return Call("PATCH", _parameters(node), _read_values, values)
+
+
+def _parameters(node: str) -> str:
+    return f"/nodes/{quote(node.strip('/'))}/parameters"
+
+
+def _read_values(answer: Any) -> Document:
+    return {parameter["name"]: parameter["value"] for parameter in answer["parameters"]}
+
+
 def _goal(goal_id: str) -> str:
     return f"/goals/{quote(goal_id, safe='')}"
 

@@ -105,6 +105,36 @@ class Client:
         """Release a stop: new goals are accepted again."""
         self.call(calls.release(robot))
 
+    def call_service(self, name: str, request: Mapping[str, Any] | None = None, *, timeout: float = 5) -> Document:
+        """Call a ROS service that the gateway's settings allow, and return its response.
+
+        It is sent once: after an error the service may have been called.
+
+        Args:
+            name: Name on the ROS graph, such as /robot1/reset.
+            request: Fields of the request; those that are left out have their default.
+            timeout: Seconds to wait for the response, fewer than those of the client.
+        """
+        return self.call(calls.call_service(name, request, timeout))
+
+    def publish(self, topic: str, message: Mapping[str, Any], *, type_name: str | None = None) -> int:
+        """Publish a message on a topic that the gateway's settings allow; return the number of its subscribers.
+
+        Args:
+            topic: Name on the ROS graph.
+            message: Fields of the message; those that are left out have their default.
+            type_name: Such as std_msgs/msg/String; needed only where no one is at the topic.
+        """
+        return self.call(calls.publish(topic, message, type_name))
+
+    def parameters(self, node: str) -> Document:
+        """Return the values of all parameters of a node, by name."""
+        return self.call(calls.parameters(node))
+
+    def set_parameters(self, node: str, values: Mapping[str, Any]) -> Document:
+        """Set parameters of a node, all or none, if the gateway's settings allow it; return their values."""
+        return self.call(calls.set_parameters(node, values))
+
     def events(self, *, after: str | None = None, **query: Any) -> Iterator[Event]:
         """Yield events as they happen, first a snapshot; forever. A lost connection resumes without a gap.
 
