@@ -100,7 +100,7 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a stop of a robot nobody knows": ("POST", "/stop?robot=/robot1", b"", 404, "robot_not_found"),
     "a namespace that is none": ("POST", "/dock?robot=robot%201", b"", 422, "invalid_field"),
     "an action nobody serves": ("POST", "/actions/fibonacci/goals", b"{}", 404, "action_not_found"),
-    "no action at all": ("POST", "/actions//goals", b"{}", 404, "action_not_found"),
+    "no action at all": ("POST", "/actions//goals", b"{}", 405, "method_not_allowed"),
     "a limit of -1": ("GET", "/dock?limit=-1", b"", 422, "invalid_field"),
     "a limit in words": ("GET", "/dock?limit=all", b"", 422, "invalid_field"),
     "a status nobody knows": ("GET", "/dock?status=done", b"", 422, "invalid_field"),
