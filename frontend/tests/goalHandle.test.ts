@@ -134,3 +134,14 @@ it("ends with the reason of a signal, or where the stream is refused for good", 
   for (const count of [1, 2, 3]) (await nextSocket(count)).drop();
   await refused;
 });
+
+it("calls a service and publishes a message once, at paths with the slashes of their names", async () => {
+  const client = new Client({ url: "http://gateway" });
+  answers["POST /services/robot1/echo"] = [{ response: { success: true } }, gone];
+  answers["POST /topics/robot1/chatter"] = [{ subscribers: 2 }];
+  expect(await client.callService("/robot1/echo", { data: true })).toEqual({ success: true });
+  expect(await client.publish("/robot1/chatter", { data: "hello" })).toBe(2);
+  await expect(client.callService("/robot1/echo")).rejects.toMatchObject({ code: "gateway_unreachable" });
+  expect(sent("/services/robot1/echo")).toHaveLength(2);
+  expect(await sent("/topics/robot1/chatter")[0]?.json()).toEqual({ data: "hello" });
+});

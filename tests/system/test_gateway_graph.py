@@ -113,7 +113,7 @@ def test_what_is_known_is_not_sent_again(domain: int) -> None:
 
 
 def test_topics_that_are_not_there(gateway: RunningGateway) -> None:
-    for path in ("nope", "a//b", "battery_status/", "battery_status%00x", "%7Bnode%7D", "x" * 300):
+    for path in ("nope", "a//b", "battery_status%00x", "%7Bnode%7D", "x" * 300):
         response = gateway.http.get(f"/graph/topics/{path}")
         assert (response.status_code, response.json()["code"]) == (404, "topic_not_found"), path
     assert gateway.http.get("/graph?robot=/robot1").status_code == 422

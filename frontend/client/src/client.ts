@@ -127,6 +127,41 @@ export class Client {
   }
 
   /**
+   * Calls a ROS service that the gateway's settings allow, and returns its response. It is sent once: after an error the
+   * service may have been called.
+   *
+   * @param timeout Seconds to wait for the response.
+   */
+  async callService(
+    name: string,
+    request: Record<string, unknown> = {},
+    timeout = 5,
+  ): Promise<Record<string, unknown>> {
+    const call = this.http.POST("/services/{service}", {
+      params: { path: { service: name }, query: { timeout } },
+      pathSerializer: (path) => path.replace("{service}", actionPath(name)),
+      body: request as Record<string, never>,
+      signal: deadline((timeout + 10) * 1000),
+    });
+    return (await settle(call)).response;
+  }
+
+  /**
+   * Publishes a message on a topic that the gateway's settings allow; returns the number of its subscribers.
+   *
+   * @param type Such as std_msgs/msg/String; needed only where no one is at the topic.
+   */
+  async publish(topic: string, message: Record<string, unknown>, type?: string): Promise<number> {
+    const call = this.http.POST("/topics/{topic}", {
+      params: { path: { topic }, query: { type } },
+      pathSerializer: (path) => path.replace("{topic}", actionPath(topic)),
+      body: message as Record<string, never>,
+      signal: deadline(),
+    });
+    return (await settle(call)).subscribers;
+  }
+
+  /**
    * Yields events as they happen, first a snapshot; forever, or until the signal is aborted, whose reason is thrown. A
    * lost connection resumes without a gap.
    */
