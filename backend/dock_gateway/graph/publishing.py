@@ -10,7 +10,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 from dock_gateway.core.allow_list import AllowList
-from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed
+from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed, Unavailable
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
@@ -69,7 +69,7 @@ class Publication:
         port: The publisher.
         looked: When the topic was looked at last, on the monotonic clock.
         used: When it published last.
-        reached: Done when the subscribers that were there are reached.
+        reached: Done when the subscribers that were there are reached; canceled when the publisher leaves before.
     """
 
     topic: FoundTopic
@@ -78,6 +78,10 @@ class Publication:
     looked: float
     used: float
     reached: "asyncio.Task[None]"
+
+    def serves(self, type_name: str | None) -> bool:
+        """Whether it publishes this type, and its topic was looked at a short time ago."""
+        return type_name in (None, self.topic.type) and time.monotonic() - self.looked < LOOK
 
 
 @dataclass(frozen=True)
@@ -164,22 +168,25 @@ class Publishing:
             NotAllowed: As for `require_allowed`.
             NotFound, InvalidField: As for `find`; or `fields` are not a message of this type.
             Conflict: `stop_latched`: the robot is stopped, and the message may command it; or `topic_in_use`.
-            Unavailable: `interface_not_installed` or `ros_unavailable`.
+            Unavailable: `interface_not_installed`, or `ros_unavailable`; also if its publisher left meanwhile.
         """
         self.require_allowed(name)
-        publication = await self._open(name, type_name, grant, fields)
+        publication = self._publications.get(name)
+        if publication is None or not publication.serves(type_name):
+            publication = await self._open(name, type_name, grant, fields)
+        if not publication.reached.done():
+            await asyncio.wait({publication.reached})
         # Nothing is awaited from here on, so no stop can come between the check and the message.
         message = codec(publication.kind).parse(fields)
         act()
         self._require_released(publication.topic)
+        if not publication.port.open:
+            raise Unavailable(f"the publisher of {name} has left meanwhile: try again", code="ros_unavailable")
         publication.port.publish(message)
         publication.used = time.monotonic()
         return Published(publication.topic.type, publication.port.subscribers, codec(publication.kind).encode(message))
 
     async def _open(self, name: str, type_name: str | None, grant: Grant, fields: object) -> Publication:
-        known = self._publications.get(name)
-        if known is not None and type_name in (None, known.topic.type) and time.monotonic() - known.looked < LOOK:
-            return known
         topic = await self.find(name, type_name, grant)
         kind = await self.load(topic)
         codec(kind).parse(fields)  # before the gateway appears on the topic
@@ -189,7 +196,6 @@ class Publishing:
             if known is None or known.topic.type != topic.type or topic.latched > known.topic.latched:
                 known = await self._replace(topic, kind)
             known.topic, known.looked = topic, time.monotonic()
-        await asyncio.shield(known.reached)
         return known
 
     async def _replace(self, topic: FoundTopic, kind: MessageClass) -> Publication:
