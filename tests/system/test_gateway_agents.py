@@ -11,7 +11,7 @@ from mcp_types import ElicitRequestFormParams, ElicitResult
 
 from tests.support.access import Site, bearer
 from tests.support.agents import agent, answer, refusal
-from tests.support.gateway import RunningGateway, running_program
+from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -224,6 +224,15 @@ async def test_so_does_one_by_rest_with_the_token_of_an_agent(world: World) -> N
         assert decided.is_success
         assert stream.until_type("approvals")["approvals"] == []
     assert (await calling).status_code == 202
+
+
+async def test_a_goal_is_followed_where_no_robot_is_without_a_namespace(world: World, shared_domain: int) -> None:
+    with running_gateway(shared_domain, mcp="true", namespace="/robot1", max_robots="1") as gateway:
+        wait_until(lambda: gateway.http.get(f"/actions{SIMULATED}").is_success, "the action")
+        sent = gateway.http.post(f"/actions{SIMULATED}/goals", json={"order": 3}).json()
+        async with agent(gateway) as client:
+            goal = answer(await client.call_tool("wait_for_goal", {"goal_id": sent["goal_id"]}))["goal"]
+        assert goal["status"] == "succeeded"
 
 
 def message(method: str = "tools/call", **params: object) -> dict:

@@ -9,7 +9,7 @@ import orjson
 from dock_gateway.access.authorization import subscribed
 from dock_gateway.agents import schema
 from dock_gateway.core.access import Principal
-from dock_gateway.core.filters import EventFilter, is_under
+from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.fleet.alerts import AlertBoard
@@ -32,6 +32,7 @@ from dock_gateway.storage import History
 from dock_gateway.streams import commands
 from dock_gateway.streams.commands import Command, Fields
 from dock_gateway.streams.feed import feed
+from dock_gateway.streams.queries import read_event_filter
 
 # The states of a goal that are not its success, as a sentence begins.
 _ENDS = {
@@ -343,7 +344,7 @@ async def follow(parts: Parts, principal: Principal, goal_id: str, report: Any) 
         report: Called with the number of reports and a line of text.
     """
     reports = 0
-    wanted = EventFilter(goal_id=goal_id, grant=principal.grant)
+    wanted = await read_event_filter(parts, {"goal_id": goal_id}, principal.grant)
     with subscribed(parts, principal, wanted) as subscriber:
         async for event in feed(parts, subscriber, max_rate=1.0):
             document = orjson.loads(event.data)

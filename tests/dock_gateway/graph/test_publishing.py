@@ -60,7 +60,7 @@ class World:
         before = len(self.ports)
         task = asyncio.create_task(self.publishing.publish(TOPIC, {}, type_name=type_name))
         async with asyncio.timeout(10):
-            while len(self.ports) == before:
+            while len(self.ports) == before:  # noqa: ASYNC110 - nothing tells it
                 await asyncio.sleep(0)
         return task
 
