@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
+from websockets.exceptions import InvalidStatus
 
 from dock_gateway.client import AsyncClient, Client, GatewayRefused
 from tests.support.domain import ros_domain
@@ -226,8 +227,11 @@ def test_a_topic_with_two_types_needs_one_of_them(open_gateway: RunningGateway, 
         wait_until(lambda: len(answered(open_gateway, "GET", "/graph/topics/mixed")[1].get("types", ())) == 2, "both")
         status, problem = answered(open_gateway, "POST", "/topics/mixed", {"data": True})
         assert (status, problem["errors"][0]["path"]) == (422, "query.type")
-        status, answer = answered(open_gateway, "POST", "/topics/mixed", {"data": True}, type="std_msgs/msg/Bool")
-        assert (status, answer["type"]) == (200, "std_msgs/msg/Bool")
+        status, answer = answered(open_gateway, "POST", "/topics/mixed", {"data": "x"}, type="std_msgs/msg/String")
+        assert (status, answer["type"]) == (200, "std_msgs/msg/String")
+        # It reads the first type, of which one participant cannot be as well.
+        with pytest.raises(InvalidStatus, match="409"), open_gateway.echo("/mixed"):
+            pass
 
 
 # ---------------------------------------------------------------------- clients

@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
+from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import Json
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.messages.abbreviate import abbreviate
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_message
 from dock_gateway.ros.messages.types import MessageClass
+from robot_io.rclpy_private import RCLError
 
 # Messages queued for the listener: at 3,000 a second, enough for a delay of 60 ms.
 DEPTH = 200
@@ -92,6 +94,9 @@ class EchoPort:
         on_news: Called on the loop at the first message after each `tell_next`.
         heard: Counts and newest message of an earlier port.
         keep: Number of messages that are kept until they are taken, besides the newest one.
+
+    Raises:
+        Conflict: `topic_in_use`: the gateway itself uses the topic with another type.
     """
 
     def __init__(
@@ -116,9 +121,13 @@ class EchoPort:
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
-        self._subscription = kind.message_class and bridge.node.create_subscription(
-            kind.message_class, topic, guard(self._hear), profile, raw=True
-        )
+        try:
+            self._subscription = kind.message_class and bridge.node.create_subscription(
+                kind.message_class, topic, guard(self._hear), profile, raw=True
+            )
+        except RCLError as error:  # one participant has one type for each topic
+            detail = f"{topic} is read as {kind.name}, and the gateway itself uses it with another type"
+            raise Conflict(detail, code="topic_in_use") from error
 
     def close(self) -> None:
         """Leave the topic."""
