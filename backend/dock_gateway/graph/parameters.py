@@ -164,6 +164,8 @@ def _parse(values: Mapping[str, object], known: Mapping[str, Parameter]) -> dict
     parsed: dict[str, Any] = {}
     errors: list[FieldError] = []
     for name, value in values.items():
+        if len(errors) >= MAX_ERRORS:
+            break
         if name not in known:
             errors.append(unknown(name, known))
             continue
