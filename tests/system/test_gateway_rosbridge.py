@@ -329,7 +329,7 @@ def twist(speed: float) -> dict[str, Any]:
     return {"linear": {**zero, "x": speed}, "angular": zero}
 
 
-def test_services_and_parameters(client: Client) -> None:
+def test_services_and_parameters(gateway: RunningGateway, client: Client) -> None:
     service = "/talker0/talker/get_parameters"
     assert client.call(service, names=["use_sim_time"])["values"][0]["bool_value"] is False
     client.send("call_service", service=service, args=[["use_sim_time"]], id="list")
@@ -340,6 +340,9 @@ def test_services_and_parameters(client: Client) -> None:
     assert client.call("/rosapi/has_param", name=name) == {"exists": True}
     assert name in client.call("/rosapi/get_param_names")["names"]
     client.call("/rosapi/set_param", name=name, value="false")
+    of_parameters = {"what": "set_param"}
+    (entry,) = wait_until(lambda: gateway.http.get("/audit", params=of_parameters).json()["records"], "the audit log")
+    assert entry["subject"] == "/talker0/talker use_sim_time"
     for service, args, reason in (
         ("/rosapi/set_param", {"name": "/fibonacci_action_server:use_sim_time", "value": "false"}, "--set-parameters"),
         ("/rosapi/set_param", {"name": name, "value": "{"}, "not JSON"),

@@ -49,8 +49,16 @@ class Rights:
         """
         await authorize_command(self._parts, self._principal, function.__name__, operation_of(function), fields)
 
-    async def carry_out(self, function: Callable[..., object], fields: Json, do: Do) -> Json:
+    async def carry_out(
+        self, function: Callable[..., object], fields: Json, do: Do, *, subject: str | None = None
+    ) -> Json:
         """Carry out an operation if it is allowed, and record it. Return its answer.
+
+        Args:
+            function: Declares what the operation needs.
+            fields: What it is about.
+            do: Carries it out.
+            subject: What the audit log says that it is about, if that is more than the name in the fields.
 
         Raises:
             GatewayError: It is not allowed (as `require`), or failed.
@@ -60,14 +68,18 @@ class Rights:
             await self.require(function, fields)
             return await do()
 
-        return await self.record(function, fields, authorized)
+        return await self.record(function, fields, authorized, subject=subject)
 
-    async def record(self, function: Callable[..., object], fields: Json, do: Do) -> Json:
+    async def record(
+        self, function: Callable[..., object], fields: Json, do: Do, *, subject: str | None = None
+    ) -> Json:
         """Carry out an operation, and record it. Return its answer."""
         name: str | None = next((fields[each] for each in ("topic", "service", "node") if each in fields), None)
         if name is not None:
             fields = {**fields, "robot": parent_of(name)}
-        return await audited_command(self._scope, function.__name__, operation_of(function), fields, do, subject=name)
+        return await audited_command(
+            self._scope, function.__name__, operation_of(function), fields, do, subject=subject or name
+        )
 
     async def command(self, name: str, fields: Json) -> Json:
         """Carry out a command of `/ws`."""

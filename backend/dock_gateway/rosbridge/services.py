@@ -116,7 +116,8 @@ class Services:
             await self._parts[Parameters].change(node, {name: value}, grant=self._rights.grant)
             return {}
 
-        await self._rights.carry_out(Services.set_param, {"node": node}, change)
+        subject = f"{node} {name}"[:200]
+        await self._rights.carry_out(Services.set_param, {"node": node}, change, subject=subject)
 
     async def _get_param(self, args: Any) -> Json:
         value = await self.get_param(*_parameter(args))
