@@ -114,6 +114,20 @@ def check(seen: dict[str, Any], *, actions: bool) -> None:
         assert "canceled" in seen["canceled"]
 
 
+def test_ros_mcp(gateway: RunningGateway) -> None:
+    """An agent with ros-mcp sees topics, sends a goal, and is refused what moves a robot past the stop."""
+    command = [CLIENTS / "ros-mcp/bin/python", HERE / "agent.py", CLIENTS / "ros-mcp/bin/ros-mcp", str(PORT)]
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    seen = json.loads(done.stdout)
+    assert "/talker0/scan" in seen["get_topics"]["topics"]
+    assert len(seen["subscribe_once"]["msg"]["ranges"]) == 720
+    assert seen["send_action_goal"]["result"] == {"sequence": [0, 1, 1, 2, 3]}
+    assert "--publish '/cmd_vel'" in seen["publish_for_durations"]["errors"][0]
+    assert gateway.http.get("/actions/fibonacci/goals").json()["goals"][0]["status"] == "succeeded"
+
+
 def program(number: int) -> str:
     """A program of docs/clients.md that uses roslib or roslibpy."""
     page = (ROOT / "docs/clients.md").read_text()

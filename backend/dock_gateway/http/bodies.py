@@ -127,7 +127,7 @@ def _field_error(item: Any, schema: dict[str, Any]) -> FieldError:
             return FieldError(path, "a value", "it is missing")
         case "extra_forbidden":
             known = ", ".join(_fields(schema, item["loc"][:-1]))
-            return FieldError(path, f"one of {known}", "got an unknown field")
+            return FieldError(path, f"one of {known}" if known else "no field", "got an unknown field")
         case "expected":
             return FieldError(path, context["expected"], context["detail"] or got(item["input"]))
     return FieldError(path, item["msg"].removeprefix("Input should be "), got(item["input"]))

@@ -13,6 +13,7 @@ from jsonschema import Draft202012Validator
 from pydantic import BaseModel
 
 from dock_gateway.access.schema import PasswordBody, TokenBody, UserBody
+from dock_gateway.agents.schema import Nothing
 from dock_gateway.automation.rule import RuleBody
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.fleet.schema import AcknowledgementBody, Label
@@ -55,6 +56,12 @@ def errors(value: object) -> list[tuple[str, str, str]]:
 )
 def test_each_error_says_where_and_what_is_expected(value: object, error: tuple[str, str, str]) -> None:
     assert errors(value) == [error]
+
+
+def test_a_body_without_fields_takes_none() -> None:
+    with pytest.raises(InvalidField) as refused:
+        read_model(Nothing, {"x": 1})
+    assert refused.value.extra["errors"] == [{"path": "x", "expected": "no field", "detail": "got an unknown field"}]
 
 
 def test_every_wrong_field_is_named_but_not_without_end() -> None:
