@@ -293,6 +293,7 @@ class Session:
 
         Raises:
             TimeoutError: The client did not read in time.
+            WebSocketDisconnect: The connection is closed.
         """
         async with self._sending:
             try:
@@ -300,6 +301,8 @@ class Session:
             except TimeoutError:
                 await self._close("too_slow")
                 raise
+            except RuntimeError:  # another message was not read in time: the connection is closed already
+                raise WebSocketDisconnect(CLOSE_CODES["too_slow"]) from None
 
     async def _close(self, reason: str) -> None:
         with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already

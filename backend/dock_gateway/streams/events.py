@@ -7,7 +7,7 @@ from typing import Any
 
 from fastapi import APIRouter, Depends, Request, WebSocket
 from starlette.responses import Response, StreamingResponse
-from starlette.websockets import WebSocketDisconnect, WebSocketDisconnected
+from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.access import Principal
@@ -65,7 +65,7 @@ async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
         await cancel(*tasks)
     for task in done:
         error = task.exception()
-        if error is not None and not isinstance(error, WebSocketDisconnect | WebSocketDisconnected | TimeoutError):
+        if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):
             log.error("a WebSocket broke", exc_info=error)
 
 
