@@ -25,7 +25,7 @@ from benchmarks.systems.bare import Bare
 from benchmarks.systems.base import System
 from benchmarks.systems.gateway import Gateway, GatewayInMemory, GatewayWithTokens
 from benchmarks.systems.http_gateway import HttpGateway
-from benchmarks.systems.rosbridge import Rosbridge
+from benchmarks.systems.rosbridge import Rosbridge, RosbridgeSuite
 from benchmarks.table import table
 from benchmarks.topics import topics
 
@@ -56,12 +56,13 @@ def _peers(
     if options.peers is None:
         return peers
     for name, why in LEFT_OUT.items():
-        results.leave_out(name, "", why)
+        if not (options.peers / name).is_dir():
+            results.leave_out(name, "", why)
     for peer in of:
         prefix = options.peers / peer.name
         if prefix.is_dir():
             peers.append(peer(stack.enter_context(site(options.payload)), prefix))
-        else:
+        elif peer.name not in LEFT_OUT:
             results.leave_out(peer.name, "", "it could not be installed from PyPI")
     return peers
 
@@ -84,7 +85,7 @@ async def _run(options: Options, results: Results) -> None:
             await requests(results, _gateways(stack, options), GatewayInMemory(_site(stack, options)), options)
     if "h" in options.cases:
         with ExitStack() as stack:
-            systems = [*_gateways(stack, options), *_peers(stack, options, results, (Rosbridge,))]
+            systems = [*_gateways(stack, options), *_peers(stack, options, results, (Rosbridge, RosbridgeSuite))]
             await _run_together(options, results, systems, "h")
 
 

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from statistics import median
 
-BARE, OURS, STOCK, ROSBRIDGE = "bare rclpy", "dock-gateway", "stock FastAPI", "rosbridge-server-rs"
+BARE, OURS, STOCK = "bare rclpy", "dock-gateway", "stock FastAPI"
+ROSBRIDGE, ROSBRIDGE_SUITE = "rosbridge-server-rs", "rosbridge_suite"
 
 
 @dataclass

@@ -1,12 +1,13 @@
 """The figures as a Markdown table, and beneath it what was left out."""
 
-from benchmarks.figures import BARE, OURS, ROSBRIDGE, STOCK, Figure, Results
+from benchmarks.figures import BARE, OURS, ROSBRIDGE, ROSBRIDGE_SUITE, STOCK, Figure, Results
 
 
 def table(results: Results) -> str:
     """One line a measure, one column a system, and ours by each that it is compared with."""
     systems = results.systems()
-    bases = [system for system in systems if system in (BARE, STOCK, ROSBRIDGE) or system.startswith(f"{OURS} ")]
+    compared = (BARE, STOCK, ROSBRIDGE, ROSBRIDGE_SUITE)
+    bases = [system for system in systems if system in compared or system.startswith(f"{OURS} ")]
     bases = bases if OURS in systems else []
     lines = [["case", "measure", *systems, *(f"÷ {base}" for base in bases)]]
     for case, measure in results.rows():

@@ -15,8 +15,9 @@ from benchmarks.readers import Tally, WebSocketReader, connect
 from benchmarks.site import ACTION, ACTION_TYPE, Goal
 from benchmarks.systems.base import Impossible
 from benchmarks.systems.gateway import Gateway
-from benchmarks.systems.rosbridge import MARK, Rosbridge
+from benchmarks.systems.rosbridge import Rosbridge
 
+MARK = b'"publish"'  # with a space before it or without
 TOPIC, TYPE = "/benchmark", "sensor_msgs/msg/BatteryState"
 LOADS = ((1, 1000), (50, 200), (200, 100))  # readers, Hz
 COMPRESSIONS = {"JSON": "none", "CBOR": "cbor"}

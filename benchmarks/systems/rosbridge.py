@@ -1,4 +1,4 @@
-"""rosbridge-server-rs: rosbridge's protocol over WebSocket, in Rust."""
+"""rosbridge-server-rs and rosbridge_suite: rosbridge's protocol over WebSocket, in Rust and in Python."""
 
 import asyncio
 import sysconfig
@@ -11,7 +11,7 @@ import orjson
 from picows import WSMsgType, WSTransport
 from tests.support.processes import Process
 
-from benchmarks.figures import ROSBRIDGE
+from benchmarks.figures import ROSBRIDGE, ROSBRIDGE_SUITE
 from benchmarks.http import free_port
 from benchmarks.readers import Tally, WebSocketReader, connect
 from benchmarks.site import ACTION, ACTION_TYPE, Goal, Site, site_packages
@@ -143,6 +143,33 @@ class Rosbridge(System):
         if hasattr(self, "process"):
             await super().close()
             self._folder.cleanup()
+
+
+class RosbridgeSuite(Rosbridge):
+    """rosbridge_suite. It is on no registry: its environment is made by hand, as docs/performance.md says."""
+
+    name = ROSBRIDGE_SUITE
+
+    async def start(self) -> None:
+        """Start it and have a first goal end."""
+        self._folder = tempfile.TemporaryDirectory()
+        port, programs = free_port(), self._prefix / "bin"
+        self.rosbridge_url = f"ws://127.0.0.1:{port}"
+        command = (str(programs / "python"), str(programs / "rosbridge_websocket"), "--port", str(port))
+        self.process = Process(*command, env=self.site.environment(self._prefix)).__enter__()
+        deadline = time.monotonic() + START_TIMEOUT
+        while True:
+            try:
+                self._transport, _ = await connect(
+                    self.rosbridge_url, lambda: WebSocketReader(Tally(), b"\0", self._hear)
+                )
+            except OSError as error:
+                if time.monotonic() > deadline or not self.process.running:
+                    raise Impossible(f"{error}: {self.process.output[-300:]}") from error
+                await asyncio.sleep(0.1)
+            else:
+                break
+        await self._goal(Goal())
 
 
 def _send(transport: Any, order: dict[str, Any]) -> None:
