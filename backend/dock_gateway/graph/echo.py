@@ -8,15 +8,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from dock_gateway.core.errors import GatewayError, NotFound
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, moment, notice, utc_now
 from dock_gateway.core.goal import fragment
-from dock_gateway.core.graph import Endpoint, Topic
+from dock_gateway.core.graph import Topic
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.subscription import TopicSubscription, listening_for
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard, Reading
+from dock_gateway.ros.raw_port import EchoType, Heard, Reading
 
 log = logging.getLogger(__name__)
 
@@ -44,15 +45,6 @@ class Viewer:
     seen: int = 0
 
 
-@dataclass(frozen=True)
-class Listening:
-    """The type and quality of service of a subscription."""
-
-    kind: str
-    reliable: bool
-    latched: bool
-
-
 class Echo:
     """One topic, for all its viewers.
 
@@ -65,16 +57,10 @@ class Echo:
 
     def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
         self._tick = tick
-        self._bridge = bridge
-        self._graph = graph
-        self._topic = topic
+        self._subscription = TopicSubscription(bridge, graph, topic)
         self._viewers: set[Viewer] = set()
-        self._listening: Listening | None = None
-        self._kind: EchoType | None = None
         self._unreadable: str | None = None
-        self._port: EchoPort | None = None
         self._past: deque[tuple[float, Heard]] = deque([(time.monotonic(), Heard())], maxlen=WINDOW + 1)
-        self._changed = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
@@ -83,21 +69,20 @@ class Echo:
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
-        await self._listen(listening_for(self._topic, None))
+        await self._subscription.listen(listening_for(self._subscription.topic, None))
         self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
         """End the subscription."""
         if self._task is not None:
             await cancel(self._task)
-        if self._port is not None:
-            self._bridge.to_ros(self._port.close)
+        self._subscription.close()
 
     def add(self, viewer: Viewer) -> None:
         """Add a viewer. It gets the topic's state, the newest message, and later ones."""
         self._viewers.add(viewer)
         viewer.subscriber.put(self._topic_event())
-        self._changed.set()
+        self._subscription.news.set()
 
     def remove(self, viewer: Viewer) -> None:
         """Remove a viewer."""
@@ -108,55 +93,44 @@ class Echo:
         """Whether the topic has viewers."""
         return bool(self._viewers)
 
-    @property
-    def _heard(self) -> Heard:
-        return Heard() if self._port is None else self._port.heard
-
     async def _run(self) -> None:
         tick = time.monotonic() + self._tick
         while True:
             try:
-                await self._wait(min(tick, self._next_due()))
+                await self._subscription.wait(min(tick, self._next_due()) - time.monotonic())
                 await self._show()
                 if time.monotonic() >= tick:
                     tick = time.monotonic() + self._tick
                     self._tell_rate()
                     await self._look_again()
             except GatewayError as error:
-                log.warning("cannot subscribe to %s: %s", self._topic.name, error.detail)
+                log.warning("cannot subscribe to %s: %s", self._subscription.topic.name, error.detail)
             except Exception:
-                log.exception("while reading %s", self._topic.name)
+                log.exception("while reading %s", self._subscription.topic.name)
                 await asyncio.sleep(self._tick)
 
-    async def _wait(self, until: float) -> None:
-        try:
-            async with asyncio.timeout(max(0.0, until - time.monotonic())):
-                await self._changed.wait()
-        except TimeoutError:
-            pass
-        self._changed.clear()
-
     def _waiting(self) -> list[Viewer]:
-        heard = self._heard
-        if heard.newest is None or self._kind is None or not self._kind.installed:
+        heard = self._subscription.heard
+        if heard.newest is None or self._subscription.kind is None or not self._subscription.kind.installed:
             return []
         return [viewer for viewer in self._viewers if viewer.seen < heard.messages]
 
     def _next_due(self) -> float:
-        if not self._waiting() and self._port is not None:
-            self._port.tell_next()  # a message that arrives right now wakes us, or is seen in the next line
+        port = self._subscription.port
+        if not self._waiting() and port is not None:
+            port.tell_next()  # a message that arrives right now wakes us, or is seen in the next line
         return min((viewer.due for viewer in self._waiting()), default=float("inf"))
 
     async def _show(self) -> None:
-        began, heard = time.monotonic(), self._heard
+        began, heard = time.monotonic(), self._subscription.heard
         due = [viewer for viewer in self._waiting() if viewer.due <= began]
-        if not due or heard.newest is None or self._kind is None:
+        if not due or heard.newest is None or self._subscription.kind is None:
             return
-        reading = await self._read(self._kind, heard.newest)
+        reading = await self._read(self._subscription.kind, heard.newest)
         if reading is not None:
             event = _event(
                 "message",
-                self._topic.name,
+                self._subscription.topic.name,
                 time=moment(heard.stamp_ns),
                 message=fragment(reading.message),
                 abbreviated=bool(reading.lengths),
@@ -175,20 +149,20 @@ class Echo:
         except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
             self._unreadable = f"its messages cannot be read as {kind.name}: {error}"
             if before is None:
-                log.warning("%s: %s", self._topic.name, self._unreadable)
+                log.warning("%s: %s", self._subscription.topic.name, self._unreadable)
         if self._unreadable != before:
             self._send(self._viewers, self._topic_event())
         return reading
 
     def _tell_rate(self) -> None:
-        if self._kind is None or not self._kind.installed:  # nothing is received
+        if self._subscription.kind is None or not self._subscription.kind.installed:  # nothing is received
             return
-        now, heard = time.monotonic(), self._heard
+        now, heard = time.monotonic(), self._subscription.heard
         self._past.append((now, heard._replace(newest=None)))
         then, before = self._past[0]
         event = _event(
             "rate",
-            self._topic.name,
+            self._subscription.topic.name,
             hz=round((heard.messages - before.messages) / (now - then), 2),
             bytes_per_s=round((heard.size - before.size) / (now - then)),
             messages=heard.messages,
@@ -196,45 +170,20 @@ class Echo:
         self._send(self._viewers, event)
 
     async def _look_again(self) -> None:
+        kind = self._subscription.kind
         try:
-            topic = await self._graph.topic(self._topic.name)
-        except NotFound:  # it may come back
-            topic = Topic(self._topic.name, [], [])
-        same = topic.document() == self._topic.document()
-        self._topic = topic
-        listening = listening_for(topic, self._listening)
-        if listening != self._listening:
-            await self._listen(listening)
-        elif same:
-            return
-        self._send(self._viewers, self._topic_event())
-
-    async def _listen(self, listening: Listening) -> None:
-        if self._kind is None or self._kind.name != listening.kind:
-            self._kind = await asyncio.to_thread(EchoType, listening.kind)
-            self._unreadable = None
-        kind, before = self._kind, self._port
-
-        def change() -> EchoPort:
-            if before is not None:
-                before.close()
-            return EchoPort(
-                self._bridge,
-                self._topic.name,
-                kind,
-                reliable=listening.reliable,
-                latched=listening.latched,
-                on_news=self._changed.set,
-                heard=self._heard,
-            )
-
-        self._port, self._listening = await self._bridge.call(change, undo=EchoPort.close), listening
+            changed = await self._subscription.look_again()
+        finally:
+            if self._subscription.kind is not kind:
+                self._unreadable = None
+        if changed:
+            self._send(self._viewers, self._topic_event())
 
     def _topic_event(self) -> Event:
-        kind = self._kind
+        kind = self._subscription.kind
         return _event(
             "topic",
-            self._topic.document(),
+            self._subscription.topic.document(),
             message_type=kind and kind.name,
             installed=kind is not None and kind.installed,
             hint=self._unreadable or (kind and kind.hint),
@@ -244,31 +193,6 @@ class Echo:
     def _send(viewers: Iterable[Viewer], event: Event) -> None:
         for viewer in viewers:
             viewer.subscriber.put(event)
-
-
-def listening_for(topic: Topic, now: Listening | None) -> Listening:
-    """Return how to subscribe to every publisher of a topic, and to earlier messages if all publishers keep them.
-
-    If a topic has more than one type, which is a mistake on the graph, one of its publishers' types is used.
-
-    Args:
-        topic: The current state of the topic.
-        now: The current subscription; it is kept while there are no publishers.
-    """
-    publishers = topic.publishers
-    if not publishers and now is not None:
-        return now
-    types = sorted({endpoint.type for endpoint in publishers}) or topic.types
-
-    def all_are(name: str, value: str) -> bool:
-        return bool(publishers) and all(_quality(endpoint, name) == value for endpoint in publishers)
-
-    return Listening(types[0], all_are("reliability", "reliable"), all_are("durability", "transient_local"))
-
-
-def _quality(endpoint: Endpoint, name: str) -> str:
-    value: str = getattr(endpoint.qos, name)
-    return value
 
 
 def _event(kind: str, topic: Any, **payload: Any) -> Event:

@@ -13,9 +13,9 @@ from dock_gateway.core.event import websocket_frame
 from dock_gateway.core.graph import Topic
 from dock_gateway.core.tasks import cancel
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.echo import Listening, listening_for
+from dock_gateway.graph.subscription import Listening, TopicSubscription, listening_for
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
+from dock_gateway.ros.raw_port import EchoType
 from dock_gateway.rosbridge import cbor, png
 from dock_gateway.rosbridge.protocol import Compression, published
 from dock_gateway.rosbridge.protocol import png as png_message
@@ -116,20 +116,15 @@ class Relay:
     def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
         self.outlets: set[Outlet] = set()
         self._tick = tick
-        self._bridge = bridge
-        self._graph = graph
-        self._topic = topic
-        self._kind: EchoType | None = None
-        self._listening: Listening | None = None
-        self._port: EchoPort | None = None
+        self._subscription = TopicSubscription(bridge, graph, topic, KEEP)
         self._newest: Published | None = None
-        self._changed = asyncio.Event()
         self._task: Task[None] | None = None
 
     @property
     def kind(self) -> str:
         """The type of the topic."""
-        return "" if self._kind is None else self._kind.name
+        kind = self._subscription.kind
+        return "" if kind is None else kind.name
 
     async def open(self, type_name: str | None) -> None:
         """Subscribe to the topic.
@@ -141,20 +136,19 @@ class Relay:
             NotFound: Its messages cannot be read: their package is not installed (`interface_not_found`).
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
-        types = self._topic.types or [type_name or ""]
+        subscription = self._subscription
+        types = subscription.topic.types or [type_name or ""]
         at_first = Listening(types[0], reliable=False, latched=False)
-        listening = listening_for(self._topic, at_first)
-        await self._listen(listening)
-        if self._kind is None or not self._kind.installed:
-            raise NotFound(f"{self._topic.name}: {self._kind and self._kind.hint}", code="interface_not_found")
+        await subscription.listen(listening_for(subscription.topic, at_first))
+        if (kind := subscription.kind) is None or not kind.installed:
+            raise NotFound(f"{subscription.topic.name}: {kind and kind.hint}", code="interface_not_found")
         self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
         """End the subscription."""
         if self._task is not None:
             await cancel(self._task)
-        if self._port is not None:
-            self._bridge.to_ros(self._port.close)
+        self._subscription.close()
 
     async def add(self, outlet: Outlet) -> None:
         """Add a client. If the topic's publishers keep earlier messages, the client gets the last one."""
@@ -167,62 +161,24 @@ class Relay:
         tick = loop.time() + self._tick
         while True:
             try:
-                await self._wait(tick)
+                await self._subscription.wait(tick - loop.time())
                 await self._pass_on()
                 if loop.time() >= tick:
                     tick = loop.time() + self._tick
-                    await self._look_again()
+                    await self._subscription.look_again()
             except GatewayError as error:
-                log.warning("cannot subscribe to %s: %s", self._topic.name, error.detail)
+                log.warning("cannot subscribe to %s: %s", self._subscription.topic.name, error.detail)
             except Exception:
-                log.exception("while reading %s", self._topic.name)
+                log.exception("while reading %s", self._subscription.topic.name)
                 await asyncio.sleep(self._tick)
 
-    async def _wait(self, until: float) -> None:
-        try:
-            async with asyncio.timeout_at(until):
-                await self._changed.wait()
-        except TimeoutError:
-            pass
-        self._changed.clear()
-
     async def _pass_on(self) -> None:
-        if self._port is None or self._kind is None:
+        heard = self._subscription
+        if heard.port is None or heard.kind is None:
             return
-        self._port.tell_next()  # before the take: what comes after it is told, and does not wait for the next message
-        for message in self._port.take():
-            newest = Published(self._topic.name, self._kind, message)
+        heard.port.tell_next()  # before the take: what comes after it is told, and does not wait for the next message
+        for message in heard.port.take():
+            newest = Published(heard.topic.name, heard.kind, message)
             for outlet in tuple(self.outlets):
                 await outlet.offer(newest)
-            self._newest = newest if self._listening is not None and self._listening.latched else None
-
-    async def _look_again(self) -> None:
-        try:
-            self._topic = await self._graph.topic(self._topic.name)
-        except NotFound:  # it may come back
-            return
-        listening = listening_for(self._topic, self._listening)
-        if listening != self._listening:
-            await self._listen(listening)
-
-    async def _listen(self, listening: Listening) -> None:
-        if self._kind is None or self._kind.name != listening.kind:
-            self._kind = await asyncio.to_thread(EchoType, listening.kind)
-        kind, before = self._kind, self._port
-
-        def change() -> EchoPort:
-            if before is not None:
-                before.close()
-            return EchoPort(
-                self._bridge,
-                self._topic.name,
-                kind,
-                reliable=listening.reliable,
-                latched=listening.latched,
-                on_news=self._changed.set,
-                heard=Heard(),
-                keep=KEEP,
-            )
-
-        self._port, self._listening = await self._bridge.call(change, undo=EchoPort.close), listening
-        self._changed.set()
+            self._newest = newest if heard.listening is not None and heard.listening.latched else None

@@ -13,9 +13,9 @@ from dock_gateway.core.errors import NotFound, TooManyRequests
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.graph import Endpoint, Quality, Topic
 from dock_gateway.core.hub import Subscriber
-from dock_gateway.graph import echo as module
-from dock_gateway.graph.echo import Listening, listening_for
+from dock_gateway.graph import subscription as module
 from dock_gateway.graph.echoes import MAX_TOPICS, EchoRegistry
+from dock_gateway.graph.subscription import Listening, listening_for
 from dock_gateway.ros.raw_port import Heard, Reading
 
 BOOL, INT = "std_msgs/msg/Bool", "std_msgs/msg/Int32"
@@ -60,8 +60,9 @@ class FakePort:
     ports: ClassVar[list["FakePort"]] = []
 
     def __init__(
-        self, _: Any, topic: str, kind: FakeType, *, on_news: Callable[[], None], heard: Heard, **how: bool
+        self, _: Any, topic: str, kind: FakeType, *, on_news: Callable[[], None], heard: Heard, keep: int, **how: bool
     ) -> None:
+        assert keep == 0  # only the newest message is shown
         self.topic, self.kind, self.how, self.on_news = topic, kind, how, on_news
         self.heard = heard._replace(newest=None)
         self.closed = False

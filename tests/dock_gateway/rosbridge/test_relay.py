@@ -64,7 +64,7 @@ class Listener:
 
 
 async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dock_gateway.rosbridge.relay.EchoPort", FakePort)
+    monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
     relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), tick=3600.0)
     listener = Listener()
     await relay.add(listener)

@@ -1,0 +1,136 @@
+"""The gateway's subscription to any topic: of the type and the quality that the topic's publishers have."""
+
+import asyncio
+from dataclasses import dataclass
+
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.graph import Endpoint, Topic
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
+
+
+@dataclass(frozen=True)
+class Listening:
+    """The type and quality of service of a subscription."""
+
+    kind: str
+    reliable: bool
+    latched: bool
+
+
+class TopicSubscription:
+    """A subscription that is made anew when the topic's publishers change.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of the topic.
+        topic: The current state of the topic.
+        keep: Number of messages that are kept until they are taken, besides the newest one.
+
+    Attributes:
+        topic: The topic, as it was last seen.
+        kind: The type that is subscribed to; None before `listen`.
+        listening: How it is subscribed to; None before `listen`.
+        port: The subscription on the ROS thread; None before `listen`.
+        news: Set when a message has come, as `EchoPort.tell_next` asks for.
+    """
+
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, keep: int = 0) -> None:
+        self.topic = topic
+        self.kind: EchoType | None = None
+        self.listening: Listening | None = None
+        self.port: EchoPort | None = None
+        self.news = asyncio.Event()
+        self._bridge = bridge
+        self._graph = graph
+        self._keep = keep
+
+    @property
+    def heard(self) -> Heard:
+        """What has come so far."""
+        return Heard() if self.port is None else self.port.heard
+
+    async def wait(self, seconds: float) -> None:
+        """Wait for news, at most so long."""
+        try:
+            async with asyncio.timeout(max(0.0, seconds)):
+                await self.news.wait()
+        except TimeoutError:
+            pass
+        self.news.clear()
+
+    async def look_again(self) -> bool:
+        """Follow the topic's publishers; return whether the topic or the subscription has changed.
+
+        Raises:
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        before = self.topic
+        try:
+            self.topic = await self._graph.topic(before.name)
+        except NotFound:  # it may come back
+            self.topic = Topic(before.name, [], [])
+        listening = listening_for(self.topic, self.listening)
+        if listening != self.listening:
+            await self.listen(listening)
+            return True
+        return self.topic.document() != before.document()
+
+    async def listen(self, listening: Listening) -> None:
+        """Subscribe, in place of an earlier subscription.
+
+        Raises:
+            Conflict: `topic_in_use`: the gateway itself uses the topic with another type.
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        if self.kind is None or self.kind.name != listening.kind:
+            self.kind = await asyncio.to_thread(EchoType, listening.kind)
+        kind, before = self.kind, self.port
+
+        def change() -> EchoPort:
+            if before is not None:
+                before.close()
+            return EchoPort(
+                self._bridge,
+                self.topic.name,
+                kind,
+                reliable=listening.reliable,
+                latched=listening.latched,
+                on_news=self.news.set,
+                heard=self.heard,
+                keep=self._keep,
+            )
+
+        self.port, self.listening = await self._bridge.call(change, undo=EchoPort.close), listening
+        self.news.set()  # a message may have come already
+
+    def close(self) -> None:
+        """End the subscription."""
+        if self.port is not None:
+            self._bridge.to_ros(self.port.close)
+
+
+def listening_for(topic: Topic, now: Listening | None) -> Listening:
+    """Return how to subscribe to every publisher of a topic, and to earlier messages if all publishers keep them.
+
+    If a topic has more than one type, which is a mistake on the graph, one of its publishers' types is used.
+
+    Args:
+        topic: The current state of the topic.
+        now: The current subscription; it is kept while there are no publishers.
+    """
+    publishers = topic.publishers
+    if not publishers and now is not None:
+        return now
+    types = sorted({endpoint.type for endpoint in publishers}) or topic.types
+
+    def all_are(name: str, value: str) -> bool:
+        return bool(publishers) and all(_quality(endpoint, name) == value for endpoint in publishers)
+
+    return Listening(types[0], all_are("reliability", "reliable"), all_are("durability", "transient_local"))
+
+
+def _quality(endpoint: Endpoint, name: str) -> str:
+    value: str = getattr(endpoint.qos, name)
+    return value
