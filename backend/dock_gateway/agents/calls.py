@@ -1,4 +1,4 @@
-"""One call of a tool: allowed, audited and carried out as a command of `/ws`; whoever calls may be asked back."""
+"""One call of a tool: allowed, audited and carried out as a command of `/ws`. The caller may be asked a question."""
 
 import asyncio
 from collections.abc import Mapping
@@ -18,8 +18,9 @@ from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from starlette.requests import Request
 
 from dock_gateway.access.authorization import authorize_command
+from dock_gateway.agents.reading import follow, goal_document
 from dock_gateway.agents.schema import GoalAnswer
-from dock_gateway.agents.tools import Tool, answer_approval, follow, goal_document
+from dock_gateway.agents.tools import Tool, answer_approval
 from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import NotFound

@@ -57,10 +57,13 @@ from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
 from dock_gateway.streams.events import CLOSE_CODES, until_one_ends
 from dock_gateway.streams.feed import end_of
+from dock_gateway.streams.incoming import carry_out_all
 
 log = logging.getLogger(__name__)
 
 CANCEL = "cancel_action_goal"
+# Operations in progress, and cancels and stops in addition to them.
+MAX_OPERATIONS, MAX_URGENT = 64, 64
 
 
 class Session:
@@ -72,9 +75,6 @@ class Session:
         principal: The user who sends them.
         writer: Writes frames past the queue; None if the connection cannot.
         cancel_on_disconnect: Whether the goals of the connection are canceled when it ends.
-        max_operations: Maximum number of operations in progress; more are refused.
-        max_urgent: Cancels and stops in addition to them. They are never refused: beyond this, the socket is not read
-            until one is answered.
 
     Attributes:
         event_filter: The events that the connection needs.
@@ -88,13 +88,9 @@ class Session:
         writer: FrameWriter | None,
         *,
         cancel_on_disconnect: bool = False,
-        max_operations: int = 64,
-        max_urgent: int = 64,
     ) -> None:
         self._websocket = websocket
         self._parts = parts
-        self._max_operations = max_operations
-        self._max_urgent = max_urgent
         self._level = Level.error
         self._rights = Rights(websocket.scope, parts, principal)
         self._goals = ClientGoals(self._send)
@@ -104,7 +100,6 @@ class Session:
         self._sending = asyncio.Lock()
         self._in_order = asyncio.Lock()
         self._asking = asyncio.Lock()
-        self._tasks: set[asyncio.Task[None]] = set()
         self._fragments = Fragments(parts[Settings].max_body_bytes)
         self._cancel_on_disconnect = cancel_on_disconnect
         self._closed = False
@@ -140,20 +135,19 @@ class Session:
     # ------------------------------------------------------------------ operations
 
     async def _read(self) -> None:
-        """Carry out what the client sends, each operation in a task of its own, until it disconnects."""
-        while True:
-            received = await self._websocket.receive()
-            if received["type"] == "websocket.disconnect":
-                return
-            if len(self._tasks) >= self._max_operations and not _is_urgent(received):
-                error = TooManyRequests(f"{self._max_operations} operations are already in progress")
-                await self._report(Level.error, error.detail, None)
-                continue
-            while len(self._tasks) >= self._max_operations + self._max_urgent:
-                await asyncio.wait(self._tasks, return_when=asyncio.FIRST_COMPLETED)
-            task = asyncio.create_task(self._handle(received))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+        """Carry out what the client sends, until it disconnects."""
+        await carry_out_all(
+            self._websocket,
+            self._handle,
+            self._refuse,
+            _is_urgent,
+            most=MAX_OPERATIONS,
+            most_urgent=MAX_URGENT,
+            what="operations",
+        )
+
+    async def _refuse(self, error: TooManyRequests) -> None:
+        await self._report(Level.error, error.detail, None)
 
     async def _handle(self, received: Message) -> None:
         op, identity = "", None

@@ -41,6 +41,7 @@ from dock_gateway.streams.command_schema import SubscribeCommand, UnsubscribeCom
 from dock_gateway.streams.commands import COMMANDS, STOP, Fields, read_command
 from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends
 from dock_gateway.streams.feed import end_of, feed
+from dock_gateway.streams.incoming import carry_out_all
 from dock_gateway.streams.queries import read_after, read_event_filter, read_max_rate
 
 log = logging.getLogger(__name__)
@@ -101,7 +102,6 @@ class Session:
         self._principal = principal
         self._sending = asyncio.Lock()
         self._subscriptions: dict[str, Subscription] = {}
-        self._commands: set[asyncio.Task[None]] = set()
         self._closed = False
 
     async def run(self, place: Subscriber) -> None:
@@ -124,21 +124,16 @@ class Session:
         return [subscription.task for subscription in self._subscriptions.values()]
 
     async def read(self) -> None:
-        """Carry out what the client sends, each command in a task of its own, until it disconnects."""
-        while True:
-            received = await self._websocket.receive()
-            if received["type"] == "websocket.disconnect":
-                return
-            if len(self._commands) >= self._max_commands and not _is_stop(received):
-                await self._answer_error(
-                    None, TooManyRequests(f"{self._max_commands} commands are already in progress")
-                )
-                continue
-            while len(self._commands) >= self._max_commands + self._max_stops:
-                await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
-            task = asyncio.create_task(self.handle(received))
-            self._commands.add(task)
-            task.add_done_callback(self._commands.discard)
+        """Carry out what the client sends, until it disconnects."""
+        await carry_out_all(
+            self._websocket,
+            self.handle,
+            partial(self._answer_error, None),
+            _is_stop,
+            most=self._max_commands,
+            most_urgent=self._max_stops,
+            what="commands",
+        )
 
     async def handle(self, received: Message) -> None:
         """Carry out one command, and answer it."""

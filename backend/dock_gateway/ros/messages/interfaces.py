@@ -27,10 +27,7 @@ def load_action(type_name: str) -> Any:
     Raises:
         ImportError: The name is not an action type, the package is not installed, or it has no such action.
     """
-    match = _ACTION_TYPE.fullmatch(type_name)
-    if not match:
-        raise ImportError(f"{type_name[:200]!r} is not an action type such as package/action/Name")
-    package, name = match.groups()
+    package, name = _split(_ACTION_TYPE, type_name, "an action type such as package/action/Name")
     action = _load(package, "action", name)
     if not all(hasattr(action, part) for part in ("Goal", "Result", "Feedback", "Impl")):
         raise ImportError(f"the ROS interfaces {package} have no action {name}")
@@ -45,10 +42,7 @@ def load_message(type_name: str) -> Any:
     Raises:
         ImportError: The name is not a message type, the package is not installed, or it has no such message.
     """
-    match = _MESSAGE_TYPE.fullmatch(type_name)
-    if not match:
-        raise ImportError(f"{type_name[:200]!r} is not a message type such as package/msg/Name")
-    package, name, action = match.groups()
+    package, name, action = _split(_MESSAGE_TYPE, type_name, "a message type such as package/msg/Name")
     if action:
         return load_action(f"{package}/action/{action}").Impl.FeedbackMessage
     message = _load(package, "msg", name)
@@ -63,14 +57,17 @@ def load_service(type_name: str) -> Any:
     Raises:
         ImportError: The name is not a service type, the package is not installed, or it has no such service.
     """
-    match = _SERVICE_TYPE.fullmatch(type_name)
-    if not match:
-        raise ImportError(f"{type_name[:200]!r} is not a service type such as package/srv/Name")
-    package, name = match.groups()
+    package, name = _split(_SERVICE_TYPE, type_name, "a service type such as package/srv/Name")
     service = _load(package, "srv", name)
     if not (hasattr(service, "Request") and hasattr(service, "Response")):
         raise ImportError(f"the ROS interfaces {package} have no service {name}")
     return service
+
+
+def _split(pattern: re.Pattern[str], type_name: str, what: str) -> tuple[str, ...]:
+    if not (match := pattern.fullmatch(type_name)):
+        raise ImportError(f"{type_name[:200]!r} is not {what}")
+    return match.groups()
 
 
 def _load(package: str, kind: str, name: str) -> Any:

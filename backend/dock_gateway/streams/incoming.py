@@ -1,0 +1,46 @@
+"""What a client sends over a WebSocket: each message in a task of its own, up to a limit that lets stops pass."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any
+
+from fastapi import WebSocket
+from starlette.types import Message
+
+from dock_gateway.core.errors import TooManyRequests
+
+
+async def carry_out_all(
+    websocket: WebSocket,
+    handle: Callable[[Message], Coroutine[Any, Any, None]],
+    refuse: Callable[[TooManyRequests], Awaitable[None]],
+    is_urgent: Callable[[Message], bool],
+    *,
+    most: int,
+    most_urgent: int,
+    what: str,
+) -> None:
+    """Carry out what a client sends, each message in a task of its own, until it disconnects.
+
+    Args:
+        websocket: The connection.
+        handle: Carries out a message, and answers it.
+        refuse: Answers a message that is one too many.
+        is_urgent: Whether a message must not be refused, as it stops something.
+        most: Maximum number of messages in progress; more are refused.
+        most_urgent: Urgent ones in addition to them. Beyond this, the socket is not read until one is answered.
+        what: What the messages are called, such as `commands`.
+    """
+    tasks: set[asyncio.Task[None]] = set()
+    while True:
+        received = await websocket.receive()
+        if received["type"] == "websocket.disconnect":
+            return
+        if len(tasks) >= most and not is_urgent(received):
+            await refuse(TooManyRequests(f"{most} {what} are already in progress"))
+            continue
+        while len(tasks) >= most + most_urgent:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        task = asyncio.create_task(handle(received))
+        tasks.add(task)
+        task.add_done_callback(tasks.discard)
