@@ -1,7 +1,7 @@
-import { type ActionInfo, type AnyGoal, ClientError } from "@dock-gateway/client";
-import { Anchor, Button, Checkbox, Code, Group, SegmentedControl, Stack, Text } from "@mantine/core";
+import type { ActionInfo, AnyGoal } from "@dock-gateway/client";
+import { Anchor, Button, Checkbox, Code, Group, Stack, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
-import { type FormEvent, useCallback, useId, useMemo, useState } from "react";
+import { type FormEvent, useCallback, useId, useState } from "react";
 import { Link } from "react-router";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { heldStops } from "../stop/held";
@@ -12,11 +12,8 @@ import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { isHeld, sendLine, useActionsApi, whyNotSend } from "./actions";
 import classes from "./actions.module.css";
-import { type FormContextValue, FormProvider } from "./fields/context";
-import { MessageFields } from "./fields/MessageFields";
-import type { Draft } from "./form/draft";
+import { DraftFields, ModeSwitch, refusedFields } from "./DraftFields";
 import type { MessageShape } from "./form/shapes";
-import { JsonEditor } from "./JsonEditor";
 import type { useDraft } from "./useDraft";
 
 interface GoalFormProps {
@@ -30,7 +27,7 @@ interface GoalFormProps {
 /** A goal to fill in, as a form or as JSON, and to send. */
 export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps) {
   const name = action.action_name;
-  const { draft, body, message, ready, errors, hidden, change } = state;
+  const { body, ready, errors } = state;
   const api = useActionsApi();
   const live = useFleetLive();
   const stops = heldStops(useFleetTopic("stop"), useFleetTopic("robots"));
@@ -46,11 +43,8 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
       onSent(goal);
       return goal;
     } catch (error) {
-      if (error instanceof ClientError && error.fields.length > 0) {
-        const refused = error.fields.map(({ path, expected, detail }) => ({
-          path,
-          detail: expected === undefined ? detail : `expected ${expected}, ${detail}`,
-        }));
+      const refused = refusedFields(error);
+      if (refused.length > 0) {
         state.refuse(refused);
         setSought(refused[0]?.path ?? null);
       }
@@ -73,35 +67,12 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
   };
 
   const found = useCallback(() => setSought(null), []);
-  const form: FormContextValue = useMemo(
-    () => ({ errors, change, sought, found }),
-    [errors, change, sought, found],
-  );
   return (
-    <Section
-      title="Goal"
-      aside={
-        <SegmentedControl
-          aria-label="Write the goal as"
-          value={draft.mode}
-          onChange={(mode) => state.setMode(mode as Draft["mode"])}
-          data={[
-            { label: "Form", value: "form" },
-            { label: "JSON", value: "json" },
-          ]}
-        />
-      }
-    >
+    <Section title="Goal" aside={<ModeSwitch state={state} label="Write the goal as" />}>
       {shape.description !== null && <Text size="sm">{shape.description}</Text>}
       <form noValidate onSubmit={submit}>
         <Stack gap="md">
-          <FormProvider value={form}>
-            {draft.mode === "json" ? (
-              <JsonEditor text={draft.text} onChange={state.setText} hidden={hidden} />
-            ) : (
-              <MessageFields shape={shape} values={draft.values} path={[]} message={message} />
-            )}
-          </FormProvider>
+          <DraftFields state={state} shape={shape} sought={sought} onFound={found} />
           <Group gap="sm">
             <Button
               type="submit"

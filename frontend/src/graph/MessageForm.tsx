@@ -1,12 +1,8 @@
-import { ClientError } from "@dock-gateway/client";
-import { Code, Group, SegmentedControl, Stack, Text, Title } from "@mantine/core";
+import { Code, Group, Stack, Text, Title } from "@mantine/core";
 import { type FormEvent, type ReactNode, useCallback, useId, useMemo, useState } from "react";
 import actionClasses from "../actions/actions.module.css";
-import { type FormContextValue, FormProvider } from "../actions/fields/context";
-import { MessageFields } from "../actions/fields/MessageFields";
-import type { Draft } from "../actions/form/draft";
+import { DraftFields, ModeSwitch, refusedFields } from "../actions/DraftFields";
 import { shapeOf } from "../actions/form/shapes";
-import { JsonEditor } from "../actions/JsonEditor";
 import { useDraft } from "../actions/useDraft";
 import type { Json, JsonSchema } from "../api/jsonSchema";
 import { Command } from "../ui/CopyButton";
@@ -42,7 +38,7 @@ export function MessageForm<Answer>(props: MessageFormProps<Answer>) {
   const { title, schema, verb, question, reason, line, children } = props;
   const shape = useMemo(() => shapeOf(schema), [schema]);
   const state = useDraft(props.draft, shape, NOTHING);
-  const { draft, body, message, ready, errors, hidden, change } = state;
+  const { body, ready, errors } = state;
   const [sought, setSought] = useState<string | null>(null);
   const [asking, setAsking] = useState(false);
   const titleId = useId();
@@ -51,8 +47,8 @@ export function MessageForm<Answer>(props: MessageFormProps<Answer>) {
     try {
       return await props.send(text);
     } catch (error) {
-      if (error instanceof ClientError && error.fields.length > 0)
-        state.refuse(error.fields.map(refusedField));
+      const refused = refusedFields(error);
+      if (refused.length > 0) state.refuse(refused);
       throw error;
     }
   });
@@ -71,43 +67,17 @@ export function MessageForm<Answer>(props: MessageFormProps<Answer>) {
     else begin();
   };
   const found = useCallback(() => setSought(null), []);
-  const form: FormContextValue = useMemo(
-    () => ({ errors, change, sought, found }),
-    [errors, change, sought, found],
-  );
   return (
     <Stack gap="sm" component="section" aria-labelledby={titleId}>
       <Group justify="space-between" gap="xs">
         <Title order={3} size="h5" id={titleId}>
           {title}
         </Title>
-        {shape.fields.length > 0 && (
-          <SegmentedControl
-            size="xs"
-            aria-label="Write the message as"
-            value={draft.mode}
-            onChange={(mode) => state.setMode(mode as Draft["mode"])}
-            data={[
-              { label: "Form", value: "form" },
-              { label: "JSON", value: "json" },
-            ]}
-          />
-        )}
+        {shape.fields.length > 0 && <ModeSwitch state={state} label="Write the message as" size="xs" />}
       </Group>
       <form noValidate onSubmit={submit}>
         <Stack gap="sm">
-          <FormProvider value={form}>
-            {draft.mode === "json" ? (
-              <JsonEditor
-                text={draft.text}
-                onChange={state.setText}
-                label="Message as JSON"
-                hidden={hidden}
-              />
-            ) : (
-              <MessageFields shape={shape} values={draft.values} path={[]} message={message} />
-            )}
-          </FormProvider>
+          <DraftFields state={state} shape={shape} sought={sought} onFound={found} label="Message as JSON" />
           <Group gap="sm">
             <ReasonButton type="submit" reason={whyNot} loading={send.isPending}>
               {question === null ? verb : `${verb} …`}
@@ -140,8 +110,4 @@ export function MessageForm<Answer>(props: MessageFormProps<Answer>) {
       </Dialog>
     </Stack>
   );
-}
-
-function refusedField({ path, expected, detail }: ClientError["fields"][number]) {
-  return { path, detail: expected === undefined ? detail : `expected ${expected}, ${detail}` };
 }
