@@ -6,15 +6,14 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.processes import ForkedProcess, Process, ros_environment
+from tests.support.gateway import RunningGateway, running_gateway, running_service_node
+from tests.support.processes import Process
 from tests.support.waiting import wait_until
 
 
 @pytest.fixture(scope="module")
 def node(domain: int) -> Iterator[Process]:
-    with ForkedProcess("-m", "tests.support.service_node", env=ros_environment(domain)) as process:
-        process.wait_for("serving")
+    with running_service_node(domain) as process:
         yield process
 
 

@@ -195,6 +195,14 @@ def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
 
 
 @contextmanager
+def running_service_node(domain: int) -> Iterator[Process]:
+    """A node with services, parameters and topics, see `tests/support/service_node.py`."""
+    with ForkedProcess("-m", "tests.support.service_node", env=ros_environment(domain)) as process:
+        process.wait_for("serving")
+        yield process
+
+
+@contextmanager
 def running_hostile_node(domain: int, *arguments: str) -> Iterator[Process]:
     """A node that floods, see `tests/support/hostile_node.py`."""
     with ForkedProcess("-m", "tests.support.hostile_node", *arguments, env=ros_environment(domain)) as process:

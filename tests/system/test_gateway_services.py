@@ -9,8 +9,8 @@ from websockets.exceptions import InvalidStatus
 
 from dock_gateway.client import AsyncClient, Client, GatewayRefused
 from tests.support.domain import ros_domain
-from tests.support.gateway import RunningGateway, running_gateway, running_talker
-from tests.support.processes import ForkedProcess, Process, ros_environment
+from tests.support.gateway import RunningGateway, running_gateway, running_service_node, running_talker
+from tests.support.processes import Process
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -32,8 +32,7 @@ def domain() -> Iterator[int]:
 
 @pytest.fixture(scope="module")
 def node(domain: int) -> Iterator[Process]:
-    with ForkedProcess("-m", "tests.support.service_node", env=ros_environment(domain)) as process:
-        process.wait_for("serving")
+    with running_service_node(domain) as process:
         yield process
 
 
