@@ -28,7 +28,7 @@ class Permit:
     Attributes:
         require: Raises an error if that is no longer true.
         watch: Calls a function as soon as it is no longer true, while a block runs.
-        approve: Waits until a person has allowed a goal, given its action and its message; None: nobody has to.
+        approve: Waits until a person has allowed a goal, given its action and its message; None: no approval needed.
         acted_at: When the request acted last.
     """
 

@@ -80,7 +80,7 @@ class Approvals:
         settings: How long they wait.
         hub: Receives events.
         actions: Which of them dock robots.
-        simulators: Which robots are simulated: a goal to those waits for nobody.
+        simulators: Which robots are simulated: goals to them need no approval.
     """
 
     def __init__(self, settings: Settings, hub: Hub, actions: ActionRegistry, simulators: Simulators) -> None:

@@ -55,7 +55,7 @@ class TopicPort:
             return 0
 
     async def reach(self, subscribers: int) -> None:
-        """Wait until so many subscriptions are reached, for a short time: a message before that would be lost."""
+        """Wait a short time until that many subscriptions are reached. An earlier message would be lost."""
         if not subscribers:
             return
         try:
