@@ -44,6 +44,7 @@ from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.graph.parameters import Parameters
 from dock_gateway.graph.publishing import Publishing
+from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -62,7 +63,6 @@ from dock_gateway.ros.graph import Scan, scan
 from dock_gateway.ros.robot_ports import DiagnosticsPort
 from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.ros.velocity import VelocityListener
-from dock_gateway.rosbridge.relays import Relays
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import Acknowledgement, AuditSpool, History, RobotLabel, open_history

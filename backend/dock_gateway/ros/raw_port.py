@@ -19,6 +19,16 @@ from robot_io.rclpy_private import RCLError
 
 # Messages queued for the listener: at 3,000 a second, enough for a delay of 60 ms.
 DEPTH = 200
+# The same for messages of a megabyte and more, of which the newest counts.
+LARGE_DEPTH = 3
+LARGE = frozenset(
+    {
+        "sensor_msgs/msg/Image",
+        "sensor_msgs/msg/CompressedImage",
+        "sensor_msgs/msg/PointCloud2",
+        "nav_msgs/msg/OccupancyGrid",
+    }
+)
 
 
 class Heard(NamedTuple):
@@ -28,6 +38,14 @@ class Heard(NamedTuple):
     size: int = 0
     newest: bytes | None = None
     stamp_ns: int = 0
+
+
+class Arrival(NamedTuple):
+    """A serialized message (CDR), when it was sent, and when it came (ns since 1970)."""
+
+    data: bytes
+    source_ns: int
+    received_ns: int
 
 
 class EchoType:
@@ -111,13 +129,14 @@ class EchoPort:
         heard: Heard,
         keep: int = 0,
     ) -> None:
-        self._kept: deque[bytes] = deque(maxlen=keep)
+        depth = LARGE_DEPTH if kind.name in LARGE else DEPTH
+        self._kept: deque[Arrival] = deque(maxlen=min(keep, depth))
         self.heard = heard._replace(newest=None)
         self._bridge = bridge
         self._on_news = on_news
         self._waited_for = True
         profile = QoSProfile(
-            depth=DEPTH,
+            depth=depth,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
@@ -138,7 +157,7 @@ class EchoPort:
         """Call `on_news` once, at the next message."""
         self._waited_for = True
 
-    def take(self) -> list[bytes]:
+    def take(self) -> list[Arrival]:
         """Return the messages since the last call, oldest first. If there were more than `keep`, the newest ones."""
         taken = []
         while self._kept:
@@ -147,8 +166,9 @@ class EchoPort:
 
     def _hear(self, message: bytes, info: dict[str, Any]) -> None:
         before = self.heard
-        self.heard = Heard(before.messages + 1, before.size + len(message), message, info["source_timestamp"])
-        self._kept.append(message)
+        source_ns = info["source_timestamp"]
+        self.heard = Heard(before.messages + 1, before.size + len(message), message, source_ns)
+        self._kept.append(Arrival(message, source_ns, time.time_ns()))
         if self._waited_for:
             self._waited_for = False
             self._bridge.to_loop(self._on_news)

@@ -20,6 +20,7 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
 from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
@@ -49,8 +50,7 @@ from dock_gateway.rosbridge.protocol import (
     status,
 )
 from dock_gateway.rosbridge.publications import Publications
-from dock_gateway.rosbridge.relay import Payload
-from dock_gateway.rosbridge.relays import Relays
+from dock_gateway.rosbridge.published import Payload
 from dock_gateway.rosbridge.rights import Rights
 from dock_gateway.rosbridge.services import OWN_SERVICES, STOP, Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions

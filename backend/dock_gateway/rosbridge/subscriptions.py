@@ -7,12 +7,15 @@ from typing import Any
 
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.hub import FrameWriter
+from dock_gateway.graph.relay import Received
+from dock_gateway.graph.relays import Relays
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
-from dock_gateway.rosbridge.relay import Payload, Published
-from dock_gateway.rosbridge.relays import Relays
+from dock_gateway.rosbridge.published import Payload, Published
 
 # Topics of a client, and its subscriptions of all of them together.
 MAX_TOPICS, MAX_SUBSCRIPTIONS = 64, 500
+# Topics that all clients together have subscribed to.
+MAX_RELAYED = 200
 # Messages and bytes of one topic that wait for a client that reads slowly. The oldest are dropped.
 QUEUE, QUEUE_BYTES = 100, 16_000_000
 NEVER = float("inf")
@@ -54,8 +57,9 @@ class TopicOutlet:
         """When the next message may be sent, by the clock of the loop; never without one."""
         return self._due if self._queue else NEVER
 
-    async def offer(self, message: Published) -> None:
+    async def offer(self, received: Received) -> None:
         """Send a message now if that is possible, else keep it."""
+        message = received.once(Published)
         if not self._queue and self._due <= _now():
             payload = await message.payload(self.compression)
             if payload is None:
@@ -108,7 +112,7 @@ class Subscriptions:
         joined.requests[identity] = request
         joined.configure()
         if outlet is None:
-            await self._relays.join(topic, type_name, joined)
+            await self._relays.join(topic, type_name, joined, limit=MAX_RELAYED)
             self._outlets[topic] = joined
 
     async def unsubscribe(self, topic: str, identity: Identity) -> None:

@@ -7,9 +7,10 @@ from unittest.mock import AsyncMock
 import pytest
 
 from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.graph.relay import Received
+from dock_gateway.graph.relays import Relays
 from dock_gateway.rosbridge.protocol import Compression, Subscribe
-from dock_gateway.rosbridge.relay import Payload, Published
-from dock_gateway.rosbridge.relays import Relays
+from dock_gateway.rosbridge.published import Payload
 from dock_gateway.rosbridge.subscriptions import MAX_SUBSCRIPTIONS, QUEUE, QUEUE_BYTES, Subscriptions, TopicOutlet
 
 
@@ -19,12 +20,15 @@ class FakeMessage:
     def __init__(self, number: int, size: int = 10) -> None:
         self.number, self.size = number, size
 
+    def once(self, _: object) -> "FakeMessage":
+        return self
+
     async def payload(self, compression: Compression) -> Payload:
         return Payload(f"{self.number}{compression.name}".encode(), binary=False)
 
 
-def message(number: int, size: int = 10) -> Published:
-    return cast("Published", FakeMessage(number, size))
+def message(number: int, size: int = 10) -> Received:
+    return cast("Received", FakeMessage(number, size))
 
 
 def outlet(*, writable: bool, **request: Any) -> Any:

@@ -1,4 +1,4 @@
-"""One subscription for all clients of a topic."""
+"""One subscription for all readers of a topic."""
 
 import asyncio
 from collections.abc import Callable
@@ -7,7 +7,8 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.core.graph import Topic
-from dock_gateway.rosbridge.relay import Published, Relay
+from dock_gateway.graph.relay import Received, Relay
+from dock_gateway.ros.raw_port import Arrival
 from tests.support.waiting import PATIENCE
 
 FIRST, SECOND = b"1", b"22"
@@ -19,11 +20,11 @@ class FakePort:
     def __init__(self, *_: object, on_news: Callable[[], None], **__: object) -> None:
         self._on_news = on_news
         self._told = False
-        self._kept: list[bytes] = []
+        self._kept: list[Arrival] = []
         self._coming = [FIRST]
 
     def hear(self, message: bytes) -> None:
-        self._kept.append(message)
+        self._kept.append(Arrival(message, 1, 2))
         if not self._told:
             self._told = True
             asyncio.get_running_loop().call_soon(self._on_news)
@@ -31,11 +32,11 @@ class FakePort:
     def tell_next(self) -> None:
         self._told = False
 
-    def take(self) -> list[bytes]:
+    def take(self) -> list[Arrival]:
         taken, self._kept = self._kept, []
         if self._coming:
             asyncio.get_running_loop().call_soon(self.hear, self._coming.pop())  # when the relay waits
-        if FIRST in taken:
+        if any(arrival.data == FIRST for arrival in taken):
             self.hear(SECOND)
         return taken
 
@@ -59,7 +60,7 @@ class Listener:
     def __init__(self) -> None:
         self.sizes: asyncio.Queue[int] = asyncio.Queue()
 
-    async def offer(self, message: Published) -> None:
+    async def offer(self, message: Received) -> None:
         self.sizes.put_nowait(message.size)
 
 

@@ -1,4 +1,4 @@
-"""The relayed topics: those that clients of rosbridge have subscribed to."""
+"""The relayed topics: one subscription of each topic that is read as bytes."""
 
 import asyncio
 import logging
@@ -6,14 +6,12 @@ import logging
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound, TooManyRequests
 from dock_gateway.core.graph import Topic
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.relay import Outlet, Relay
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import TOPIC_NAME
-from dock_gateway.rosbridge.relay import Outlet, Relay
 from dock_gateway.setting_types import LONGEST_NAME
 
 log = logging.getLogger(__name__)
-
-MAX_TOPICS = 100
 
 
 class Relays:
@@ -28,19 +26,21 @@ class Relays:
         self._bridge = bridge
         self._graph = graph
         self._relays: dict[str, Relay] = {}
+        self._of_clients: set[str] = set()
         self._changing = asyncio.Lock()
 
-    async def join(self, topic: str, type_name: str | None, outlet: Outlet) -> None:
-        """Pass a topic on to a client until it leaves.
+    async def join(self, topic: str, type_name: str | None, outlet: Outlet, *, limit: int | None = None) -> None:
+        """Pass a topic on to a reader until it leaves.
 
         Args:
             topic: Absolute name.
-            type_name: Its type, as the client knows it. Needed if nobody has the topic yet.
+            type_name: Its type, as the reader knows it. Needed if nobody has the topic yet.
             outlet: Receives the messages.
+            limit: The maximum number of topics that are relayed because of clients; None if the gateway itself reads.
 
         Raises:
             Conflict: The topic has another type (`type_conflict`).
-            InvalidField: The name is none, or nobody has the topic, and the client does not know its type.
+            InvalidField: The name is none, or nobody has the topic, and the reader does not know its type.
             NotFound: Its messages cannot be read here (`interface_not_found`).
             TooManyRequests: Too many topics are relayed.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
@@ -48,19 +48,19 @@ class Relays:
         if not TOPIC_NAME.fullmatch(topic) or len(topic) > LONGEST_NAME:
             raise InvalidField([FieldError("topic", "a name on the ROS graph", f"got {topic[:60]!r}")])
         async with self._changing:
-            relay = self._relays.get(topic) or await self._open(topic, type_name)
+            relay = self._relays.get(topic) or await self._open(topic, type_name, limit)
             if type_name not in (None, relay.kind):
                 await self._close_unused(topic)
                 raise Conflict(f"the topic {topic} has the type {relay.kind}", code="type_conflict")
             await relay.add(outlet)
 
     async def leave(self, topic: str, outlet: Outlet) -> None:
-        """Pass a topic on to a client no more."""
+        """Pass a topic on to a reader no more."""
         async with self._changing:
             self._relays[topic].outlets.discard(outlet)
             await self._close_unused(topic)
 
-    async def _open(self, topic: str, type_name: str | None) -> Relay:
+    async def _open(self, topic: str, type_name: str | None, limit: int | None) -> Relay:
         try:
             found = await self._graph.topic(topic)
         except NotFound:
@@ -68,8 +68,8 @@ class Relays:
                 unknown = "nobody has this topic yet, so its type has to be given"
                 raise InvalidField([FieldError("type", "the type of the topic", unknown)]) from None
             found = Topic(topic, [], [])
-        if len(self._relays) >= MAX_TOPICS:
-            raise TooManyRequests(f"{MAX_TOPICS} topics are already subscribed to")
+        if limit is not None and len(self._of_clients) >= limit:
+            raise TooManyRequests(f"{limit} topics are already subscribed to")
         relay = Relay(self._bridge, self._graph, found)
         try:
             await relay.open(type_name)
@@ -77,15 +77,18 @@ class Relays:
             await relay.close()
             raise
         self._relays[topic] = relay
-        log.info("subscribed to %s for rosbridge", topic)
+        if limit is not None:
+            self._of_clients.add(topic)
+        log.info("subscribed to %s", topic)
         return relay
 
     async def _close_unused(self, topic: str) -> None:
         relay = self._relays[topic]
         if not relay.outlets:
             del self._relays[topic]
+            self._of_clients.discard(topic)
             await relay.close()
-            log.info("unsubscribed from %s for rosbridge", topic)
+            log.info("unsubscribed from %s", topic)
 
     async def close(self) -> None:
         """End every subscription."""

@@ -1,0 +1,160 @@
+"""A relayed topic: one subscription for all who read its messages as bytes."""
+
+import asyncio
+import logging
+from asyncio import Task
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
+from dock_gateway.core.errors import GatewayError, NotFound
+from dock_gateway.core.graph import Topic
+from dock_gateway.core.tasks import cancel
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.subscription import Listening, TopicSubscription, listening_for
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.raw_port import Arrival, EchoType
+
+log = logging.getLogger(__name__)
+
+# Seconds between two checks of a topic: who publishes it, and how.
+TICK = 1.0
+# Messages that are kept while earlier ones are encoded.
+KEEP = 200
+# Earlier messages for new readers, where the publishers keep theirs. Each publisher of transforms has its own.
+EARLIER = 1
+EARLIER_OF = {"tf2_msgs/msg/TFMessage": 50}
+
+Made = TypeVar("Made")
+
+
+class Received:
+    """A message on a topic, for all who read the topic.
+
+    Args:
+        kind: The type of the topic.
+        arrival: The serialized message.
+
+    Attributes:
+        topic: Absolute name of the topic.
+        kind: Its type, which decodes `data`.
+        data: The serialized message (CDR).
+        source_ns: When it was sent, in ns since 1970; 0 if unknown.
+        received_ns: When it came, in ns since 1970.
+    """
+
+    def __init__(self, topic: str, kind: EchoType, arrival: Arrival) -> None:
+        self.topic = topic
+        self.kind = kind
+        self.data, self.source_ns, self.received_ns = arrival
+        self._made: dict[object, Any] = {}
+
+    @property
+    def size(self) -> int:
+        """Number of bytes in ROS."""
+        return len(self.data)
+
+    def once(self, make: "Callable[[Received], Made]") -> "Made":
+        """Return what `make` makes of this message; it is made once for all readers."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        made: Made = self._made[make]
+        return made
+
+
+class Outlet(Protocol):
+    """A reader of a relayed topic."""
+
+    async def offer(self, message: Received) -> None:
+        """Take a message; waits for nothing but its encoding."""
+
+
+class Relay:
+    """One topic, for all its readers.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of the topic.
+        topic: The current state of the topic.
+        tick: See `TICK`.
+
+    Attributes:
+        outlets: The readers.
+    """
+
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
+        self.outlets: set[Outlet] = set()
+        self._tick = tick
+        self._subscription = TopicSubscription(bridge, graph, topic, KEEP)
+        self._earlier: deque[Received] = deque()
+        self._task: Task[None] | None = None
+
+    @property
+    def kind(self) -> str:
+        """The type of the topic."""
+        kind = self._subscription.kind
+        return "" if kind is None else kind.name
+
+    async def open(self, type_name: str | None) -> None:
+        """Subscribe to the topic.
+
+        Args:
+            type_name: Its type, if nobody has the topic yet.
+
+        Raises:
+            NotFound: Its messages cannot be read: their package is not installed (`interface_not_found`).
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        subscription = self._subscription
+        types = subscription.topic.types or [type_name or ""]
+        at_first = Listening(types[0], reliable=False, latched=False)
+        await subscription.listen(listening_for(subscription.topic, at_first))
+        if (kind := subscription.kind) is None or not kind.installed:
+            raise NotFound(f"{subscription.topic.name}: {kind and kind.hint}", code="interface_not_found")
+        self._task = asyncio.create_task(self._run())
+
+    async def close(self) -> None:
+        """End the subscription."""
+        if self._task is not None:
+            await cancel(self._task)
+        self._subscription.close()
+
+    async def add(self, outlet: Outlet) -> None:
+        """Add a reader. If the topic's publishers keep earlier messages, the reader gets the last one."""
+        for message in tuple(self._earlier):
+            await outlet.offer(message)
+        self.outlets.add(outlet)
+
+    async def _run(self) -> None:
+        loop = asyncio.get_running_loop()
+        tick = loop.time() + self._tick
+        while True:
+            try:
+                await self._subscription.wait(tick - loop.time())
+                await self._pass_on()
+                if loop.time() >= tick:
+                    tick = loop.time() + self._tick
+                    await self._subscription.look_again()
+            except GatewayError as error:
+                log.warning("cannot subscribe to %s: %s", self._subscription.topic.name, error.detail)
+            except Exception:
+                log.exception("while reading %s", self._subscription.topic.name)
+                await asyncio.sleep(self._tick)
+
+    async def _pass_on(self) -> None:
+        heard = self._subscription
+        if heard.port is None or heard.kind is None:
+            return
+        heard.port.tell_next()  # before the take: what comes after it is told, and does not wait for the next message
+        for arrival in heard.port.take():
+            message = Received(heard.topic.name, heard.kind, arrival)
+            for outlet in tuple(self.outlets):
+                await outlet.offer(message)
+            self._keep(message, latched=heard.listening is not None and heard.listening.latched)
+
+    def _keep(self, message: Received, *, latched: bool) -> None:
+        """Keep a message for later readers, if the topic's publishers do."""
+        while len(self._earlier) >= (EARLIER_OF.get(message.kind.name, EARLIER) if latched else 1):
+            self._earlier.popleft()
+        if latched:
+            self._earlier.append(message)
