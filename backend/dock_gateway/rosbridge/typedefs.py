@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
-from dock_gateway.ros.messages.interfaces import definition_text, load_message, load_service
+from dock_gateway.ros.messages.full_definition import full_definition, nested_classes, short_name
+from dock_gateway.ros.messages.interfaces import load_message, load_service
 from dock_gateway.ros.messages.types import (
     Boolean,
     Float,
@@ -15,13 +16,11 @@ from dock_gateway.ros.messages.types import (
     Sequence,
     Text,
     kinds,
-    type_name,
 )
 from dock_gateway.rosbridge.protocol import full_type
 
 Json = dict[str, Any]
 
-SEPARATOR = "=" * 80
 # Definitions that are kept: looking for a type costs milliseconds.
 KEEP = 1000
 
@@ -33,7 +32,7 @@ def message_definitions(name: str) -> list[Json]:
     Raises:
         ImportError: There is no such type here.
     """
-    return list(_definitions(load_message(full_type(name)), set()))
+    return list(_definitions(load_message(full_type(name))))
 
 
 @lru_cache(KEEP)
@@ -43,46 +42,23 @@ def service_definitions(name: str, part: str) -> list[Json]:
     Raises:
         ImportError: There is no such type here.
     """
-    return list(_definitions(getattr(load_service(full_type(name, "srv")), part), set()))
+    return list(_definitions(getattr(load_service(full_type(name, "srv")), part)))
 
 
 def definition_texts(name: str) -> str:
     """Return the text of a message definition, and those of the types in it; empty if there is none here."""
     try:
-        return _texts(full_type(name))
+        return full_definition(load_message(full_type(name)))
     except (ImportError, TypeError):
         return ""
 
 
-@lru_cache(KEEP)
-def _texts(name: str) -> str:
-    classes = [message_class for message_class, _ in _classes(load_message(name), set())]
-    texts = []
-    for index, message_class in enumerate(classes):
-        package, kind, short = type_name(message_class).split("/")
-        head = f"{SEPARATOR}\nMSG: {package}/{short}\n" if index else ""
-        texts.append(head + (definition_text(package, kind, short) or ""))
-    return "\n".join(texts)
-
-
-def _classes(message_class: MessageClass, seen: set[MessageClass]) -> Iterator[tuple[MessageClass, dict[str, Kind]]]:
-    """Yield a class and those of the messages in it, each once, with their fields."""
-    if message_class in seen:
-        return
-    seen.add(message_class)
-    fields = kinds(message_class)
-    yield message_class, fields
-    for kind in fields.values():
-        item = kind.item if isinstance(kind, Sequence) else kind
-        if isinstance(item, Nested):
-            yield from _classes(item.message_class, seen)
-
-
-def _definitions(message_class: MessageClass, seen: set[MessageClass]) -> Iterator[Json]:
-    for each, fields in _classes(message_class, seen):
+def _definitions(message_class: MessageClass) -> Iterator[Json]:
+    for each in nested_classes(message_class):
+        fields = kinds(each)
         constants = _constants(each)
         yield {
-            "type": _short(each),
+            "type": short_name(each),
             "fieldnames": list(fields),
             "fieldtypes": [_name(kind) for kind in fields.values()],
             "fieldarraylen": [_length(kind) for kind in fields.values()],
@@ -98,11 +74,6 @@ def _constants(message_class: MessageClass) -> Json:
     return {name: getattr(message_class, name) for name in properties if not name.endswith("__DEFAULT")}
 
 
-def _short(message_class: MessageClass) -> str:
-    package, _, name = type_name(message_class).split("/")
-    return f"{package}/{name}"
-
-
 def _name(kind: Kind) -> str:
     match kind:
         case Boolean():
@@ -116,7 +87,7 @@ def _name(kind: Kind) -> str:
         case Sequence(item):
             return _name(item)
         case Nested(message_class):
-            return _short(message_class)
+            return short_name(message_class)
 
 
 def _length(kind: Kind) -> int:
