@@ -14,12 +14,13 @@ from rclpy.parameter import Parameter
 from docking.core.errors import FailedToDetectDock
 from docking.core.geometry import Pose
 from docking.core.observation import Observation, Velocity
-from docking.core.transform import Transform, spatial, tilt
+from docking.core.transform import spatial, tilt
 from docking.goal.behavior import Failed
 from docking.goal.plan import KnownPoses, SingleStage
 from docking.ros import transforms
 from docking.ros.geometry import pose_in_space, transform_message
 from robot_io.qos import LATCHED
+from robot_io.transform import Transform
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.sensors import detection, infrared, odometry, stamp

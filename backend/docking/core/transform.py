@@ -1,62 +1,27 @@
-"""Poses in space, as quaternions; how the robot's frames lie in each other (REP-103, REP-105)."""
+"""Poses in space and in the plane; how the robot's frames lie in each other (REP-103, REP-105)."""
 
 import math
-from dataclasses import dataclass
 
 from docking.core.geometry import Pose, yaw_of
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
-"""x, y, z, w of length 1."""
+from robot_io.transform import Transform, turn
 
 STEEP = 0.5
 """The least length, from above, of an x axis of length 1 that has a heading: it is tilted by 60° at most."""
 
 
-@dataclass(frozen=True, slots=True)
-class Transform:
-    """Where a frame lies in another one, and how it is turned.
+def pose_of(transform: Transform) -> Pose:
+    """The pose in the plane: seen from above, with the heading of the x axis.
 
-    Attributes:
-        translation: The frame's origin, in m.
-        rotation: From the frame's axes to those of the other one.
+    Raises:
+        ValueError: The x axis points up or down; the caller adds the subject to the message.
     """
-
-    translation: Vector = (0.0, 0.0, 0.0)
-    rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
-
-    def compose(self, other: "Transform") -> "Transform":
-        """`other`, given in this frame, in the frame that this one is given in."""
-        x, y, z = _rotate(self.rotation, other.translation)
-        own = self.translation
-        return Transform((own[0] + x, own[1] + y, own[2] + z), _normalize(_multiply(self.rotation, other.rotation)))
-
-    def inverse(self) -> "Transform":
-        """The transform that undoes this one."""
-        x, y, z, w = self.rotation
-        back = (-x, -y, -z, w)
-        moved = _rotate(back, self.translation)
-        return Transform((-moved[0], -moved[1], -moved[2]), back)
-
-    def interpolate(self, other: "Transform", share: float) -> "Transform":
-        """Between this one (`share` 0) and `other` (1): straight, and turning at a constant rate."""
-        (ax, ay, az), (bx, by, bz) = self.translation, other.translation
-        translation = (ax + share * (bx - ax), ay + share * (by - ay), az + share * (bz - az))
-        return Transform(translation, _slerp(self.rotation, other.rotation, share))
-
-    def flatten(self) -> Pose:
-        """The pose in the plane: seen from above, with the heading of the x axis.
-
-        Raises:
-            ValueError: The x axis points up or down; the caller adds the subject to the message.
-        """
-        x, y, z = _rotate(self.rotation, (1.0, 0.0, 0.0))
-        if math.hypot(x, y) < STEEP:
-            raise ValueError(
-                f"has an x axis that points {'up' if z > 0.0 else 'down'} and so has no heading"
-                " (external_detection_rotation_roll and external_detection_rotation_pitch turn it)"
-            )
-        return Pose(self.translation[0], self.translation[1], yaw_of(*self.rotation))
+    x, y, z = Transform(rotation=transform.rotation).apply((1.0, 0.0, 0.0))
+    if math.hypot(x, y) < STEEP:
+        raise ValueError(
+            f"has an x axis that points {'up' if z > 0.0 else 'down'} and so has no heading"
+            " (external_detection_rotation_roll and external_detection_rotation_pitch turn it)"
+        )
+    return Pose(transform.translation[0], transform.translation[1], yaw_of(*transform.rotation))
 
 
 def spatial(pose: Pose, height: float = 0.0) -> Transform:
@@ -69,51 +34,10 @@ def spatial(pose: Pose, height: float = 0.0) -> Transform:
     return Transform((pose.x, pose.y, height), turn((0.0, 0.0, 1.0), pose.theta))
 
 
-def turn(axis: Vector, angle: float) -> Quaternion:
-    """The rotation about an axis of length 1, by `angle` rad."""
-    sin, cos = math.sin(0.5 * angle), math.cos(0.5 * angle)
-    return (axis[0] * sin, axis[1] * sin, axis[2] * sin, cos)
-
-
 def tilt(roll: float, pitch: float) -> Transform:
     """A turn about the y axis by `pitch`, then about the turned x axis by `roll`, both in rad.
 
     With a turn about the turned z axis by yaw after these, it is the rotation of nav2's external_detection_rotation.
     """
-    return Transform(rotation=_multiply(turn((0.0, 1.0, 0.0), pitch), turn((1.0, 0.0, 0.0), roll)))
-
-
-def _multiply(a: Quaternion, b: Quaternion) -> Quaternion:
-    ax, ay, az, aw = a
-    bx, by, bz, bw = b
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
-
-
-def _rotate(rotation: Quaternion, vector: Vector) -> Vector:
-    x, y, z, w = rotation
-    turned = _multiply(_multiply(rotation, (*vector, 0.0)), (-x, -y, -z, w))
-    return turned[:3]
-
-
-def _normalize(rotation: Quaternion) -> Quaternion:
-    norm = math.hypot(*rotation)
-    x, y, z, w = rotation
-    return (x / norm, y / norm, z / norm, w / norm)
-
-
-def _slerp(a: Quaternion, b: Quaternion, share: float) -> Quaternion:
-    cos = sum(p * q for p, q in zip(a, b, strict=True))
-    sign = -1.0 if cos < 0.0 else 1.0  # b and -b are one rotation: take the nearer
-    angle = math.acos(min(1.0, abs(cos)))
-    if angle < 1e-6:
-        first, second = 1.0 - share, share
-    else:
-        first = math.sin((1.0 - share) * angle) / math.sin(angle)
-        second = math.sin(share * angle) / math.sin(angle)
-    x, y, z, w = (first * p + sign * second * q for p, q in zip(a, b, strict=True))
-    return _normalize((x, y, z, w))
+    about_y, about_x = turn((0.0, 1.0, 0.0), pitch), turn((1.0, 0.0, 0.0), roll)
+    return Transform(rotation=about_y).compose(Transform(rotation=about_x))

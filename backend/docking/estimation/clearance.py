@@ -6,7 +6,7 @@ import numpy as np
 
 from docking.core.footprint import Footprint
 from docking.core.observation import STANDSTILL, Velocity
-from docking.estimation.scan import Points
+from robot_io.laser import Points
 
 STEP = 0.05
 """Seconds between the moments that are looked at: robots move less than their own size within it."""

@@ -7,8 +7,9 @@ from docking.core.footprint import Footprint
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.estimation.clearance import Clearance
-from docking.estimation.scan import NOWHERE, Points, place
+from docking.estimation.scan import place
 from docking.parameters import CollisionSettings, ServerSettings
+from robot_io.laser import NOWHERE, Points
 
 STARTING = 1.0
 """Seconds in which the first scan may come: ROS finds its publisher first."""

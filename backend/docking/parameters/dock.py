@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from docking.core.geometry import Pose
 from docking.core.parameter import choice, group, number, switch
-from docking.core.transform import Transform, tilt
+from docking.core.transform import tilt
 from docking.parameters.approach import threshold_field
 from docking.parameters.charging import ChargingSettings
+from robot_io.transform import Transform
 
 
 class DockDirection(enum.StrEnum):

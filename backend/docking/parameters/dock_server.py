@@ -5,7 +5,6 @@ from typing import Self
 
 from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
-from docking.core.transform import Transform
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
@@ -17,6 +16,7 @@ from docking.parameters.receivers import Receivers
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
+from robot_io.transform import Transform
 
 TUTORIAL_PERIOD = 0.1
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Self
 
 from docking.core.parameter import Meanings, NodeSettings, Value, choice, group, number, string, switch
-from docking.core.transform import Transform
 from docking.parameters.charging import ChargingSettings
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.limits import BACKWARDS, MotionLimits
@@ -15,6 +14,7 @@ from docking.parameters.nav2 import read_nav2
 from docking.parameters.navigation import StagingGoal
 from docking.parameters.search import DockPlace
 from docking.parameters.timeouts import Timeouts
+from robot_io.transform import Transform
 
 TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 

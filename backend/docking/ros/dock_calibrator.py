@@ -15,13 +15,14 @@ from std_srvs.srv import Trigger
 from docking.core.battery import Battery
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
-from docking.core.transform import Transform, tilt
+from docking.core.transform import tilt
 from docking.estimation.calibration import Calibration, CalibrationError, DockCalibration
 from docking.parameters import Dock, DockDirection
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.clock import control_time
 from docking.ros.sensors import Sensor, Sensors
 from docking.ros.transforms import Transforms
+from robot_io.transform import Transform
 
 SERVICE = "calibrate_dock"
 PARAMETERS = (

@@ -8,7 +8,7 @@ from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import Transform as TransformMessage
 
 from docking.core.geometry import Pose, quaternion_of, yaw_of
-from docking.core.transform import Transform
+from robot_io.transform import Transform
 
 UNIT_TOLERANCE = 0.1
 

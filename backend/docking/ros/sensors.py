@@ -17,14 +17,16 @@ from sensor_msgs.msg import LaserScan, Range
 from docking.core.battery import BatteryReading, received_at
 from docking.core.geometry import Pose
 from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Scan, Velocity
-from docking.core.transform import Transform, spatial
-from docking.estimation.scan import flatten, place, points_of
+from docking.core.transform import pose_of, spatial
+from docking.estimation.scan import place
 from docking.estimation.track import Track
 from docking.parameters import DockPlace
 from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from, seconds_of, transform_from
 from docking.ros.transforms import Transforms
+from robot_io.laser import flatten, points_of
 from robot_io.qos import LATEST, volatile
+from robot_io.transform import Transform
 
 MARKER_TOPIC = "detected_dock_pose"
 RECEIVERS = ("left", "center", "right")
@@ -173,7 +175,7 @@ class Sensors:
             raise
         self._unrelated_since = None
         odometry = self._odometry_at(measured_at)
-        pose = lies.compose(seen).compose(self.marker_tilt).flatten()
+        pose = pose_of(lies.compose(seen).compose(self.marker_tilt))
         if frame == self._base_frame:
             pose = odometry.pose.compose(pose)
         self._markers = [*self._markers, MarkerDetection(pose, min(odometry.stamp, received))][-MOST_MARKERS:]
@@ -283,7 +285,7 @@ class Sensors:
             raise ValueError("cannot be compared with the robot's: no odometry has come yet")
         nearer, lies = self._locate(self._transforms.frame(frame), 0.0)
         robot = Pose() if nearer == self._base_frame else odometry.pose
-        return robot.relative_to(lies.flatten())
+        return robot.relative_to(pose_of(lies))
 
     def _infrared(self) -> InfraredReading | None:
         if len(self._ranges) < len(RECEIVERS):

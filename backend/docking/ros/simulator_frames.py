@@ -6,7 +6,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from docking.core.geometry import Pose
-from docking.core.transform import Transform, spatial
+from docking.core.transform import spatial
 from docking.ros.geometry import pose_in_space, stamped_pose, transform_message
 from docking.ros.simulator_messages import BASE, LASER, ODOM
 from docking.ros.transforms import FIXED, MOVING, TFMessage
@@ -14,6 +14,7 @@ from docking.simulation.marker import CAMERA_X
 from docking.simulation.parameters import BaseFrame, DetectionFrame
 from robot_io.endpoints import busy_publisher
 from robot_io.qos import LATCHED
+from robot_io.transform import Transform
 
 HEIGHT = 0.2
 """Of the camera and the marker above base_link, in m."""

@@ -7,10 +7,10 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
-from docking.core.transform import Transform
-from docking.estimation.transform_tree import TransformError, TransformTree, nearer_frame
 from docking.ros.geometry import seconds_of, transform_from
 from robot_io.qos import latched, volatile
+from robot_io.transform import Transform
+from robot_io.transform_tree import TransformError, TransformTree, nearer_frame
 
 try:
     from tf2_msgs.msg import TFMessage

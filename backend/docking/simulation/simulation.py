@@ -22,7 +22,7 @@ from docking.core.observation import (
     Scan,
     Velocity,
 )
-from docking.estimation.scan import place, points_of
+from docking.estimation.scan import place
 from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack
 from docking.simulation.collisions import Collisions, Touch
@@ -37,6 +37,7 @@ from docking.simulation.odometry import DriftingOdometry, Repeater
 from docking.simulation.readings import LaserScan, Sighting
 from docking.simulation.robot import Robot
 from docking.simulation.settings import Settings
+from robot_io.laser import points_of
 
 INSTANT = 1e-6
 """A negligible time, in s."""

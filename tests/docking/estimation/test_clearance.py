@@ -10,9 +10,11 @@ from hypothesis import strategies as st
 from docking.core.footprint import round_footprint
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
-from docking.core.transform import Transform, spatial, turn
+from docking.core.transform import spatial
 from docking.estimation.clearance import STEP, Clearance
-from docking.estimation.scan import NOWHERE, flatten, place, points_of
+from docking.estimation.scan import place
+from robot_io.laser import NOWHERE, flatten, points_of
+from robot_io.transform import Transform, turn
 
 SQUARE = ((0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1))
 TRIANGLE = ((0.3, 0.0), (-0.1, 0.2), (-0.1, -0.2))

@@ -5,8 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from docking.core.geometry import Pose
-from docking.core.transform import Transform, spatial
-from docking.estimation.transform_tree import MOST, TransformError, TransformTree, nearer_frame
+from docking.core.transform import pose_of, spatial
+from robot_io.transform import Transform
+from robot_io.transform_tree import MOST, TransformError, TransformTree, nearer_frame
 
 AT = 1000.0
 
@@ -49,7 +50,7 @@ def test_between_two_moments_it_is_between_both() -> None:
     tree = TransformTree()
     tree.add("base_link", "camera", AT, spatial(Pose(0.0, 0.0, 0.0)))
     tree.add("base_link", "camera", AT + 1.0, spatial(Pose(1.0, 0.0, math.pi / 2)))
-    quarter = tree.lookup("base_link", "camera", AT + 0.25).flatten()
+    quarter = pose_of(tree.lookup("base_link", "camera", AT + 0.25))
     assert (quarter.x, quarter.theta) == pytest.approx((0.25, math.pi / 8))
     assert tree.lookup("base_link", "camera", 0.0).translation[0] == 1.0  # a stamp that is not set: now
 

@@ -5,7 +5,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from docking.core.transform import Transform
+from robot_io.transform import Transform
 
 KEPT = 3.0
 """Seconds of transforms to look back into."""
