@@ -2,6 +2,7 @@ import type { GoalCounts, GoalGroup, Statistics } from "@dock-gateway/client";
 import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 import { goalsLink, percent } from "../src/statistics/cells";
+import { durationMarks, errorMarks, rateMarks, roundTicks } from "../src/statistics/plots";
 import { statisticsView, toQuery } from "../src/statistics/view";
 import { dayOf } from "../src/ui/time";
 import { zoneName } from "../src/ui/zone";
@@ -14,7 +15,7 @@ function counts(change: Partial<GoalCounts> = {}): GoalCounts {
     ended: 20,
     statuses: { succeeded: 16, canceled: 2, aborted: 1, rejected: 0, lost: 1 },
     success_rate: 16 / 18,
-    duration_s: { median: 31.204, p90: 1044.87 },
+    duration_s: { p10: 27.5, median: 31.204, p90: 1044.87 },
     mean_retries: 0.25,
     errors: [
       { code: "blocked", count: 1 },
@@ -30,7 +31,7 @@ const none = counts({
   ended: 0,
   statuses: { succeeded: 0, canceled: 0, aborted: 0, rejected: 0, lost: 0 },
   success_rate: null,
-  duration_s: { median: null, p90: null },
+  duration_s: { p10: null, median: null, p90: null },
   mean_retries: null,
   errors: [],
   other_errors: 0,
@@ -202,5 +203,58 @@ describe("the page", () => {
     const before = asked.length;
     store.onConnection({ kind: "snapshot" });
     await waitFor(() => expect(asked.length).toBeGreaterThan(before));
+  });
+});
+
+describe("the plots", () => {
+  const busy = { key: "2026-11-21", ...counts({ goals_path: "/goals?since=b&until=c" }) };
+  const days = statistics([...DAYS.groups.slice(0, 1), { ...none, key: "2026-11-22" }, busy]).groups;
+  const plot = async (title: string) => {
+    const found = (await screen.findAllByTestId("day-plot")).find((each) => text(each)?.startsWith(title));
+    return within(found as HTMLElement);
+  };
+
+  it("have a bar or a point a day, where there is something to count", () => {
+    expect(rateMarks(days).map(({ column, to, path }) => [column, to, path.slice(0, 24)])).toEqual([
+      [0, 16 / 18, "/ui/goals?since=a&until="],
+      [2, 16 / 18, "/ui/goals?since=b&until="],
+    ]);
+    expect(durationMarks(days).map(({ column, from, at, to }) => [column, from, at, to])).toEqual([
+      [0, 27.5, 31.204, 1044.87],
+      [2, 27.5, 31.204, 1044.87],
+    ]);
+  });
+
+  it("put errors on each other, and the rare ones together", () => {
+    const marks = errorMarks(days.slice(0, 1), ["gripper_jammed"]);
+    expect(marks.map(({ kind, from, to }) => [kind, from, to])).toEqual([
+      [0, 0, 1],
+      [-1, 1, 5],
+    ]);
+    expect(marks[0]?.path).toMatch(/&error=gripper_jammed$/);
+    const listed = { ...busy, other_errors: 0 };
+    expect(errorMarks([listed], [])[0]?.path).toMatch(/&error=blocked&error=gripper_jammed$/);
+  });
+
+  it("have round numbers on their axes", () => {
+    expect(roundTicks(33.6)).toEqual([0, 10, 20, 30, 40]);
+    expect(roundTicks(0.7).at(-1)).toBeCloseTo(0.8);
+    expect(roundTicks(1, true)).toEqual([0, 1]);
+    expect(roundTicks(5, true)).toEqual([0, 2, 4, 6]);
+    expect(roundTicks(0)).toEqual([0, 1]);
+  });
+
+  it("are reached by the keyboard, and say what is pointed at", async () => {
+    answering((query) => statistics(days, { by: query.get("by") as "day" }));
+    const { user } = open("?by=robot");
+    const rate = await plot("Success rate");
+    const [first, last] = rate.getAllByRole("link");
+    expect([first?.tabIndex, last?.tabIndex]).toEqual([-1, 0]);
+    last?.focus();
+    expect(await rate.findByText(/^Sat, Nov 21: 88.9 %, 16 of 18 goals/)).toBeDefined();
+    await user.keyboard("{ArrowLeft}{ArrowLeft}");
+    expect(document.activeElement).toBe(first);
+    const errors = await plot("Errors");
+    expect(errors.getAllByRole("link", { name: /: Other errors, 3 goals/ })).toHaveLength(2);
   });
 });

@@ -78,6 +78,23 @@ def test_numbers_lead_to_their_goals(page: Page, gateway: RunningGateway) -> Non
     expect(page.get_by_label("Error", exact=True)).to_have_value("chosen")
 
 
+def test_points_of_plots_lead_to_their_goals(page: Page, gateway: RunningGateway) -> None:
+    """By keyboard: the newest day is where it enters, the arrows go on, Enter opens the goals."""
+    page.goto(f"{gateway.url}/ui/statistics?by=action")
+    plots = page.get_by_test_id("day-plot")
+    expect(plots).to_have_count(3)
+    rate = plots.filter(has_text="Success rate").get_by_role("link")
+    rate.last.focus()
+    page.keyboard.press("Home")
+    expect(rate.first).to_be_focused()
+    count = (rate.first.get_attribute("aria-label") or "").split(" of ")[1].split()[0]
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("table").locator("tbody tr")).to_have_count(int(count))
+    page.go_back()
+    plots.filter(has_text="Errors").get_by_role("link", name="Robot was blocked", exact=True).click()
+    expect(page.get_by_role("table").locator("tbody tr")).to_have_count(2)
+
+
 def test_one_robot_at_any_dates(page: Page, gateway: RunningGateway) -> None:
     page.goto(f"{gateway.url}/ui/statistics?robot=/robot1&last=30d")
     total = page.get_by_role("region", name="All goals")

@@ -180,13 +180,13 @@ def describe(wanted: GoalFilter, groups: list[Group]) -> dict[str, Any]:
 
 
 def _describe(chosen: GoalFilter, tally: Tally) -> dict[str, Any]:
-    median, p90 = tally.percentiles(50, 90)
+    p10, median, p90 = tally.percentiles(10, 50, 90)
     errors = sorted(tally.errors.items(), key=lambda item: (-item[1], item[0]))
     return {
         "ended": tally.ended,
         "statuses": {status.value: tally.statuses[status] for status in ENDS},
         "success_rate": _short(tally.success_rate),
-        "duration_s": {"median": _short(median), "p90": _short(p90)},
+        "duration_s": {"p10": _short(p10), "median": _short(median), "p90": _short(p90)},
         "mean_retries": _short(tally.mean_retries),
         "errors": [{"code": code, "count": count} for code, count in errors[:MAX_ERRORS]],
         "other_errors": sum(count for _, count in errors[MAX_ERRORS:]),

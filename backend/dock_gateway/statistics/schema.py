@@ -21,6 +21,7 @@ class EndedStatuses(Schema):
 class GoalDurations(Schema):
     """How long the succeeded goals took, from creation to end, in seconds; null if none succeeded."""
 
+    p10: float | None
     median: float | None
     p90: float | None
 
@@ -60,7 +61,7 @@ _COUNTS: dict[str, JsonValue] = {
     "ended": 42,
     "statuses": {"succeeded": 38, "canceled": 2, "aborted": 1, "rejected": 0, "lost": 1},
     "success_rate": 0.95,
-    "duration_s": {"median": 31.204, "p90": 44.871},
+    "duration_s": {"p10": 27.518, "median": 31.204, "p90": 44.871},
     "mean_retries": 0.1,
     "errors": [{"code": "action_server_lost", "count": 1}, {"code": "failed_to_charge", "count": 1}],
     "other_errors": 0,

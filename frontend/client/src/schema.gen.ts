@@ -3037,6 +3037,8 @@ export interface components {
          * @description How long the succeeded goals took, from creation to end, in seconds; null if none succeeded.
          */
         GoalDurations: {
+            /** P10 */
+            p10: number | null;
             /** Median */
             median: number | null;
             /** P90 */
@@ -4388,6 +4390,7 @@ export interface components {
          *         {
          *           "duration_s": {
          *             "median": 31.204,
+         *             "p10": 27.518,
          *             "p90": 44.871
          *           },
          *           "ended": 42,
@@ -4419,6 +4422,7 @@ export interface components {
          *       "total": {
          *         "duration_s": {
          *           "median": 31.204,
+         *           "p10": 27.518,
          *           "p90": 44.871
          *         },
          *         "ended": 42,

@@ -17,6 +17,7 @@ import { TimeRangeField } from "../ui/TimeRangeField";
 import { sentence } from "../ui/text";
 import { useZone, zoneName } from "../ui/zone";
 import { CountLink, DurationLink, ENDS, RateLink, tenths } from "./cells";
+import { DayPlots } from "./DayPlots";
 import { ErrorTable, GroupTable } from "./GroupTable";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping, isTooLong, MAX_DAYS, statisticsView, toQuery, type View } from "./view";
@@ -41,17 +42,20 @@ export default function StatisticsPage() {
           <Text size="sm" c="dimmed" role="status">
             {live ? "As of" : "Not live: as of"} <Time value={dataUpdatedAt} />, days in {zoneName()}
           </Text>
-          {data.total.ended === 0 ? <NoGoals /> : <Shown statistics={data} />}
+          {data.total.ended === 0 ? <NoGoals /> : <Shown statistics={data} view={view} />}
         </Stack>
       )}
     </Stack>
   );
 }
 
-function Shown({ statistics }: { statistics: Statistics }) {
+function Shown({ statistics, view }: { statistics: Statistics; view: View }) {
+  // By day they are the same statistics.
+  const { data: byDay, tooLong } = useStatistics({ ...view, by: "day" });
   return (
     <>
       <Summary total={statistics.total} />
+      {byDay !== undefined && !tooLong && <DayPlots statistics={byDay} />}
       <Section title={`By ${GROUPINGS[statistics.by].toLowerCase()}`}>
         <GroupTable statistics={statistics} />
       </Section>

@@ -11,8 +11,8 @@ interface CountLinkProps {
   statuses: readonly (typeof ENDS)[number][];
 }
 
-const NOT_CANCELED = ENDS.filter((status) => status !== "canceled");
-const SUCCEEDED: readonly GoalStatus[] = ["succeeded"];
+export const NOT_CANCELED = ENDS.filter((status) => status !== "canceled");
+export const SUCCEEDED: readonly GoalStatus[] = ["succeeded"];
 
 /** How many goals ended in these states. */
 export function CountLink({ counts, statuses }: CountLinkProps) {
@@ -105,9 +105,9 @@ export function dayWords(day: string): string {
 export function goalsLink(
   { goals_path }: Pick<GoalCounts, "goals_path">,
   statuses: readonly GoalStatus[],
-  error?: string,
+  ...errors: readonly string[]
 ): string {
   const more = new URLSearchParams(statuses.map((status) => ["status", status]));
-  if (error !== undefined) more.append("error", error);
+  for (const error of errors) more.append("error", error);
   return `/ui${goals_path}&${more}`;
 }

@@ -118,12 +118,12 @@ def test_days(busy: Client) -> None:
     first, empty, _ = found["groups"]
     assert first["statuses"] == {"succeeded": 1, "canceled": 1, "aborted": 1, "rejected": 0, "lost": 0}
     assert first["success_rate"] == 0.5
-    assert first["duration_s"] == {"median": 30.0, "p90": 30.0}
+    assert first["duration_s"] == {"p10": 30.0, "median": 30.0, "p90": 30.0}
     assert first["mean_retries"] == 1.5
     assert (first["errors"], first["other_errors"]) == ([{"code": "blocked", "count": 1}], 0)
     assert (empty["success_rate"], empty["duration_s"]["median"], empty["mean_retries"]) == (None, None, None)
     assert found["total"]["ended"] == 5
-    assert found["total"]["duration_s"] == {"median": 20.0, "p90": 28.0}
+    assert found["total"]["duration_s"] == {"p10": 12.0, "median": 20.0, "p90": 28.0}
 
 
 def test_the_days_are_those_of_the_time_zone(busy: Client) -> None:
