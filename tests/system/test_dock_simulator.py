@@ -141,7 +141,7 @@ def test_it_is_placed_in_world_only(domain: int, observer: Observer) -> None:
         truth.wait_for(lambda message: near(message, START))
         controls.place(Pose(-1.0, -0.5, 1.0))
         wait_for_new(truth, lambda message: near(message, Pose(-1.0, -0.5, 1.0)))
-        controls.place(Pose(-2.0, 0.0, 0.0), frame="map")
+        controls.place(Pose(-2.0, 0.0, 0.0), frame="odom")
         controls.place(Pose(math.nan, 0.0, 0.0))
         controls.place(Pose(-0.9, -0.5, 1.0))
         wait_for_new(truth, lambda message: near(message, Pose(-0.9, -0.5, 1.0)))

@@ -27,6 +27,7 @@ FAR = Pose(-4.8, 0.8, 2.0)
 """A start from which the dock is not seen, 4 m from the staging pose."""
 BY_ODOMETRY = DOCKED.relative_to(FAR)
 STAGING = DOCKED.compose(Pose(-0.7))
+LEFT_TO_NAV2 = "publish_map:=false"
 DATABASE = (
     "controller:=dock_pose",
     "navigate_to_staging_pose:=true",
@@ -47,7 +48,7 @@ def driven_by_us(site: Site) -> int:
 def robot(domain: int) -> Iterator[Nav2]:
     """A simulated robot far from its dock, and nav2."""
     place = f"start_x:={FAR.x}", f"start_y:={FAR.y}", f"start_theta:={FAR.theta}", "linear_max:=1.0"
-    with dock_simulator(domain, *place), nav2(domain, FAR) as server:
+    with dock_simulator(domain, *place, LEFT_TO_NAV2), nav2(domain, FAR) as server:
         yield server
 
 
@@ -162,7 +163,7 @@ def test_without_nav2_the_robot_searches_from_where_it_is(
     if not installed:
         monkeypatch.setattr(navigation, "NavigateToPose", None)
     reason = "there is no action server /navigate_to_pose" if installed else "nav2_msgs is not installed"
-    with dock_simulator(domain), docking_servers(domain, *DATABASE):
+    with dock_simulator(domain, LEFT_TO_NAV2), docking_servers(domain, *DATABASE):
         site = look_at(observer)
         goal = send_dock_goal(observer)
         site.wait_for_stage(goal, "INITIAL_PERCEPTION")

@@ -4,12 +4,13 @@ import math
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
@@ -30,6 +31,7 @@ from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from docking.ros.simulator_frames import SimulatorFrames
 from docking.ros.simulator_messages import (
+    MAP,
     ODOM,
     WORLD,
     BatteryMessage,
@@ -37,11 +39,14 @@ from docking.ros.simulator_messages import (
     RangeMessage,
     ScanMessage,
     diagnostics_message,
+    map_message,
 )
 from docking.ros.stop_listener import StopListener
 from docking.simulation.battery_yield import BatteryYield
 from docking.simulation.faults import Fault
+from docking.simulation.occupancy import map_of
 from docking.simulation.parameters import SimulatorSettings
+from docking.simulation.room import WORKSHOP
 from docking.simulation.simulation import Simulation
 from docking.simulation.status import Status, status_of
 from robot_io.endpoints import busy_publisher
@@ -73,7 +78,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         """
         super().__init__("dock_simulator", context=context, **options)
         declare_parameters(self, SimulatorSettings, self._take_settings)
-        self._simulation = Simulation(self._settings.settings, self._settings.seed)
+        self._room = WORKSHOP if self._settings.room else None
+        self._simulation = self._make_simulation()
         self._courtesy = BatteryYield()
         self._ticks = 0
         self._ticked_at = time.monotonic()
@@ -91,6 +97,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
     def _take_settings(self, settings: SimulatorSettings) -> None:
         self._settings = settings
 
+    def _make_simulation(self) -> Simulation:
+        return Simulation(replace(self._settings.settings, room=self._room), self._settings.seed)
+
     def _make_publishers(self) -> None:
         publisher = partial(busy_publisher, self)
         self._odometry = publisher(Odometry, "odom")
@@ -103,12 +112,19 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         # Absolute, as REP-107 has it: one topic for all robots; the name of the status says which one.
         self._diagnostics = publisher(DiagnosticArray, "/diagnostics")
         self._dock.publish(stamped_pose(Pose(), WORLD, self._now()))
+        self._world_frames = {WORLD, ""}
+        mapped = self._room if self._settings.publish_map else None
+        if mapped is not None:
+            self._world_frames |= {MAP}
+            self._map = publisher(OccupancyGrid, "map", LATCHED)
+            self._map.publish(map_message(map_of(mapped, self._simulation.dock), self._now()))
         self._frames = SimulatorFrames(
             self,
             self._settings.odometry_child_frame,
             self._settings.detection_frame,
             self._simulation.settings.laser.mount,
             self._simulation.settings.marker.camera_yaw,
+            localizes=mapped is not None,
         )
         self._make_messages()
 
@@ -146,7 +162,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _place(self, message: PoseWithCovarianceStamped) -> None:
         frame = message.header.frame_id
-        if frame not in {WORLD, ""}:
+        if frame not in self._world_frames:
             self.get_logger().warning(f"initialpose is in the frame {frame!r}, but must be in {WORLD}: ignored")
             return
         try:
@@ -162,7 +178,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         halted = self._simulation.halted
-        self._simulation = Simulation(self._settings.settings, self._settings.seed)
+        self._simulation = self._make_simulation()
         self._simulation.halted = halted
         self._make_messages()
         self._report_change()
@@ -201,7 +217,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._odometry_told = odometry.stamp  # of its arrival: its message may repeat the one before
             reckoned = self._stamp(reading[0])
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
-            self._frames.publish(odometry.pose, reckoned)
+            error = robot.pose.compose(simulation.odometry.pose.inverse())
+            self._frames.publish(odometry.pose, error, simulation.time, reckoned)
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
         detections, ranges = simulation.detections, simulation.ranges
         if detections and detections[0][0] != self._marker_told:

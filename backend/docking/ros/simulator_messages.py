@@ -1,10 +1,12 @@
 """The simulator's messages. Those that are sent often are reused."""
 
+from array import array
 from collections.abc import Mapping
 
+import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import OccupancyGrid, Odometry
 from sensor_msgs.msg import BatteryState, LaserScan, Range
 
 from docking.core.geometry import Pose, quaternion_of
@@ -14,7 +16,9 @@ from docking.ros.diagnostics import status_message
 from docking.simulation.battery import BatteryMeasurement
 from docking.simulation.infrared import InfraredSettings
 from docking.simulation.laser import ANGLE_MIN, Distances, LaserSettings
+from docking.simulation.occupancy import CELL, Occupancy
 
+MAP = "map"
 WORLD = "world"
 ODOM = "odom"
 BASE = "base_link"
@@ -125,6 +129,17 @@ class BatteryMessage:
         message.cell_voltage = list(measured.cell_voltages)
         message.cell_temperature = list(measured.cell_temperatures)
         return message
+
+
+def map_message(grid: Occupancy, stamp: Time) -> OccupancyGrid:
+    """The nav_msgs/OccupancyGrid of a room."""
+    message = OccupancyGrid(data=array("b", np.where(grid.occupied, 100, 0).astype(np.int8).tobytes()))
+    message.header.frame_id = MAP
+    message.header.stamp = message.info.map_load_time = stamp
+    message.info.resolution = CELL
+    message.info.height, message.info.width = grid.occupied.shape
+    message.info.origin.position.x, message.info.origin.position.y = grid.x, grid.y
+    return message
 
 
 def diagnostics_message(

@@ -1,17 +1,28 @@
 """Collisions: keeps the robot out of solid objects, and records each contact with the dock."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 from random import Random
 
+from docking.simulation.box import Box
 from docking.simulation.dock import Dock
-from docking.simulation.obstacle import Obstacle
+from docking.simulation.obstacle import Obstacle, Obstruction
 from docking.simulation.robot import Robot
+from docking.simulation.room import Room
+
+Solid = Box | Obstacle | Room
 
 ON, OFF = 0.4, 0.3
 """Seconds for which the current of contacts that flicker flows, and does not."""
 APART = 0.035
 """How far the robot must be from the dock, in m, for the next contact to be another one."""
+ROUNDING = 1e-9
+CORRECTIONS = 4
+"""How often a robot is moved that stands between two things, such as in a corner."""
+RING = 0.05
+"""Between two circles on which a free place is looked for, in m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,17 +49,19 @@ class Collisions:
         touches: Contacts with the dock, but for those of a robot that was set down there.
     """
 
-    def __init__(self, dock: Dock, bouncing: Random) -> None:
+    def __init__(self, dock: Dock, bouncing: Random, room: Room | None = None) -> None:
         """Begin with nothing touched.
 
         Args:
             dock: The dock.
             bouncing: Decides when a current flows over contacts that bounce.
+            room: Where it stands.
         """
         self.contact = False
         self.bumps = 0
         self.touches: list[Touch] = []
         self._dock = dock
+        self._room: tuple[Box | Room, ...] = () if room is None else (*room.furniture, room)
         self._bouncing = bouncing
         self._blocked = self._at_dock = False
         self._contact_since: float | None = None
@@ -63,12 +76,14 @@ class Collisions:
             driven: Whether it drove there; else it was set down.
         """
         speed, blocked = abs(robot.linear), False
-        solids: tuple[Dock | Obstacle, ...] = (self._dock, *obstacles)
+        solids: tuple[Solid, ...] = (self._dock.box, *obstacles, *self._room)
         for solid in solids:
             obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
             if obstruction is not None:
                 robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
                 blocked = True
+        if blocked and self._room:
+            _correct(robot, solids)
         self.contact = self._dock.in_contact(robot.x, robot.y, robot.theta)
         if not self.contact:
             self._contact_since = None
@@ -99,3 +114,27 @@ class Collisions:
         if flickers or self._dock.settings.flickers:
             return since % (ON + OFF) < ON
         return since >= self._dock.settings.bounce or self._bouncing.random() < 0.5
+
+
+def _correct(robot: Robot, solids: Sequence[Solid]) -> None:
+    """What keeps the robot out of one thing may have put it into another: it is moved out of all."""
+    for _ in range(CORRECTIONS):
+        within = _find(robot.x, robot.y, robot.radius, solids)
+        if within is None:
+            return
+        robot.x, robot.y = within.x, within.y
+    robot.x, robot.y = next((x, y) for x, y in _around(robot.x, robot.y) if _find(x, y, robot.radius, solids) is None)
+
+
+def _find(x: float, y: float, radius: float, solids: Sequence[Solid]) -> Obstruction | None:
+    """The first thing in the way of a robot at this place."""
+    found = (solid.obstruct(x, y, radius - ROUNDING) for solid in solids)
+    return next((obstruction for obstruction in found if obstruction is not None), None)
+
+
+def _around(x: float, y: float) -> Iterator[tuple[float, float]]:
+    """Places around one, the nearer ones first."""
+    for ring in count(1):
+        for corner in range(8 * ring):
+            angle = math.tau * corner / (8 * ring)
+            yield x + RING * ring * math.cos(angle), y + RING * ring * math.sin(angle)

@@ -1,4 +1,4 @@
-"""The laser scanner: sees the dock and obstacles all around."""
+"""The laser scanner: sees the dock, obstacles and the room all around."""
 
 import math
 from collections.abc import Sequence
@@ -9,8 +9,10 @@ import numpy.typing as npt
 
 from docking.core.geometry import Pose
 from docking.core.parameter import number
+from docking.simulation.box import Box
 from docking.simulation.dock import Dock
 from docking.simulation.obstacle import Obstacle
+from docking.simulation.room import Room
 
 Distances = npt.NDArray[np.float64]
 
@@ -63,18 +65,23 @@ class LaserScanner:
         self._angles = ANGLE_MIN + settings.angle_increment * np.arange(settings.rays)
         self._noise = np.random.default_rng(seed)
 
-    def scan(self, robot: Pose, dock: Dock, obstacles: Sequence[Obstacle]) -> Distances:
+    def scan(self, robot: Pose, dock: Dock, obstacles: Sequence[Obstacle], room: Room | None = None) -> Distances:
         """One scan: a distance for each ray, in m; infinite where nothing is seen (REP-117).
 
         Args:
             robot: base_link in world.
             dock: The dock.
             obstacles: Other obstacles.
+            room: Where all this is.
         """
         settings, scanner = self.settings, robot.compose(self.settings.mount)
         angles = self._angles + scanner.theta
         cos, sin = np.cos(angles), np.sin(angles)
-        distances = _to_box(scanner, cos, sin, dock.corners)
+        if room is None:
+            distances = _to_boxes(scanner, cos, sin, (dock.box,))
+        else:
+            seen_within = _to_boxes(scanner, cos, sin, (dock.box, *room.furniture))
+            distances = np.minimum(seen_within, _to_walls(scanner, cos, sin, room.floor))
         for obstacle in obstacles:
             distances = np.minimum(distances, _to_circle(scanner, cos, sin, obstacle))
         distances = distances + self._noise.normal(0.0, settings.noise, len(distances))
@@ -90,12 +97,22 @@ def _to_circle(scanner: Pose, cos: Distances, sin: Distances, circle: Obstacle) 
     return np.where((within > 0.0) & (near > 0.0), near, math.inf)
 
 
-def _to_box(scanner: Pose, cos: Distances, sin: Distances, corners: tuple[float, float, float, float]) -> Distances:
-    """Enters where the ray is between both pairs of sides."""
-    x_min, y_min, x_max, y_max = corners
-    with np.errstate(divide="ignore"):
-        by_x = np.array(((x_min - scanner.x) / cos, (x_max - scanner.x) / cos))
-        by_y = np.array(((y_min - scanner.y) / sin, (y_max - scanner.y) / sin))
-    enters = np.maximum(by_x.min(axis=0), by_y.min(axis=0))
-    leaves = np.minimum(by_x.max(axis=0), by_y.max(axis=0))
-    return np.where((enters <= leaves) & (enters > 0.0), enters, math.inf)
+def _to_boxes(scanner: Pose, cos: Distances, sin: Distances, boxes: Sequence[Box]) -> Distances:
+    """To the nearest box."""
+    enters, leaves = _cross(scanner, cos, sin, boxes)
+    return np.asarray(np.where((enters <= leaves) & (enters > 0.0), enters, math.inf).min(axis=0))
+
+
+def _to_walls(scanner: Pose, cos: Distances, sin: Distances, floor: Box) -> Distances:
+    return np.asarray(_cross(scanner, cos, sin, (floor,))[1][0])
+
+
+def _cross(scanner: Pose, cos: Distances, sin: Distances, boxes: Sequence[Box]) -> tuple[Distances, Distances]:
+    """Where each ray enters and leaves each box: it is in a box where it is between both pairs of sides."""
+    x_min, y_min, x_max, y_max = np.array([(box.x_min, box.y_min, box.x_max, box.y_max) for box in boxes]).T[:, :, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_x = (x_min - scanner.x) / cos, (x_max - scanner.x) / cos
+        by_y = (y_min - scanner.y) / sin, (y_max - scanner.y) / sin
+    enters = np.maximum(np.minimum(*by_x), np.minimum(*by_y))
+    leaves = np.minimum(np.maximum(*by_x), np.maximum(*by_y))
+    return enters, leaves

@@ -7,6 +7,7 @@ from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.parameter import number, switch
+from docking.simulation.box import Box
 from docking.simulation.obstacle import Obstacle
 
 CAMERA_X = 0.15
@@ -99,7 +100,7 @@ class MarkerCamera:
         self._random = random
         self._wrong = wrong
 
-    def can_see(self, robot: Pose, obstacles: Sequence[Obstacle] = ()) -> bool:
+    def can_see(self, robot: Pose, obstacles: Sequence[Obstacle | Box] = ()) -> bool:
         """Whether the marker is in range, in view, not hidden and not seen too much from the side.
 
         Args:
@@ -119,7 +120,7 @@ class MarkerCamera:
         )
 
     def look(
-        self, robot: Pose, now: float = 0.0, obstacles: Sequence[Obstacle] = (), outliers: float = 0.0
+        self, robot: Pose, now: float = 0.0, obstacles: Sequence[Obstacle | Box] = (), outliers: float = 0.0
     ) -> Pose | None:
         """One picture.
 

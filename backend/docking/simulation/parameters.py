@@ -56,4 +56,13 @@ class SimulatorSettings(NodeSettings):
     detection_frame: DetectionFrame = choice(
         DetectionFrame.BASE, "The frame of detected_dock_pose; applies at the next start."
     )
+    room: bool = switch(
+        True,
+        "Whether the dock is in a room with walls and furniture; else on an endless floor. Applies at the next start.",
+    )
+    publish_map: bool = switch(
+        True,
+        "Whether the room's `map` is published, and where odometry lies in it, as a localization does; switch it off "
+        "for a localization of your own. Applies at the next start.",
+    )
     settings: Settings = group(Settings)

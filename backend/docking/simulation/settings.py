@@ -12,6 +12,7 @@ from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
 from docking.simulation.robot import RobotSettings
+from docking.simulation.room import Room
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,7 @@ class Settings:
         driving_power: Additional power of its motors at 1 m/s, in W.
         stall_power: Additional power of the motors while a wheel is kept from turning, in W.
         obstacles: Obstacles other than the dock.
+        room: The room with the dock; None on an endless floor.
         robot: The robot.
         odometry: Its reckoning.
         marker: Its camera and the dock's marker.
@@ -54,4 +56,5 @@ class Settings:
     battery: BatterySettings = group(BatterySettings)
     command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
     obstacles: tuple[Obstacle, ...] = ()
+    room: Room | None = None
     dock: DockSettings = group(DockSettings, "contact_")

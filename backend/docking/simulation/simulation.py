@@ -25,6 +25,7 @@ from docking.core.observation import (
 from docking.estimation.scan import place
 from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack
+from docking.simulation.box import Box
 from docking.simulation.collisions import Collisions, Touch
 from docking.simulation.delay import Delay
 from docking.simulation.dock import Dock
@@ -97,7 +98,7 @@ class Simulation:
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
         self._scanner = LaserScanner(settings.laser, self._random("laser").getrandbits(32))
         self._picture_due = self._scan_due = self._ranges_due = self._measurement_due = 0.0
-        self._collisions = Collisions(self.dock, self._random("bounce"))
+        self._collisions = Collisions(self.dock, self._random("bounce"), settings.room)
         self._commands: Delay[Velocity] = Delay()
         self._readings: Delay[tuple[float, Odometry]] = Delay()
         self._detections: Delay[tuple[float, list[Pose]]] = Delay()
@@ -283,7 +284,7 @@ class Simulation:
             self._measure_ranges()
         if self.scanning and now >= self._scan_due:
             self._scan_due = self.time + 1.0 / self.settings.laser.rate
-            distances = self._scanner.scan(self.robot.pose, self.dock, self.obstacles)
+            distances = self._scanner.scan(self.robot.pose, self.dock, self.obstacles, self.settings.room)
             self.scan = LaserScan(distances, self.odometry.pose, self.time)
         if now >= self._measurement_due:
             self._measurement_due += 1.0 / BATTERY_RATE
@@ -306,7 +307,9 @@ class Simulation:
             return
         settings, robot = self.settings.marker, self.robot.pose
         outliers = WRONG if Fault.WRONG_DETECTIONS in self.faults else 0.0
-        seen = [self._camera.look(robot, self.time, self.obstacles, outliers)]
+        room = self.settings.room
+        hiding: tuple[Obstacle | Box, ...] = self.obstacles + (() if room is None else room.furniture)
+        seen = [self._camera.look(robot, self.time, hiding, outliers)]
         if settings.second_y != 0.0:
             seen.append(self._second.look(robot.relative_to(Pose(y=settings.second_y)), self.time))
         if markers := [marker for marker in seen if marker is not None]:
