@@ -15,6 +15,7 @@ from dock_gateway.audit import routes as audit_routes
 from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.automation import routes as automation_routes
 from dock_gateway.fleet import routes as fleet_routes
+from dock_gateway.foxglove import routes as foxglove_routes
 from dock_gateway.goals import action_routes, approval_routes, dock_routes, export_routes, note_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
@@ -94,6 +95,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         socket,
         topics,
         rosbridge_routes,
+        foxglove_routes,
     )
     return (*dock_routes.routers, *(module.router for module in modules))
 

@@ -91,6 +91,13 @@ class Settings(BaseSettings):
         description="A further port, on which WebSockets of `/` are `/rosbridge`, such as 9090: "
         "[rosbridge.md](rosbridge.md).",
     )
+    foxglove_port: int | None = Field(
+        None,
+        ge=1,
+        le=65535,
+        description="A further port, on which WebSockets of `/` are `/foxglove`, such as 8765: "
+        "[foxglove.md](foxglove.md).",
+    )
     allowed_hosts: HostNames = Field(
         (),
         description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "
@@ -463,6 +470,8 @@ class Settings(BaseSettings):
             raise ValueError("ping_interval must be shorter than stalled_after")
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
+        if self.foxglove_port is not None and self.foxglove_port == self.rosbridge_port:
+            raise ValueError("foxglove_port must not be rosbridge_port")
         if (self.tls_cert is None) != (self.tls_key is None):
             raise ValueError("tls_cert and tls_key belong together: set both or neither")
         if self.tls_client_ca is not None and not self.tls:

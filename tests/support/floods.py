@@ -24,7 +24,8 @@ Address = tuple[str, int]
 Flood = Callable[[Address], None]
 
 HOST = b"Host: localhost\r\n"
-CONTINUATION, TEXT, PING = 0, 1, 9
+CONTINUATION, TEXT, BINARY, PING = 0, 1, 2, 9
+FOXGLOVE = b"Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n"
 FIN = 0x80
 
 
@@ -36,7 +37,7 @@ def frame(opcode: int, payload: bytes = b"", *, fin: bool = True) -> bytes:
     return struct.pack("!BBH", head, 0x80 | 126, len(payload)) + bytes(4) + payload
 
 
-def open_websocket(address: Address, path: str) -> socket.socket:
+def open_websocket(address: Address, path: str, headers: bytes = b"") -> socket.socket:
     """A WebSocket whose frames are written and read by hand.
 
     Raises:
@@ -45,18 +46,18 @@ def open_websocket(address: Address, path: str) -> socket.socket:
     connection = socket.create_connection(address, timeout=10)
     key = base64.b64encode(os.urandom(16))
     upgrade = b"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: %s\r\n\r\n"
-    connection.sendall(b"GET %s HTTP/1.1\r\n" % path.encode() + HOST + upgrade % key)
+    connection.sendall(b"GET %s HTTP/1.1\r\n" % path.encode() + HOST + headers + upgrade % key)
     if b" 101 " not in connection.recv(1024).partition(b"\r\n")[0]:
         connection.close()
         raise ConnectionRefusedError("the WebSocket was refused")
     return connection
 
 
-def _websocket(path: str, first: bytes, then: bytes, *, read: bool = True) -> Flood:
+def _websocket(path: str, first: bytes, then: bytes, *, read: bool = True, headers: bytes = b"") -> Flood:
     """Open a WebSocket, send `first`, then `then` for ever; on `read`, take what the gateway answers."""
 
     def flood(address: Address) -> None:
-        with open_websocket(address, path) as connection:
+        with open_websocket(address, path, headers) as connection:
             connection.sendall(first)
             connection.setblocking(False)
             with selectors.DefaultSelector() as selector:
@@ -64,6 +65,11 @@ def _websocket(path: str, first: bytes, then: bytes, *, read: bool = True) -> Fl
                 _exchange(connection, selector, then)
 
     return flood
+
+
+def _foxglove(then: bytes, *, read: bool = True) -> Flood:
+    """Send `then` for ever as a viewer."""
+    return _websocket("/foxglove", b"", then, read=read, headers=FOXGLOVE)
 
 
 def _exchange(connection: socket.socket, selector: selectors.BaseSelector, data: bytes) -> None:
@@ -147,13 +153,13 @@ def _slow_websockets(path: str, first: bytes = b"") -> Flood:
     return flood
 
 
-def _sessions(path: str, first: bytes) -> Flood:
+def _sessions(path: str, first: bytes, headers: bytes = b"") -> Flood:
     """Open a WebSocket, send `first` and leave, again and again, twenty at a time."""
 
     def flood(address: Address) -> None:
         held: deque[socket.socket] = deque()
         while True:
-            held.append(open_websocket(address, path))
+            held.append(open_websocket(address, path, headers))
             held[-1].sendall(first)
             if len(held) > 20:
                 held.popleft().close()
@@ -190,6 +196,11 @@ CHURN = b"".join(
     + _operation(b'{"op":"unsubscribe","topic":"/flood%d"}' % n)
     for n in range(200)
 )
+# Foxglove: subscriptions to channels that are not there, and binary messages that are none.
+NO_CHANNELS = b",".join(b'{"id":%d,"channelId":%d}' % (n, n) for n in range(1_000))
+SUBSCRIPTIONS = _operation(b'{"op":"subscribe","subscriptions":[%s]}' % NO_CHANNELS)
+NOT_BINARY = (b"", b"\x01", b"\x01\0\0\0\0data", b"\x02" + b"\xff" * 12, b"\x02" + b"\0" * 500, b"\xff" * 20_000)
+BINARY_NONSENSE = [frame(BINARY, data) for data in NOT_BINARY]
 # A frame that announces 100 GB.
 ENDLESS_FRAME = struct.pack("!BBQ", FIN | TEXT, 0xFF, 100_000_000_000) + bytes(4)
 
@@ -237,6 +248,9 @@ FLOODS: dict[str, Flood] = {
     "subscriptions on /rosbridge": _websocket("/rosbridge", b"", CHURN),
     "slow readers of /rosbridge": _slow_websockets("/rosbridge", SUBSCRIBE + CALL * 100),
     "sessions of /rosbridge": _sessions("/rosbridge", SUBSCRIBE + CALL),
+    "garbage on /foxglove": _foxglove(b"".join([*map(_operation, NONSENSE), *BINARY_NONSENSE]) * 10),
+    "unread subscriptions on /foxglove": _foxglove(SUBSCRIPTIONS, read=False),
+    "sessions of /foxglove": _sessions("/foxglove", SUBSCRIPTIONS, FOXGLOVE),
     "unread answers": _slow_readers("/openapi.json", 200),
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),
 }

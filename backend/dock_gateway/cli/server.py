@@ -29,9 +29,9 @@ from dock_gateway.http.edge.listener import Listener
 from dock_gateway.http.edge.options import edge_options
 from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.http.edge.tls import open_tls
+from dock_gateway.http.own_ports import OwnPorts
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.request_id import RequestId
-from dock_gateway.rosbridge.port import RosbridgePort
 from dock_gateway.settings import Settings, unknown_variables
 from robot_io import ros_variables
 
@@ -51,7 +51,7 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._certificates = certificates
         self._parts: Parts | None = None
-        self._rosbridge_port: int | None = None
+        self._own_ports: dict[int, str] = {}
         self._tasks = Tasks("watching the certificate")
 
     async def serve_gateway(self, parts: Parts, settings: Settings) -> None:
@@ -60,23 +60,21 @@ class Server(uvicorn.Server):
             return
         self._parts = parts
         app: ASGIApp = RequestId(SecurityHeaders(create_app(settings, parts), tls=settings.tls))
-        if settings.rosbridge_port is not None:
-            app = RosbridgePort(app, settings.rosbridge_port)
-        self._rosbridge_port = settings.rosbridge_port
-        self.config.app = ForwardedHeaders(app, settings.trusted_proxies)
+        own = {settings.rosbridge_port: "/rosbridge", settings.foxglove_port: "/foxglove"}
+        self._own_ports = {port: path for port, path in own.items() if port is not None}
+        self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and log the addresses."""
-        listeners = {"http": self._bind(self.config.port)}
-        if self._rosbridge_port is not None:
-            listeners["ws"] = self._bind(self._rosbridge_port)
+        listeners = [("http", self._bind(self.config.port))]
+        listeners += [("ws", self._bind(port)) for port in self._own_ports]
         await super().startup(sockets=[])
         secure = "" if self._certificates is None else "s"
         if self._certificates is not None:
             self._tasks.spawn(self._certificates.watch())
-        for scheme, listener in listeners.items():
+        for scheme, listener in listeners:
             self.servers.append(cast("asyncio.Server", listener))
             listener.start(self._open)
             for host, port, *_ in (bound.getsockname() for bound in listener.sockets):

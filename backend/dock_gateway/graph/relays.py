@@ -13,6 +13,9 @@ from dock_gateway.setting_types import LONGEST_NAME
 
 log = logging.getLogger(__name__)
 
+# Topics that clients may have subscribed to, all of them together.
+MAX_OF_CLIENTS = 200
+
 
 class Relays:
     """All relayed topics.

@@ -11,8 +11,8 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.types import Nested, kinds, type_name
 from dock_gateway.rosbridge.protocol import stamp
-from dock_gateway.rosbridge.rights import Rights
 from dock_gateway.rosbridge.values import reader
+from dock_gateway.streams.rights import Rights
 
 HEADER = "std_msgs/msg/Header"
 MAX_ADVERTISED = 100

@@ -19,8 +19,8 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.interfaces import load_service
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.protocol import CallService
-from dock_gateway.rosbridge.rights import Rights
 from dock_gateway.rosbridge.values import adapter
+from dock_gateway.streams.rights import Rights
 
 Json = dict[str, Any]
 

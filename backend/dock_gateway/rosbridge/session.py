@@ -25,7 +25,6 @@ from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import INTERNAL
-from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
@@ -51,13 +50,14 @@ from dock_gateway.rosbridge.protocol import (
 )
 from dock_gateway.rosbridge.publications import Publications
 from dock_gateway.rosbridge.published import Payload
-from dock_gateway.rosbridge.rights import Rights
 from dock_gateway.rosbridge.services import OWN_SERVICES, STOP, Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
-from dock_gateway.streams.events import CLOSE_CODES, until_one_ends
+from dock_gateway.streams.connection import ClientConnection
+from dock_gateway.streams.events import until_one_ends
 from dock_gateway.streams.feed import end_of
 from dock_gateway.streams.incoming import carry_out_all
+from dock_gateway.streams.rights import Rights
 
 log = logging.getLogger(__name__)
 
@@ -97,7 +97,7 @@ class Session:
         self._services = Services(parts, self._rights)
         self._publications = Publications(parts, self._rights)
         self._subscriptions = Subscriptions(parts[Relays], writer)
-        self._sending = asyncio.Lock()
+        self._connection = ClientConnection(websocket, parts[Settings].subscriber_timeout)
         self._in_order = asyncio.Lock()
         self._asking = asyncio.Lock()
         self._fragments = Fragments(parts[Settings].max_body_bytes)
@@ -108,7 +108,7 @@ class Session:
     async def run(self, place: Subscriber) -> None:
         """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
         await until_one_ends(self._read(), self._follow(place), self._subscriptions.send_all(self._send_payload))
-        await self._close("too_slow")
+        await self._connection.close("too_slow")
 
     async def close(self) -> None:
         """End the subscriptions. Operations in progress continue, and goals that are running."""
@@ -130,7 +130,7 @@ class Session:
             events, _ = await place.take(60.0)
             if not place.expelled:
                 await self._goals.on_events(events)
-        await self._close(end_of(place))
+        await self._connection.close(end_of(place))
 
     # ------------------------------------------------------------------ operations
 
@@ -274,33 +274,13 @@ class Session:
 
     async def _send(self, message: bytes, fragment_size: int | None = None) -> None:
         for piece in split(message, fragment_size):
-            await self._send_frame({"type": "websocket.send", "text": piece.decode()})
+            await self._connection.send({"type": "websocket.send", "text": piece.decode()})
 
     async def _send_payload(self, payload: Payload, fragment_size: int | None) -> None:
         if payload.binary:
-            await self._send_frame({"type": "websocket.send", "bytes": payload.data})
+            await self._connection.send({"type": "websocket.send", "bytes": payload.data})
         else:
             await self._send(payload.data, fragment_size)
-
-    async def _send_frame(self, message: Json) -> None:
-        """Send a message. Cut off a client that does not read for `subscriber_timeout` seconds.
-
-        Raises:
-            TimeoutError: The client did not read in time.
-            WebSocketDisconnect: The connection is closed.
-        """
-        async with self._sending:
-            try:
-                await send_in_time(self._websocket.send, message, self._parts[Settings].subscriber_timeout)
-            except TimeoutError:
-                await self._close("too_slow")
-                raise
-            except RuntimeError:  # another message was not read in time: the connection is closed already
-                raise WebSocketDisconnect(CLOSE_CODES["too_slow"]) from None
-
-    async def _close(self, reason: str) -> None:
-        with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already
-            await self._websocket.close(CLOSE_CODES[reason], reason)
 
 
 Operate = Callable[[Session, Json, Identity], Awaitable[None]]

@@ -8,14 +8,12 @@ from typing import Any
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.hub import FrameWriter
 from dock_gateway.graph.relay import Received
-from dock_gateway.graph.relays import Relays
+from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
 from dock_gateway.rosbridge.published import Payload, Published
 
 # Topics of a client, and its subscriptions of all of them together.
 MAX_TOPICS, MAX_SUBSCRIPTIONS = 64, 500
-# Topics that all clients together have subscribed to.
-MAX_RELAYED = 200
 # Messages and bytes of one topic that wait for a client that reads slowly. The oldest are dropped.
 QUEUE, QUEUE_BYTES = 100, 16_000_000
 NEVER = float("inf")
@@ -112,7 +110,7 @@ class Subscriptions:
         joined.requests[identity] = request
         joined.configure()
         if outlet is None:
-            await self._relays.join(topic, type_name, joined, limit=MAX_RELAYED)
+            await self._relays.join(topic, type_name, joined, limit=MAX_OF_CLIENTS)
             self._outlets[topic] = joined
 
     async def unsubscribe(self, topic: str, identity: Identity) -> None:

@@ -18,7 +18,7 @@ def client() -> TestClient:
     return TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")
 
 
-@pytest.mark.parametrize("path", ["/ws", "/ws/feedback?robot=/robot1", "/ws/topics", "/rosbridge"])
+@pytest.mark.parametrize("path", ["/ws", "/ws/feedback?robot=/robot1", "/ws/topics", "/rosbridge", "/foxglove"])
 def test_without_an_upgrade(client: TestClient, path: str) -> None:
     response = client.get(path)
     problem = response.json()
@@ -42,4 +42,4 @@ def test_no_websocket_is_there(client: TestClient, path: str, caplog: pytest.Log
         pass
     assert refused.value.status_code == 404
     assert "a WebSocket was refused: there is no WebSocket at" in caplog.text
-    assert "there are /rosbridge, /ws, /ws/feedback" in refused.value.json()["detail"]
+    assert "there are /foxglove, /rosbridge, /ws, /ws/feedback" in refused.value.json()["detail"]

@@ -1,0 +1,1 @@
+"""The protocol of Foxglove: topics, actions, services and parameters for viewers."""

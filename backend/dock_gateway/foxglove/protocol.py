@@ -1,0 +1,156 @@
+"""The messages of the Foxglove WebSocket protocol: what a client sends, and what it is sent. No ROS, no socket."""
+
+import struct
+from collections.abc import Iterable
+from enum import IntEnum
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, NotAllowed
+from dock_gateway.core.goal import encode
+from dock_gateway.http.requests import decode_json
+
+Json = dict[str, Any]
+
+# The names of the protocol, which a client offers when it connects.
+SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
+# How messages are encoded that clients send; the first one is what viewers choose.
+ENCODINGS = ("cdr", "json")
+# How message types are described.
+SCHEMA_ENCODING = "ros2msg"
+# Characters of a name, an id or an encoding.
+MAX_NAME = 1000
+
+Id = Annotated[int, Field(ge=0, lt=2**32, strict=True)]
+Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME)]
+
+
+class Level(IntEnum):
+    """The levels of status messages."""
+
+    info = 0
+    warning = 1
+    error = 2
+
+
+class Operation(BaseModel):
+    """An operation. Fields that are not known are ignored: each version of the protocol adds some."""
+
+    model_config = ConfigDict(extra="ignore")
+
+
+class Subscription(Operation):
+    """A channel, and the client's own id for its messages."""
+
+    id: Id
+    channel: Id = Field(alias="channelId")
+
+
+class Subscribe(Operation):
+    """Send the messages of channels."""
+
+    subscriptions: list[Subscription]
+
+
+class Unsubscribe(Operation):
+    """Send no more messages of channels."""
+
+    subscriptions: list[Id] = Field(alias="subscriptionIds")
+
+
+# Operations of the protocol that the gateway does not have, and why.
+REFUSED = {
+    "fetchAsset": "the gateway hands out no files",
+    "playbackControlRequest": "the gateway shows what happens now",
+}
+
+
+class Call(NamedTuple):
+    """A call of a service."""
+
+    service: int
+    call: int
+    encoding: str
+    request: bytes
+
+
+class ClientMessage(NamedTuple):
+    """A message on a channel of the client."""
+
+    channel: int
+    message: bytes
+
+
+def read_operation(text: str) -> tuple[str, Json]:
+    """Return the name and the other fields of an operation.
+
+    Raises:
+        MalformedRequest: It is not JSON.
+        InvalidField: It is not an operation.
+        NotAllowed: It is one that the gateway does not have on purpose.
+    """
+    message = decode_json(text, "the message")
+    if not isinstance(message, dict):
+        raise InvalidField([FieldError("", "an object with op", "got something else")])
+    op = message.pop("op", None)
+    if not isinstance(op, str):
+        raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
+    if op in REFUSED:
+        raise NotAllowed(REFUSED[op], code="not_supported")
+    return op, message
+
+
+def read_binary(data: bytes) -> Call | ClientMessage:
+    """Return a binary message.
+
+    Raises:
+        MalformedRequest: It is none of the protocol.
+    """
+    try:
+        match data[:1]:
+            case b"\x01":
+                (channel,) = struct.unpack_from("<I", data, 1)
+                return ClientMessage(channel, data[5:])
+            case b"\x02":
+                service, call, length = struct.unpack_from("<III", data, 1)
+                encoding = data[13 : 13 + length]
+                if len(encoding) == length <= MAX_NAME:
+                    return Call(service, call, encoding.decode(errors="replace"), data[13 + length :])
+    except struct.error:
+        pass
+    raise MalformedRequest("a binary message is neither a message on a channel nor a call of a service")
+
+
+def server_info(capabilities: Iterable[str], metadata: dict[str, str], session: str) -> bytes:
+    """Return the first message to a client."""
+    return encode(
+        {
+            "op": "serverInfo",
+            "name": "dock-gateway",
+            "capabilities": list(capabilities),
+            "supportedEncodings": ENCODINGS,
+            "metadata": metadata,
+            "sessionId": session,
+        }
+    )
+
+
+def status(level: Level, text: str) -> bytes:
+    """Return a message that a viewer shows to its user."""
+    return encode({"op": "status", "level": level, "message": text})
+
+
+def advertise(channels: Iterable[Json]) -> bytes:
+    """Return the message that there are channels."""
+    return encode({"op": "advertise", "channels": list(channels)})
+
+
+def unadvertise(channels: Iterable[int]) -> bytes:
+    """Return the message that channels are gone."""
+    return encode({"op": "unadvertise", "channelIds": list(channels)})
+
+
+def message_data(subscription: int, received_ns: int, message: bytes) -> bytes:
+    """Return a message on a channel."""
+    return struct.pack("<BIQ", 1, subscription, received_ns) + message

@@ -1,0 +1,36 @@
+"""`/foxglove`: the WebSocket for Foxglove and other viewers that speak its protocol."""
+
+from fastapi import APIRouter, Depends, WebSocket
+
+from dock_gateway.access.authorization import subscribed
+from dock_gateway.core.errors import MalformedRequest
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Role
+from dock_gateway.foxglove.protocol import SUBPROTOCOLS
+from dock_gateway.foxglove.session import Session
+from dock_gateway.http.edge.websocket import frame_writer
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import AllParts
+from dock_gateway.http.principal import TICKET, principal_of
+from dock_gateway.http.requests import known_query
+
+router = APIRouter()
+
+
+@router.websocket("/foxglove", dependencies=[Depends(known_query(TICKET))])
+@operation(Role.VIEWER, Scope.LISTED)
+async def foxglove(websocket: WebSocket, parts: AllParts) -> None:
+    """Speak the protocol of Foxglove: channels, parameters, services, and actions as services."""
+    offered = websocket.scope["subprotocols"]
+    chosen = next((name for name in offered if name in SUBPROTOCOLS), None)
+    if chosen is None:
+        expected = f"connect with the subprotocol {' or '.join(SUBPROTOCOLS)}"
+        raise MalformedRequest(expected, code="subprotocol_required")
+    principal = principal_of(websocket)
+    session = Session(websocket, parts, principal, frame_writer(websocket))
+    with subscribed(parts, principal, EventFilter(topics=frozenset())) as place:
+        try:
+            await websocket.accept(subprotocol=chosen)
+            await session.run(place)
+        finally:
+            await session.close()
