@@ -19,6 +19,7 @@ pytestmark = pytest.mark.ros
 FAULTS = (
     "dead_charger",
     "flickering_charge",
+    "dirty_contacts",
     "occluded_marker",
     "stuck_wheel",
     "late_commands",

@@ -23,6 +23,7 @@ log = logging.getLogger(__name__)
 Fault = Literal[
     "dead_charger",
     "flickering_charge",
+    "dirty_contacts",
     "occluded_marker",
     "stuck_wheel",
     "late_commands",

@@ -17,7 +17,7 @@ from docking.goal.charging import ChargeRecord, stands_docked, tells_charging
 from docking.goal.dock_memory import DockMemory
 from docking.goal.motion_watch import makes_sense
 from docking.goal.objective import Deadline, Objective, Progress
-from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, Staging
+from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, RecoverySettings, Staging
 
 DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
     Stage.INITIAL_PERCEPTION: ("initial_perception_timeout", FailedToDetectDock, "the dock was not found"),
@@ -25,6 +25,7 @@ DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
     Stage.CONTROLLING: ("dock_approach_timeout", FailedToControl, "the dock was not reached"),
     Stage.WAIT_FOR_CHARGE: ("wait_charge_timeout", FailedToCharge, "the battery on the dock did not charge"),
     Stage.RETRY: ("retry_timeout", FailedToControl, "the robot did not back off"),
+    Stage.RETURN_TO_STAGING: ("retry_timeout", FailedToControl, "the staging pose was not reached"),
 }
 """By stage: the parameter that limits its time, and what has happened when that is over."""
 
@@ -46,6 +47,7 @@ class Docking(Objective):
         charging: ChargingSettings | None = None,
         docking_threshold: float = 0.05,
         slowdown_radius: float = 0.06,
+        recovery: RecoverySettings | None = None,
         staging: Staging | None = None,
         dock_type: str = "",
         dock_name: str = "",
@@ -58,12 +60,14 @@ class Docking(Objective):
             charging: How charging is detected; None uses the battery's status.
             docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
             slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
+            recovery: Moves on the contacts and after the last attempt; None without any.
             staging: Of the dock, to be remembered; None is the usual one.
             dock_type: Of the dock, to be remembered.
             dock_name: Of the dock, to be remembered.
         """
         super().__init__(timeouts, memory, charging)
         self.max_retries = timeouts.max_retries
+        self.recovery = recovery
         self.slowdown_radius = slowdown_radius
         self._threshold = docking_threshold
         self._staging = staging or Staging()
@@ -78,6 +82,10 @@ class Docking(Objective):
             stage: Deadline(parameter, getattr(timeouts, parameter), error, message)
             for stage, (parameter, error, message) in DEADLINES.items()
         }
+        if recovery is not None:
+            self._deadlines[Stage.CORRECTING] = Deadline(
+                "correction_timeout", recovery.correction_timeout, FailedToControl, "the robot did not press again"
+            )
 
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """Whether the battery has been charging for charge_stable_for."""

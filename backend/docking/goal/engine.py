@@ -3,16 +3,7 @@
 from dataclasses import replace
 
 from docking.core.battery import BatteryReading
-from docking.core.errors import (
-    DockingError,
-    ErrorCode,
-    FailedToControl,
-    FailedToDetectDock,
-    Obstructed,
-    OdometryLost,
-    ScanLost,
-    Stage,
-)
+from docking.core.errors import DockingError, ErrorCode, FailedToControl, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.motion_watch import MotionWatch
@@ -21,12 +12,11 @@ from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.outcome import Command, End, Outcome
 from docking.goal.pace import Pace
-from docking.goal.plan import Plan
+from docking.goal.plan import Plan, RecoveringPlan
+from docking.goal.recovery import Recovery
 
 CLOCK_JUMP = 0.5
 """Seconds: a clock that goes back by more has jumped, and a reading that is ahead by more is of another clock."""
-BEYOND_RETRY = (OdometryLost, ScanLost, Obstructed)
-"""What ends a goal for its own reason, also while the robot backs off for another one."""
 
 
 class Goal:
@@ -38,7 +28,6 @@ class Goal:
 
     Attributes:
         outcome: None while the goal goes on.
-        retries: Number of retries.
     """
 
     def __init__(
@@ -53,7 +42,6 @@ class Goal:
             obstacles: Collision detection; None without it.
         """
         self.outcome: Outcome | None = None
-        self.retries = 0
         self._plan = plan
         self._objective = objective
         self._obstacles = obstacles if plan.motion is not None else None
@@ -65,8 +53,13 @@ class Goal:
             self._pace = Pace(plan.motion, objective.slowdown_radius)
             self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
         self._navigation: Navigation | None = None
-        self._failure: DockingError | None = None  # what the running retry is about
+        self._recovery = Recovery(plan, objective)
         self._enter(plan.stages[0])
+
+    @property
+    def retries(self) -> int:
+        """Number of retries."""
+        return self._recovery.retries
 
     def navigate_first(self, navigation: Navigation) -> None:
         """Have the robot driven to its staging pose before the plan begins; call it before the first step."""
@@ -88,7 +81,7 @@ class Goal:
         now, battery, timeouts = observation.now, observation.battery, self._timeouts
         dt, self._stepped_at = now - self._stepped_at, now
         if dt < -CLOCK_JUMP:
-            return self.abort(ErrorCode.UNKNOWN, f"the clock jumped back by {-dt:.3g} s")
+            return self._give_up(ErrorCode.UNKNOWN, f"the clock jumped back by {-dt:.3g} s")
         if battery is not None and battery.age(now) < -CLOCK_JUMP:
             battery = None
         if battery is not None:
@@ -100,7 +93,7 @@ class Goal:
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
         if 0.0 < timeouts.goal_timeout <= now - self._started_at:
-            return self.abort(
+            return self._give_up(
                 ErrorCode.TIMEOUT, f"the goal was not reached within {timeouts.goal_timeout:g} s (goal_timeout)"
             )
         return self._wait_for_battery(now, battery) if fresh is None else self._go_on(observation, max(0.0, dt))
@@ -113,7 +106,9 @@ class Goal:
     def _wait_for_battery(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
         stale_after, lost_after = self._timeouts.battery_stale_after, self._timeouts.battery_lost_after
         if now - self._heard_at > lost_after:
-            return self.abort(ErrorCode.BATTERY_LOST, f"no battery message for {lost_after:g} s (battery_lost_after)")
+            return self._give_up(
+                ErrorCode.BATTERY_LOST, f"no battery message for {lost_after:g} s (battery_lost_after)"
+            )
         message = (
             "no battery message received yet: the robot waits"
             if battery is None
@@ -210,10 +205,12 @@ class Goal:
     # A stage is done, or something has failed.
 
     def _next_stage(self) -> None:
-        stages = self._plan.stages
-        if self._stage is Stage.RETRY:
-            self._failure = None
-            self._enter(stages[0])
+        stages, reason = self._plan.stages, self._recovery.reason
+        if self._stage is Stage.RETURN_TO_STAGING and reason is not None:
+            self.abort(reason.error_code, str(reason))
+        elif self._stage in {Stage.RETRY, Stage.CORRECTING}:
+            self._recovery.over()
+            self._enter(stages[0] if self._stage is Stage.RETRY else stages[-1])
         elif self._stage is stages[-1]:
             self._finished = True
         else:
@@ -224,27 +221,28 @@ class Goal:
         if self._objective.holds(self._plan.stages[-1]):  # pressing on, it has come as far as it can get
             self._enter(self._plan.stages[-1])
             return self._command(self._rest())
-        reason = self._failure
-        if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, BEYOND_RETRY):
-            return self.abort(reason.error_code, f"{reason}; then, while backing off: {failure}")
-        if isinstance(failure, FailedToDetectDock) and (note := self._plan.poses.note):
-            failure = FailedToDetectDock(f"{failure}; {note}")
-        if isinstance(failure, FailedToDetectDock) and self.retries:
-            return self.abort(self._plan.lost.error_code, f"{failure}, although it was seen before")
-        if not failure.worth_a_retry or self._watch is None or self.retries >= self._objective.max_retries:
-            return self.abort(failure.error_code, str(failure))
-        self.retries += 1
-        self._failure = failure
-        self._enter(Stage.RETRY)
+        after = self._recovery.after(failure, self._stage)
+        if isinstance(after, DockingError):
+            return self.abort(after.error_code, str(after))
+        self._enter(after)
         return self._command(self._rest())
 
     def _enter(self, stage: Stage) -> None:
         self._stage = stage
         self._stage_time = 0.0
         self._finished = False
-        self._controller: Behavior = self._plan.controller(stage)
+        self._controller: Behavior = self._behavior(stage)
         if self._watch is not None:
             self._watch.restart()
+
+    def _behavior(self, stage: Stage) -> Behavior:
+        """What moves the robot at a stage; a new one."""
+        plan = self._plan
+        if stage is Stage.CORRECTING and isinstance(plan, RecoveringPlan):
+            return plan.correct(self._recovery.corrections)
+        if stage is Stage.RETURN_TO_STAGING and isinstance(plan, RecoveringPlan):
+            return plan.way_back()
+        return plan.controller(stage)
 
     # The goal ends.
 
@@ -260,6 +258,13 @@ class Goal:
     def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
         """End it because it cannot go on."""
         return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
+
+    def _give_up(self, error_code: ErrorCode, error_msg: str) -> Outcome:
+        """The same; a goal that had failed before, and was on its way back, ends with the first reason."""
+        if self._stage is Stage.RETURN_TO_STAGING:
+            failure = self._recovery.meanwhile(self._stage, error_msg)
+            return self.abort(failure.error_code, str(failure))
+        return self.abort(error_code, error_msg)
 
     def _finish(self, outcome: Outcome) -> Outcome:
         self._rest()
@@ -288,7 +293,7 @@ class Goal:
         return replace(waiting, stage=stage, error_code=error_code, error_msg=reason) if reason else waiting
 
     def _command(self, velocity: Velocity, stage: Stage | None = None) -> Command:
-        failure, poses = self._failure, self._plan.poses
+        failure, poses = self._recovery.reason, self._plan.poses
         return Command(
             stage or self._stage,
             velocity,

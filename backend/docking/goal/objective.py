@@ -8,7 +8,7 @@ from docking.core.errors import DockingError, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.goal.dock_memory import DockMemory
-from docking.parameters import ChargingSettings, Timeouts
+from docking.parameters import ChargingSettings, RecoverySettings, Timeouts
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,7 @@ class Objective(ABC):
     Attributes:
         timeouts: The time limits of every goal.
         max_retries: How often to back off and try again.
+        recovery: Moves on the contacts and after the last attempt; None without any.
         memory: Knowledge of the dock that is kept from goal to goal.
         docks: Whether the robot is docked when the goal is reached.
         slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
@@ -58,6 +59,7 @@ class Objective(ABC):
 
     docks: bool
     max_retries = 0
+    recovery: RecoverySettings | None = None
     slowdown_radius = 0.0
 
     def __init__(self, timeouts: Timeouts, memory: DockMemory | None, charging: ChargingSettings | None) -> None:

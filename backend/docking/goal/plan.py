@@ -2,9 +2,9 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-from docking.core.errors import DockingError, FailedToDetectDock, Stage
+from docking.core.errors import DockingError, FailedToControl, FailedToDetectDock, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import Spread
@@ -31,6 +31,10 @@ class KnownPoses:
     note: str = ""
     explores: bool = False
     turn: float = 0.0
+
+
+class NothingLeftToTry(FailedToControl):
+    """The plan knows no other place to dock at."""
 
 
 class DockTarget(ABC):
@@ -94,6 +98,21 @@ class Plan(Protocol):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new controller for one of the stages, or for RETRY."""
+
+
+@runtime_checkable
+class RecoveringPlan(Protocol):
+    """A plan that also knows what to do at the dock when it does not charge, and how to leave it in the end."""
+
+    def correct(self, number: int) -> Behavior:
+        """A small move on the contacts: a little back, a little turn, and on again.
+
+        Args:
+            number: Of the move in this goal, from 1.
+        """
+
+    def way_back(self) -> Behavior:
+        """From the dock to the staging pose, or a little away from it where that is not known."""
 
 
 class SingleStage:

@@ -18,6 +18,8 @@ class Level(enum.IntEnum):
 
 LEVELS = dict.fromkeys(Stage, Level.OK) | {
     Stage.RETRY: Level.WARN,
+    Stage.CORRECTING: Level.WARN,
+    Stage.RETURN_TO_STAGING: Level.WARN,
     Stage.WAIT_FOR_CLEARANCE: Level.WARN,
     Stage.WAIT_FOR_BATTERY: Level.WARN,
     Stage.WAIT_FOR_ODOMETRY: Level.WARN,

@@ -27,6 +27,7 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
         charging=settings.charging,
         docking_threshold=settings.approach.docking_threshold,
         slowdown_radius=settings.approach.slowdown_radius,
+        recovery=settings.recovery,
         staging=settings.dock,
         dock_type=settings.dock_type,
         dock_name=settings.dock_name,

@@ -10,6 +10,7 @@ from docking.parameters.dock_server import DockSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
+from docking.parameters.recovery import RecoverySettings
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import GoalPolicy, ServerSettings, StampedCmdVel, read_topics
 from docking.parameters.timeouts import DockTimeouts, Timeouts, UndockTimeouts
@@ -36,6 +37,7 @@ __all__ = [
     "NavigationSettings",
     "Outline",
     "Receivers",
+    "RecoverySettings",
     "SearchSettings",
     "ServerSettings",
     "Staging",

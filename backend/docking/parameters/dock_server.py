@@ -13,6 +13,7 @@ from docking.parameters.dock_database import DockDatabase
 from docking.parameters.limits import BACKWARDS
 from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
+from docking.parameters.recovery import RecoverySettings
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
@@ -50,6 +51,7 @@ class DockSettings(ServerSettings):
     navigation: NavigationSettings = group(NavigationSettings)
     search: SearchSettings = group(SearchSettings)
     approach: ApproachSettings = group(ApproachSettings)
+    recovery: RecoverySettings = group(RecoverySettings)
     receivers: Receivers = group(Receivers)
 
     # No parameters, but what `at_dock` finds out of the dock that a goal names.

@@ -9,13 +9,13 @@ from docking.behaviors.search import Search
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.turns import FullTurn, TurnToDock
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import FailedToControl, FailedToDetectDock, LostMarker, Stage
+from docking.core.errors import FailedToDetectDock, LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
 from docking.estimation.marker_selection import NEAR
 from docking.goal.behavior import Behavior, Fail
-from docking.goal.plan import KnownPoses
+from docking.goal.plan import KnownPoses, NothingLeftToTry
 from docking.parameters import DockSettings
 from docking.plans.sighted import SightedPlan
 
@@ -161,7 +161,7 @@ class DockPosePlan(SightedPlan):
             return back_off
         self._turn = 0
         return Fail(
-            FailedToControl(
+            NothingLeftToTry(
                 f"it did not charge turned by {math.degrees(TURNS[1]):.1f} degrees to either side either. If the"
                 " charger works, put the robot on its dock and call calibrate_dock"
             )

@@ -4,14 +4,17 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from docking.behaviors.combined import Reversed
+from docking.behaviors.combined import Reversed, Sequence
 from docking.behaviors.explore import Explore
 from docking.behaviors.moves import bounded
+from docking.behaviors.press_again import press_again
 from docking.behaviors.search import Search
+from docking.behaviors.staging import ToStaging
 from docking.behaviors.straight import BackOut
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
+from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Behavior
 from docking.goal.plan import DockTarget
 from docking.parameters import DockSettings
@@ -19,6 +22,8 @@ from docking.plans.places import circles, may_be_seen, way_to_front
 
 NEARBY = 0.3
 """In m; a robot that is so near to its staging pose need not drive there to see its dock."""
+ANYHOW = Spread(math.inf, math.inf)
+"""How well the docked pose must be known at the staging pose where nothing comes after it."""
 BLIND_WAY = 0.1
 """How far to back off, in m, where the dock is not known."""
 
@@ -37,6 +42,7 @@ class SightedPlan(DockTarget):
         self.motion = settings.motion
         self.dock = settings.dock
         self.approach = settings.approach
+        self.recovery = settings.recovery
         self._search_speed = settings.search_speed
         self._detection_timeout = settings.external_detection_timeout
         self._where = settings.search
@@ -116,3 +122,19 @@ class SightedPlan(DockTarget):
             distance, turned = staging + off.x, abs(off.theta) > 0.5 * math.pi
         back_out = BackOut(bounded(distance, staging), self.motion)
         return Reversed(back_out) if turned else back_out
+
+    def correct(self, number: int) -> Behavior:
+        """A small move on the contacts; see `RecoveringPlan`."""
+        again = press_again(number, self.recovery, self.motion, self.approach.docking_overshoot)
+        return Reversed(again) if self.dock.backward else again
+
+    def way_back(self) -> Behavior:
+        """Straight away from the dock, then to the staging pose where that is near; see `RecoveringPlan`."""
+        return Sequence(self.back_off, self._back_to_staging)
+
+    def _back_to_staging(self) -> Behavior:
+        robot, staging = self._robot, self.staging
+        if robot is None or staging is None or robot.distance_to(staging) > NEARBY:
+            return Sequence()
+        to_staging = ToStaging(self, self.dock, self.motion, ANYHOW)
+        return Reversed(to_staging) if self.dock.backward and not self.dock.rotate_to_dock else to_staging

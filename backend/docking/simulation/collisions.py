@@ -47,6 +47,7 @@ class Collisions:
         contact: Whether the robot touches the dock's contacts.
         bumps: How often it has run into something, but for the dock while it touches the contacts.
         touches: Contacts with the dock, but for those of a robot that was set down there.
+        presses: How often the robot came onto the contacts.
     """
 
     def __init__(self, dock: Dock, bouncing: Random, room: Room | None = None) -> None:
@@ -58,7 +59,7 @@ class Collisions:
             room: Where it stands.
         """
         self.contact = False
-        self.bumps = 0
+        self.bumps = self.presses = 0
         self.touches: list[Touch] = []
         self._dock = dock
         self._room: tuple[Box | Room, ...] = () if room is None else (*room.furniture, room)
@@ -89,6 +90,7 @@ class Collisions:
             self._contact_since = None
         elif self._contact_since is None:
             self._contact_since = now
+            self.presses += 1
         if driven and blocked and not self._blocked and not self.contact:
             self.bumps += 1
         self._blocked = blocked
@@ -101,14 +103,15 @@ class Collisions:
             self.touches.append(Touch(now, speed, self.contact))
         self._at_dock = touches or (self._at_dock and distance < APART)
 
-    def connected(self, now: float, *, flickers: bool) -> bool:
-        """Whether current can flow: the contacts bounce at first, or flicker forever.
+    def connected(self, now: float, *, flickers: bool, dirty: bool = False) -> bool:
+        """Whether current can flow: the contacts bounce at first, flicker forever, or need a second press.
 
         Args:
             now: Simulated seconds.
             flickers: Whether it never becomes stable.
+            dirty: Whether only each second press is one that counts.
         """
-        if self._contact_since is None:
+        if self._contact_since is None or (dirty and self.presses % 2):
             return False
         since = now - self._contact_since
         if flickers or self._dock.settings.flickers:

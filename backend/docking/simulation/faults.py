@@ -28,6 +28,8 @@ class Fault(enum.StrEnum):
     """The dock gives no power: contact without charge."""
     FLICKERING_CHARGE = "flickering_charge"
     """The contacts are dirty: the charging current is 0.4 s on, then 0.3 s off, forever."""
+    DIRTY_CONTACTS = "dirty_contacts"
+    """The contacts are dirty: no current flows before the robot has left them and pressed again."""
     OCCLUDED_MARKER = "occluded_marker"
     """Something stands before the marker: the camera does not see it."""
     STUCK_WHEEL = "stuck_wheel"

@@ -188,6 +188,11 @@ class Simulation:
         return self._collisions.contact
 
     @property
+    def presses(self) -> int:
+        """How often the robot came onto the contacts."""
+        return self._collisions.presses
+
+    @property
     def bumps(self) -> int:
         """How often the robot has run into something, but for the dock while it touches the contacts."""
         return self._collisions.bumps
@@ -262,7 +267,8 @@ class Simulation:
     def _feed(self, dt: float) -> None:
         """The charger, or the battery, gives what the robot needs."""
         powered = Fault.DEAD_CHARGER not in self.faults
-        connected = self._collisions.connected(self.time, flickers=Fault.FLICKERING_CHARGE in self.faults)
+        flickers, dirty = Fault.FLICKERING_CHARGE in self.faults, Fault.DIRTY_CONTACTS in self.faults
+        connected = self._collisions.connected(self.time, flickers=flickers, dirty=dirty)
         self.battery.step(dt, self._power(dt), connected=connected, powered=powered)
 
     def _power(self, dt: float) -> float:

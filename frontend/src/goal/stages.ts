@@ -21,6 +21,8 @@ const LABELS: Record<string, string> = {
 
 const SHORT: Record<string, string> = {
   RETRY: "Backing off",
+  CORRECTING: "Pressing again",
+  RETURN_TO_STAGING: "Back to staging",
   WAIT_FOR_BATTERY: "Waiting for the battery",
   WAIT_FOR_ODOMETRY: "Waiting for odometry",
   WAIT_FOR_CLEARANCE: "Waiting for a clear way",
@@ -86,6 +88,8 @@ const WORDS: Record<string, string> = {
   CONTROLLING: "Driving onto the dock until the battery is charging.",
   WAIT_FOR_CHARGE: "On the dock, waiting for the battery to charge.",
   RETRY: "Backing off to try again.",
+  CORRECTING: "On the contacts without a charge: a little back, a little turn, and on again.",
+  RETURN_TO_STAGING: "The last attempt failed: going back to the staging pose before the goal ends.",
   UNDOCKING: "Backing out of the dock.",
   WAIT_FOR_CLEARANCE: "An obstacle is in the way, or there is no laser scan: the robot stands still.",
   WAIT_FOR_BATTERY: "No battery data: the robot stands still until a battery state arrives.",

@@ -86,6 +86,8 @@ const COLORS: Record<string, PlotBand["color"]> = {
   UNDOCKING: "blue",
   WAIT_FOR_CHARGE: "green",
   RETRY: "orange",
+  CORRECTING: "orange",
+  RETURN_TO_STAGING: "orange",
   WAIT_FOR_BATTERY: "orange",
   WAIT_FOR_ODOMETRY: "orange",
   WAIT_FOR_CLEARANCE: "orange",

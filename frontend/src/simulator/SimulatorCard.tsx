@@ -169,6 +169,11 @@ const FAULTS: readonly FaultWords[] = [
     effect: "The charging current comes and goes: docking retries, then gives up with failed_to_charge.",
   },
   {
+    fault: "dirty_contacts",
+    name: "Dirty contacts",
+    effect: "No current at the first contact: the robot backs a little, turns a little and presses again.",
+  },
+  {
     fault: "occluded_marker",
     name: "Occluded marker",
     effect: "The camera does not see the dock: failed_to_detect_dock, or lost_marker on the way.",

@@ -24,6 +24,7 @@ from docking.parameters import (
     DockSettings,
     DockTimeouts,
     MotionLimits,
+    RecoverySettings,
     UndockTimeouts,
 )
 from docking.plans.registry import make_plan
@@ -106,7 +107,10 @@ def dock(
     memory: DockMemory | None = None,
     controller: ControllerName = ControllerName.DOCK_POSE,
 ) -> Outcome:
-    settings = DockSettings(controller=controller, charging=charging, timeouts=DockTimeouts(max_retries=0))
+    stays = RecoverySettings(return_to_staging=False, max_corrections=0)
+    settings = DockSettings(
+        controller=controller, charging=charging, timeouts=DockTimeouts(max_retries=0), recovery=stays
+    )
     return run(
         simulation, Goal(make_plan(settings), docking_objective(settings, memory or DockMemory()), simulation.time)
     )

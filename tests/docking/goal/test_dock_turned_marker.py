@@ -9,7 +9,7 @@ from docking.core.geometry import Pose
 from docking.goal.dock_memory import DockMemory
 from docking.goal.outcome import End, Outcome
 from docking.nodes.dock_server import DockAction
-from docking.parameters import ControllerName, DockSettings
+from docking.parameters import ControllerName, DockSettings, RecoverySettings
 from docking.simulation.faults import Fault
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.settings import Settings
@@ -21,7 +21,7 @@ def dock(turned: float, *, dead: bool = False, memory: DockMemory | None = None)
     marker = MarkerSettings(angle_bias=math.radians(turned))
     simulation = Simulation(Settings(start=Pose(-1.3, 0.2, -0.1), marker=marker), 3)
     simulation.set_fault(Fault.DEAD_CHARGER, dead)
-    docking = DockSettings(controller=ControllerName.DOCK_POSE)
+    docking = DockSettings(controller=ControllerName.DOCK_POSE, recovery=RecoverySettings(max_corrections=0))
     goal = DockAction().make_goal(docking, memory or DockMemory(), 0.0)
     while not isinstance(step := goal.step(simulation.observe()), Outcome):
         simulation.run(docking.control_period, step.velocity)

@@ -13,6 +13,7 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
     assert values(Simulation()) == {
         "dead_charger": "false",
         "flickering_charge": "false",
+        "dirty_contacts": "false",
         "occluded_marker": "false",
         "stuck_wheel": "false",
         "late_commands": "false",
