@@ -118,7 +118,7 @@ describe("docking", () => {
     await waitFor(() => expect(isDisabled("Undock")).toBe(false));
     await move(user, "Undock");
     expect(gateway.undock).toHaveBeenCalledTimes(1);
-    expect(await screen.findByText("Running goal: undock")).toBeDefined();
+    expect(await screen.findByText("Running goal: Undock")).toBeDefined();
     await user.click(button("Cancel"));
     expect(gateway.cancel).toHaveBeenCalledWith("undocked");
   });

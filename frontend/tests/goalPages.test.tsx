@@ -172,7 +172,7 @@ describe("the page of a goal", () => {
     await waitFor(() => expect(screen.getByTestId("goal-status").textContent).toBe("succeeded"));
     expect(within(screen.getByTestId("timeline")).getByText("succeeded")).toBeDefined();
     expect(screen.getByText("final_battery_state")).toBeDefined();
-    expect(document.title).toBe("succeeded: goal on /dock · dock-gateway");
+    expect(document.title).toBe("succeeded: Dock · dock-gateway");
   });
 
   it("says what to do about an error, and names what is not known of an external goal", async () => {

@@ -5,6 +5,7 @@ import { Link } from "react-router";
 import { answerApproval } from "../api/client";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import { robotPath } from "../fleet/names";
+import { dockOf } from "../goal/words";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
@@ -37,7 +38,9 @@ const Question = memo(function Question({ approval }: { approval: Approval }) {
   const forbidden = useWhyNot("POST /approvals/{approval_id}");
   const reason = forbidden ?? (answer.isPending ? "The gateway has not answered yet." : null);
   const what = verb ?? `send a goal to ${action_name}`;
-  const name = verb === null ? what : `${what} ${naming.fullNameOf(robot)}`;
+  const dock = verb === "dock" ? dockOf(goal) : null;
+  const at = dock === null ? "" : ` at ${dock}`;
+  const name = verb === null ? what : `${what} ${naming.fullNameOf(robot)}${at}`;
   return (
     <Paper
       component="section"
@@ -57,6 +60,7 @@ const Question = memo(function Question({ approval }: { approval: Approval }) {
               <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
                 {naming.fullNameOf(robot)}
               </Anchor>
+              {at}
             </>
           )}
         </Text>

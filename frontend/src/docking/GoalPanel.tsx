@@ -4,6 +4,7 @@ import { useState } from "react";
 import { Link } from "react-router";
 import { batteryIn, summarize } from "../battery/words";
 import { FeedbackCount, GoalDuration, GoalExplanation, GoalStatusBadge } from "../goal/facts";
+import { goalName } from "../goal/words";
 import { useLive, useTopic, useTopicPart } from "../store/context";
 import type { GoalCourse } from "../store/goals";
 import { Fact, FactList } from "../ui/Fact";
@@ -20,7 +21,7 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
     <Stack gap="sm">
       <Group gap="xs">
         <Text fw={600}>
-          {ended ? "Last goal" : "Running goal"}: {goal.verb ?? goal.action_name}
+          {ended ? "Last goal" : "Running goal"}: {goalName(goal)}
         </Text>
         <span aria-live="polite">
           <GoalStatusBadge status={goal.status} testId="goal-status" />

@@ -68,6 +68,14 @@ export class Naming {
     return owner === null || below ? null : this.displayNameOf(owner);
   }
 
+  /** Who carries out an action: its robot, else the namespace that it is in; null for one of a robot that is not known. */
+  actorOf(action: string): string | null {
+    const owner = this.ownerOf(action);
+    const namespace = action.slice(0, action.lastIndexOf("/"));
+    if (owner !== null && (owner !== "/" || namespace === "")) return this.nameOf(owner);
+    return namespace === "" ? null : namespace;
+  }
+
   groupsOf(robot: string): readonly string[] {
     return this.#labels.get(robot)?.groups ?? [];
   }

@@ -10,6 +10,7 @@ import {
 import { adviceFor } from "../api/errors";
 import { whyForbidden } from "../api/session";
 import { NOT_CONNECTED } from "../fleet/context";
+import type { Naming } from "../fleet/names";
 import type { GoalCourse } from "../store/goals";
 import { lowerFirst, sentence } from "../ui/text";
 import { formatDuration } from "../ui/time";
@@ -190,12 +191,29 @@ function endOf(goal: GoalCourse): number {
   return Date.parse(goal.finished_at ?? goal.updated_at);
 }
 
-/** What a robot's goal is called: Dock, Undock, or the action's own name. */
-export function goalName({ verb, action_name }: Pick<GoalSummary, "verb" | "action_name">): string {
-  return verb ? sentence(verb) : action_name.slice(action_name.lastIndexOf("/") + 1);
+/** What names a goal: its message, where that is known, may name a dock. */
+export type Named = Pick<GoalSummary, "verb" | "action_name"> & { goal?: unknown };
+
+/** What a robot's goal is called: `Dock`, `Undock`, `Dock at charger_2`; `Navigate to pose` by its action's name. */
+export function goalName({ verb, action_name, goal }: Named): string {
+  if (!verb) return sentence(action_name.slice(action_name.lastIndexOf("/") + 1).replaceAll("_", " "));
+  const dock = verb === "dock" ? dockOf(goal) : null;
+  return dock === null ? sentence(verb) : `${sentence(verb)} at ${dock}`;
 }
 
-/** `Dock: Controlling`, `Undock: canceling`, `fibonacci: executing` */
+/** The dock that a goal's message names; null for none. */
+export function dockOf(message: unknown): string | null {
+  const { dock_id, use_dock_id } = Object(message) as Record<string, unknown>;
+  return typeof dock_id === "string" && dock_id !== "" && use_dock_id !== false ? dock_id : null;
+}
+
+/** A goal wherever it is listed with others: `Dock, Left forklift`, `Navigate to pose, /robot1`. */
+export function goalTitle(goal: Named, naming: Naming): string {
+  const robot = naming.actorOf(goal.action_name);
+  return robot === null ? goalName(goal) : `${goalName(goal)}, ${robot}`;
+}
+
+/** `Dock: Controlling`, `Undock: canceling`, `Fibonacci: executing` */
 export function runningWords(goal: GoalSummary): string {
   const stage = goal.status === "executing" ? stageLabel(goal.stage) : null;
   return `${goalName(goal)}: ${stage ?? goal.status}`;

@@ -9,7 +9,7 @@ import { SentByRule } from "../automation/rules";
 import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isBelow } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
-import { advice, meaning, whyNotCancel } from "../goal/words";
+import { advice, goalTitle, meaning, whyNotCancel } from "../goal/words";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { Downloads } from "../ui/Downloads";
@@ -28,7 +28,8 @@ import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
 export function GoalHead({ goal }: { goal: AnyGoal }) {
-  const robot = useNaming().ownerNameOf(goal.action_name);
+  const naming = useNaming();
+  const robot = naming.ownerNameOf(goal.action_name);
   const connection = useWatchTopic("connection");
   const ended = isTerminal(goal.status);
   const away = connection !== null && connection.phase !== "live" && connection.phase !== "connecting";
@@ -36,7 +37,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
     <Stack gap="sm">
       <Group gap="xs">
         <Title order={1} size="h3">
-          Goal on <Breakable text={goal.action_name} />
+          <Breakable text={goalTitle(goal, naming)} />
         </Title>
         <span aria-live="polite">
           <GoalStatusBadge status={goal.status} testId="goal-status" />

@@ -2,6 +2,8 @@ import { isTerminal } from "@dock-gateway/client";
 import { Skeleton, Stack, Text, Title } from "@mantine/core";
 import { Suspense } from "react";
 import { useParams } from "react-router";
+import { useNaming } from "../fleet/context";
+import { goalTitle } from "../goal/words";
 import { Command } from "../ui/CopyButton";
 import { Trouble } from "../ui/errors";
 import { Guarded } from "../ui/Guarded";
@@ -34,7 +36,8 @@ function WatchedGoal() {
   const { watch } = useWatched();
   const goal = useWatchTopic("goal");
   const error = useWatchTopic("error");
-  usePageTitle(goal === null ? "Goal" : `${goal.status}: goal on ${goal.action_name}`);
+  const naming = useNaming();
+  usePageTitle(goal === null ? "Goal" : `${goal.status}: ${goalTitle(goal, naming)}`);
   if (goal === null) {
     if (error === null) return <GoalSkeleton />;
     return (

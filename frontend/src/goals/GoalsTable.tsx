@@ -4,7 +4,7 @@ import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
 import { useNaming } from "../fleet/context";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
-import { outcome } from "../goal/words";
+import { goalName, goalTitle, outcome } from "../goal/words";
 import { useTopic } from "../store/context";
 import { Breakable } from "../ui/Fact";
 import { Section } from "../ui/Section";
@@ -33,7 +33,7 @@ export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
           <GoalRow
             key={goal.goal_id}
             goal={goal}
-            robot={naming.ownerNameOf(goal.action_name)}
+            title={oneRobot ? goalName(goal) : goalTitle(goal, naming)}
             oneRobot={oneRobot}
           />
         ))}
@@ -47,7 +47,7 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
     <Table.Thead>
       <Table.Tr>
         <Table.Th className={classes.started}>Started</Table.Th>
-        {oneRobot ? <Table.Th visibleFrom="xs">Goal</Table.Th> : <Table.Th>Action</Table.Th>}
+        <Table.Th {...(oneRobot ? { visibleFrom: "xs" } : {})}>Goal</Table.Th>
         <Table.Th>Status</Table.Th>
         <Table.Th visibleFrom="sm">Origin</Table.Th>
         <Table.Th visibleFrom="sm">Duration</Table.Th>
@@ -59,12 +59,12 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
 
 interface GoalRowProps {
   goal: RowGoal;
-  /** Whose action it is on; null where that has no display name. */
-  robot: string | null;
+  /** In words. */
+  title: string;
   oneRobot: boolean;
 }
 
-const GoalRow = memo(function GoalRow({ goal, robot, oneRobot }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, title, oneRobot }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id);
   const open = ({ target }: MouseEvent) => {
@@ -79,15 +79,17 @@ const GoalRow = memo(function GoalRow({ goal, robot, oneRobot }: GoalRowProps) {
         </Link>
       </Table.Td>
       {oneRobot ? (
-        <Table.Td visibleFrom="xs">{goal.verb ? sentence(goal.verb) : goal.action_name}</Table.Td>
+        <Table.Td visibleFrom="xs" title={goal.action_name}>
+          {title}
+        </Table.Td>
       ) : (
         <Table.Td className={classes.action}>
-          {robot !== null && (
-            <Text size="sm" fw={600}>
-              {robot}
-            </Text>
-          )}
-          <Breakable text={goal.action_name} />
+          <Text size="sm" fw={600}>
+            {title}
+          </Text>
+          <Text size="xs" c="dimmed">
+            <Breakable text={goal.action_name} />
+          </Text>
           {goal.tags !== undefined && goal.tags.length > 0 && <Tags tags={goal.tags} />}
         </Table.Td>
       )}

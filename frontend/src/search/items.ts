@@ -1,5 +1,6 @@
 import { type ActionInfo, type AnyGoal, actionPath, type Robot } from "@dock-gateway/client";
-import { byName, isFound, namespaceWords, robotName, robotPath } from "../fleet/names";
+import { byName, isFound, Naming, namespaceWords, robotName, robotPath } from "../fleet/names";
+import { goalTitle } from "../goal/words";
 import { OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../operations/operation";
 
 /** Something that the search leads to or does. */
@@ -57,7 +58,10 @@ export function find(text: string, sources: Sources): ItemGroup[] {
     { label: "Groups", items: sources.groups.filter(has(wanted)).slice(0, MOST).map(groupItem) },
     { label: "Pages", items: sources.pages.filter(({ name }) => has(wanted)(name)).map(pageItem) },
     { label: "Actions", items: wanted === "" ? [] : actionItems(sources.actions, wanted) },
-    { label: "Goals", items: sources.goals.slice(0, MOST).map(goalItem) },
+    {
+      label: "Goals",
+      items: sources.goals.slice(0, MOST).map((goal) => goalItem(goal, new Naming(sources.robots))),
+    },
   ]);
 }
 
@@ -144,11 +148,12 @@ function actionItems(actions: readonly ActionInfo[], wanted: string): Item[] {
     }));
 }
 
-function goalItem({ goal_id, action_name, status }: AnyGoal): Item {
+function goalItem(goal: AnyGoal, naming: Naming): Item {
+  const { goal_id, status } = goal;
   return {
     id: `goal ${goal_id}`,
     label: `Goal ${goal_id.slice(0, 8)}`,
-    description: `${action_name}, ${status}`,
+    description: `${goalTitle(goal, naming)}, ${status}`,
     does: { to: `/ui/goals/${goal_id}` },
   };
 }

@@ -145,12 +145,12 @@ describe("the display name", () => {
     }
   });
 
-  it("is above the action in a list of goals", async () => {
+  it("is in the title of a goal, above the action", async () => {
     const listed = goal("g1", { action_name: "/robot1/dock", status: "succeeded" });
     answers({ goals: [{ ...listed, origin: "gateway" }], next_cursor: null, tags: [] });
     renderPage(fakeGateway(), { robots: [named, plain] }, "/ui/goals");
     const cell = await screen.findByRole("cell", { name: /\/robot1\/dock$/ }, { timeout: 5000 });
-    expect(cell.textContent).toBe("Left forklift/robot1/dock");
+    expect(cell.textContent).toBe("Dock, Left forklift/robot1/dock");
   });
 });
 
