@@ -31,6 +31,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems, problems
 from dock_gateway.http.schema import Problem
 from dock_gateway.http.upgrades import install_upgrades
+from dock_gateway.maps import routes as map_routes
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
@@ -81,6 +82,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         parameter_routes,
         publish_routes,
         battery_routes,
+        map_routes,
         fleet_routes,
         automation_routes,
         webhook_routes,

@@ -50,6 +50,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
+from dock_gateway.maps.service import Maps
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.traces import open_traces
 from dock_gateway.robots.calibration import Calibrations
@@ -127,6 +128,7 @@ async def _open(
         recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
         _listen_to_poses(settings, robots, PosePort, recorder, stack)
     graph = _closed_by(stack, GraphCache(bridge))
+    relays = _closed_by(stack, Relays(bridge, graph))
     publishing = _closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
     await bridge.call(
         lambda: DiagnosticsPort(
@@ -188,9 +190,16 @@ async def _open(
     logins = _closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
-    departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
-    tasks.spawn(_watch_graph(bridge, actions, robots, departures, graph_watch))
+    tasks.spawn(
+        _watch_graph(
+            bridge,
+            actions,
+            robots,
+            Departures(robots, actions, interlock, forget_after=settings.forget_robot_after),
+            graph_watch,
+        )
+    )
     tasks.spawn(take_over_unfinished(actions, history))
     stack.callback(hub.close)
     parts = Parts(
@@ -220,7 +229,8 @@ async def _open(
             AuditLog: audit,
             Subjects: Subjects(settings, actions.action_of, robots.namespaces),
             GraphCache: graph,
-            Relays: _closed_by(stack, Relays(bridge, graph)),
+            Relays: relays,
+            Maps: _closed_by(stack, Maps(settings, relays, graph, hub, robots.namespaces)),
             EchoRegistry: _closed_by(stack, EchoRegistry(bridge, graph)),
             ServiceCalls: _closed_by(stack, ServiceCalls(settings, bridge, interlock)),
             Parameters: _closed_by(stack, Parameters(settings, bridge)),

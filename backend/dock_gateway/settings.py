@@ -262,6 +262,13 @@ class Settings(BaseSettings):
         description="More topics of `std_msgs/Bool`, separated by commas, such as that of an emergency stop: `true` on "
         "one of them stops the robot.",
     )
+    map_topic: Topic = Field(
+        "map",
+        description="Topic of `nav_msgs/OccupancyGrid`, the robot's map; if its robot has none, the one of this name "
+        "that all robots share ([maps.md](maps.md)).",
+    )
+    scan_topic: Topic = Field("scan", description="Topic of `sensor_msgs/LaserScan`, shown on maps.")
+    path_topic: Topic = Field("plan", description="Topic of `nav_msgs/Path`, shown on maps.")
     diagnostics_topic: Topic = Field(
         "/diagnostics",
         description="Topic of `diagnostic_msgs/DiagnosticArray`, on which action servers report why a goal ended.",

@@ -19,11 +19,12 @@ from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
 class Event:
     """An encoded event and its routing data.
 
-    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`. Only
-    `droppable` events may be dropped for a slow subscriber. `id` is the document's id, if it has one. `robot` is the
-    namespace of the robot, if the event is about one robot. `ends_goal`: no further events of the goal are expected.
-    `supersedes`: the event replaces a queued one of the same topic and robot. `key` identifies what happened and is the
-    same at every gateway, so the history stores it once. A goal has one end and one result.
+    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`, `map`,
+    `maps`, `scan`, `path`. Only `droppable` events may be dropped for a slow subscriber. `id` is the document's id, if
+    it has one. `robot` is the namespace of the robot, if the event is about one robot. `ends_goal`: no further events
+    of the goal are expected. `supersedes`: the event replaces a queued one of the same topic and robot. `key`
+    identifies what happened and is the same at every gateway, so the history stores it once. A goal has one end and
+    one result. `source` is the ROS topic that it was read from, if readers need the right to read that, too.
     """
 
     data: bytes
@@ -36,6 +37,7 @@ class Event:
     ends_goal: bool = False
     supersedes: bool = False
     key: str | None = None
+    source: str | None = None
 
     @cached_property
     def sse(self) -> bytes:
@@ -257,6 +259,17 @@ def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
 def scenes_event(scenes: dict[str, dict[str, Any]], now: datetime) -> Event:
     """Return the event with the scenes of all robots, by robot. Only the newest matters; none is stored."""
     return Event(encode({"type": "scenes", "time": now, "scenes": scenes}), "scenes", droppable=True, supersedes=True)
+
+
+def surroundings_event(kind: str, payload: dict[str, Any], now: datetime, *, robot: str, source: str | None) -> Event:
+    """Return the event of a robot's `map`, `scan` or `path`. Only the newest matters; none is stored."""
+    document = {"type": kind, "time": now, "robot": robot, kind: payload}
+    return Event(encode(document), kind, droppable=True, robot=robot, supersedes=True, source=source)
+
+
+def maps_event(maps: dict[str, dict[str, Any]], now: datetime) -> Event:
+    """Return the event with the maps of all robots, by robot. Only the newest matters; none is stored."""
+    return Event(encode({"type": "maps", "time": now, "maps": maps}), "maps", droppable=True, supersedes=True)
 
 
 def system_event(

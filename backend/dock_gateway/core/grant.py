@@ -20,7 +20,7 @@ MAX_PATTERNS, MAX_PATTERN = 50, 255
 # Between the name of an action and those of its topics, `feedback` and `status`.
 ACTION_TOPICS = "/_action/"
 # The topics of the events that are about several robots.
-MIXED = frozenset({"robots", "scenes"})
+MIXED = frozenset({"robots", "scenes", "maps"})
 
 
 class Role(StrEnum):
@@ -83,6 +83,10 @@ class Grant:
         covered = self._robots.fullmatch(name) and self._topics.fullmatch(name)
         return bool(covered and (not of_action or self._actions.fullmatch(action)))
 
+    def shows(self, topic: str) -> bool:
+        """Return whether they may see what comes with a robot from a topic, which may be one that all robots share."""
+        return bool(self._topics.fullmatch(topic))
+
     def covers_place(self, name: str) -> bool:
         """Return whether a node or a service is in the namespace of one of their robots."""
         return bool(self._robots.fullmatch(name))
@@ -126,6 +130,8 @@ def narrow(event: Event, grant: Grant) -> Event | None:
 
     Such an event is encoded again for each reader whose grant is limited, and only for those.
     """
+    if event.source is not None and not grant.shows(event.source):
+        return None
     if event.robot is not None or event.action_name is not None or event.topic not in MIXED:
         return event
     document = orjson.loads(event.data)
@@ -144,6 +150,11 @@ def narrow(event: Event, grant: Grant) -> Event | None:
         case "scenes":
             scenes = document["scenes"].items()
             document["scenes"] = {robot: scene for robot, scene in scenes if grant.covers_robot(robot)}
+        case "maps":
+            maps = document["maps"].items()
+            document["maps"] = {
+                robot: each for robot, each in maps if grant.covers_robot(robot) and grant.shows(each["topic"])
+            }
         case "automation":
             return event if grant.covers_robot(document["automation"]["robot"]) else None
         case _:

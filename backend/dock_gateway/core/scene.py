@@ -156,6 +156,7 @@ class Scene:
         return {
             "frame": frame,
             "robot": robot.pose.document(),
+            "odom": self._odom(frame),
             "dock": self._dock.document() if self._dock and frame == WORLD else None,
             "docked": self._in(frame, "docked", now, KNOWN_FOR),
             "staging": self._in(frame, "staging", now, KNOWN_FOR),
@@ -179,6 +180,11 @@ class Scene:
             robot = self._tracks[frame].near(seen.stamp)
             return None if robot is None else robot.pose
         return self._world_from_odom if seen.frame == ODOM else None
+
+    def _odom(self, frame: str) -> dict[str, float] | None:
+        """Return where odometry began; None if that is unknown."""
+        origin = Pose(0.0, 0.0, 0.0) if frame == ODOM else self._world_from_odom
+        return None if origin is None else origin.document()
 
     def _infrared(self, now: float) -> dict[str, float | None] | None:
         fresh = {name: distance for name, (distance, at) in self._ranges.items() if now - at <= SEEN_FOR}

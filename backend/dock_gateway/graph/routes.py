@@ -10,7 +10,7 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, GraphName, json_response
+from dock_gateway.http.requests import NO_QUERY, GraphName, is_known_tag, json_response
 
 router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[NO_QUERY])
 
@@ -21,7 +21,7 @@ async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) 
     """Return the graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
     view = await graph.graph(grant)
     headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
-    if is_known(request.headers.get("if-none-match"), view.tag):
+    if is_known_tag(request.headers.get("if-none-match"), view.tag):
         return Response(status_code=304, headers=headers)
     return Response(view.body, headers=headers, media_type="application/json")
 
@@ -31,9 +31,3 @@ async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) 
 async def get_topic(name: GraphName, graph: Part[GraphCache]) -> Response:
     """Return the current state of one topic, with its publishers and subscribers."""
     return json_response((await graph.topic(f"/{name}")).document())
-
-
-def is_known(condition: str | None, tag: str) -> bool:
-    """Whether `If-None-Match` names the tag (RFC 9110, section 13.1.2)."""
-    known = [part.strip().removeprefix("W/") for part in (condition or "").split(",")]
-    return tag in known or known == ["*"]

@@ -274,6 +274,12 @@ def json_response(document: object, status: int = 200, headers: dict[str, str] |
     return Response(encode(document), status, headers, "application/json")
 
 
+def is_known_tag(condition: str | None, tag: str) -> bool:
+    """Whether `If-None-Match` names the tag (RFC 9110, section 13.1.2)."""
+    known = [part.strip().removeprefix("W/") for part in (condition or "").split(",")]
+    return tag in known or known == ["*"]
+
+
 def goal_response(goal: Goal, location: str, status: int = 200) -> Response:
     """Return a response with a goal, and its path as `Location`."""
     return json_response(goal.document(), status, {"Location": location})

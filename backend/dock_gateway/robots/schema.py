@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from dock_gateway.http.schema import Schema
 
@@ -179,11 +179,15 @@ class Scene(Schema):
 
     `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
     pose that it drives to first, and `marker` the last marker pose that the camera saw. `footprint` is the robot's
-    outline, null if it is not published.
+    outline, null if it is not published. `odom` is where the robot's odometry began; null if that is unknown, and
+    missing in what an older gateway stored.
     """
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
     frame: Literal["world", "odom"]
     robot: Pose
+    odom: Pose | None = None
     dock: Pose | None
     docked: Pose | None
     staging: Pose | None

@@ -42,8 +42,9 @@ SSE_RESPONSES = {
 async def feedback(websocket: WebSocket, parts: AllParts) -> None:
     """Send a snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=battery,cmd_vel,system,scene,scenes,robots`
-    asks for more than goals; `?feedback=false` omits feedback, `?max_rate=` limits its rate; `?after=` resumes.
+    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=` asks for more than goals: any of
+    `battery,cmd_vel,system,scene,scenes,robots,map,maps,scan,path`; `?feedback=false` omits feedback,
+    `?max_rate=` limits its rate; `?after=` resumes.
     """
     query = websocket.query_params
     after, max_rate = read_after(query), read_max_rate(query)

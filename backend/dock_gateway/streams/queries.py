@@ -16,7 +16,7 @@ from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
 
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
-INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")
+INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots", "map", "maps", "scan", "path")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 
 
@@ -98,7 +98,7 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
         action_name=None if action is None else parts[Settings].resolve(action, None if robot is None else namespace),
         namespace=namespace,
         robot=_read_robot(parts[RobotRegistry], robot, grant),
-        grant=grant if grant.limited else None,
+        grant=grant if grant.limited or grant.topics else None,
         homed=parts[Owners].homed_in(robot),
     )
 

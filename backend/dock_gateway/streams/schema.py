@@ -12,6 +12,7 @@ from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.goals.schema import ActionGoal, DockFeedbackMessage, DockResultMessage, Goal, GoalError, GoalSummary
 from dock_gateway.http.schema import Schema
+from dock_gateway.maps.schema import Points, RobotMap
 from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
 from dock_gateway.stop.schema import StopState
 
@@ -209,6 +210,41 @@ class ScenesEvent(Schema):
     scenes: dict[str, Scene]
 
 
+class MapEvent(Schema):
+    """The robot's map changed: not its cells, which `GET /robots/map.png` has. At most 5 times a second."""
+
+    type: Literal["map"]
+    time: datetime
+    robot: str
+    map: RobotMap
+
+
+class MapsEvent(Schema):
+    """The maps of all robots that have one, by robot."""
+
+    type: Literal["maps"]
+    time: datetime
+    maps: dict[str, RobotMap]
+
+
+class ScanEvent(Schema):
+    """What the robot's laser sees, up to 5 times a second."""
+
+    type: Literal["scan"]
+    time: datetime
+    robot: str
+    scan: Points
+
+
+class PathEvent(Schema):
+    """The path that the robot is to drive."""
+
+    type: Literal["path"]
+    time: datetime
+    robot: str
+    path: Points
+
+
 class HeartbeatEvent(Schema):
     """The stream is alive."""
 
@@ -289,4 +325,8 @@ EVENTS: tuple[type[BaseModel], ...] = (
     AutomationEvent,
     SceneEvent,
     ScenesEvent,
+    MapEvent,
+    MapsEvent,
+    ScanEvent,
+    PathEvent,
 )

@@ -887,6 +887,48 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/robots/map": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Map
+         * @description Return the newest map of a robot, without its cells: its size, its frame, and how the robot's relates to that.
+         */
+        get: operations["get_map"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/robots/map.png": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Map Image
+         * @description Return the newest map of a robot as an image: a pixel for each cell, which is transparent where unknown.
+         *
+         *     `free`, `occupied` and `unknown` are other colours for it. With `If-None-Match`, return 304 if it has not changed.
+         */
+        get: operations["get_map_image"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/robots": {
         parameters: {
             query?: never;
@@ -2774,7 +2816,7 @@ export interface components {
             count: number;
         };
         /** @description A message of an event stream. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["MapEvent"] | components["schemas"]["MapsEvent"] | components["schemas"]["ScanEvent"] | components["schemas"]["PathEvent"];
         /**
          * EventType
          * @description The type of an event.
@@ -3244,6 +3286,34 @@ export interface components {
             hidden: boolean;
         };
         /**
+         * Grid
+         * @description A map without its cells.
+         *
+         *     Attributes:
+         *         revision: The same for the same map; that of the image is in its `ETag`.
+         *         stamp: When it was made, as its message says; null if it does not.
+         *         frame: The frame of the origin.
+         *         resolution: The length of a cell's side, in metres.
+         *         width: Number of columns.
+         *         height: Number of rows.
+         *         origin: The lower left corner.
+         */
+        Grid: {
+            /** Revision */
+            revision: string;
+            /** Stamp */
+            stamp: string | null;
+            /** Frame */
+            frame: string;
+            /** Resolution */
+            resolution: number;
+            /** Width */
+            width: number;
+            /** Height */
+            height: number;
+            origin: components["schemas"]["Pose"];
+        };
+        /**
          * Health
          * @description Whether the gateway itself works; `node` is its name on the graph.
          */
@@ -3376,6 +3446,45 @@ export interface components {
             display_name: string | null;
             /** Groups */
             groups: string[];
+        };
+        /**
+         * MapEvent
+         * @description The robot's map changed: not its cells, which `GET /robots/map.png` has. At most 5 times a second.
+         */
+        MapEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "map";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Robot */
+            robot: string;
+            map: components["schemas"]["RobotMap"];
+        };
+        /**
+         * MapsEvent
+         * @description The maps of all robots that have one, by robot.
+         */
+        MapsEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "maps";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Maps */
+            maps: {
+                [key: string]: components["schemas"]["RobotMap"];
+            };
         };
         /**
          * Measured
@@ -3563,6 +3672,25 @@ export interface components {
             step: number | string;
         };
         /**
+         * PathEvent
+         * @description The path that the robot is to drive.
+         */
+        PathEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "path";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Robot */
+            robot: string;
+            path: components["schemas"]["Points"];
+        };
+        /**
          * Person
          * @description A person who is logged in with the identity provider. `subject` is the provider's id of them.
          */
@@ -3639,6 +3767,23 @@ export interface components {
             x: number;
             /** Y */
             y: number;
+        };
+        /**
+         * Points
+         * @description What a laser sees, or a path: at most 360 points in metres.
+         *
+         *     Attributes:
+         *         frame: `map`, or the robot's `odom` or `base_link`, whatever `tf` calls them; null without points.
+         *         points: Each is x and y.
+         *         hint: Why there are none, in a sentence; null if all is well.
+         */
+        Points: {
+            /** Frame */
+            frame: ("map" | "odom" | "base_link") | null;
+            /** Points */
+            points: number[][];
+            /** Hint */
+            hint: string | null;
         };
         /**
          * Pose
@@ -4053,6 +4198,24 @@ export interface components {
             robots: components["schemas"]["Robot"][];
         };
         /**
+         * RobotMap
+         * @description The map of a robot.
+         *
+         *     Attributes:
+         *         topic: The topic that it is read from; null if none is known yet.
+         *         map: The newest good map; null if there is none.
+         *         odom: Where the robot's odometry begins in the map's frame, by `tf`; null if the frames are not related.
+         *         hint: What is missing, or why the newest message is not used, in a sentence; null if all is well.
+         */
+        RobotMap: {
+            /** Topic */
+            topic: string | null;
+            map: components["schemas"]["Grid"] | null;
+            odom: components["schemas"]["Pose"] | null;
+            /** Hint */
+            hint: string | null;
+        };
+        /**
          * RobotPublisher
          * @description Whether the gateway publishes a battery state for the robot, and how often.
          */
@@ -4153,12 +4316,32 @@ export interface components {
             waits_for: components["schemas"]["Wait"];
         };
         /**
+         * ScanEvent
+         * @description What the robot's laser sees, up to 5 times a second.
+         */
+        ScanEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "scan";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Robot */
+            robot: string;
+            scan: components["schemas"]["Points"];
+        };
+        /**
          * Scene
          * @description Poses of a robot and its dock, all in one frame.
          *
          *     `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
          *     pose that it drives to first, and `marker` the last marker pose that the camera saw. `footprint` is the robot's
-         *     outline, null if it is not published.
+         *     outline, null if it is not published. `odom` is where the robot's odometry began; null if that is unknown, and
+         *     missing in what an older gateway stored.
          */
         Scene: {
             /**
@@ -4167,6 +4350,8 @@ export interface components {
              */
             frame: "world" | "odom";
             robot: components["schemas"]["Pose"];
+            /** @default null */
+            odom: components["schemas"]["Pose"] | null;
             dock: components["schemas"]["Pose"] | null;
             docked: components["schemas"]["Pose"] | null;
             staging: components["schemas"]["Pose"] | null;
@@ -9444,6 +9629,155 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_map: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RobotMap"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_map_image: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+                /** @description `RRGGBB`, or `RRGGBBAA` */
+                free?: string | null;
+                /** @description `RRGGBB`, or `RRGGBBAA` */
+                occupied?: string | null;
+                /** @description `RRGGBB`, or `RRGGBBAA` */
+                unknown?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The image, the top row first */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "image/png": unknown;
+                };
+            };
+            /** @description As in `If-None-Match` */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

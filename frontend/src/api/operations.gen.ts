@@ -48,6 +48,8 @@ export const OPERATIONS = {
   "GET /nodes/{node}/parameters": { role: "viewer", everyRobot: false },
   "GET /people": { role: "admin", everyRobot: true },
   "GET /robots": { role: "viewer", everyRobot: false },
+  "GET /robots/map": { role: "viewer", everyRobot: false },
+  "GET /robots/map.png": { role: "viewer", everyRobot: false },
   "GET /services/{service}": { role: "viewer", everyRobot: false },
   "GET /simulator": { role: "viewer", everyRobot: false },
   "GET /statistics": { role: "viewer", everyRobot: false },

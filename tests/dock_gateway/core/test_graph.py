@@ -9,7 +9,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.graph import Endpoint, Quality, Seen, Service, Topic, graph_document, is_noise, narrow_graph
-from dock_gateway.graph.routes import is_known
+from dock_gateway.http.requests import is_known_tag
 from dock_gateway.ros.graph import scan
 
 QOS = Quality("reliable", "volatile", "unknown", None, None, None, "automatic")
@@ -153,7 +153,7 @@ def test_noise(name: str, types: list[str], noise: bool) -> None:
     ],
 )
 def test_conditions(condition: str | None, known: bool) -> None:
-    assert is_known(condition, '"abc"') is known
+    assert is_known_tag(condition, '"abc"') is known
 
 
 class OddNode:

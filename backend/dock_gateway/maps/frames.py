@@ -1,0 +1,81 @@
+"""The frames of robots, as `tf` and `tf_static` relate them."""
+
+import logging
+import math
+from typing import Any
+
+from dock_gateway.core.scene import MAX_LENGTH, MIN_LENGTH
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.relay import Received
+from dock_gateway.graph.relays import Relays
+from dock_gateway.maps.grid import frame_name
+from dock_gateway.maps.reader import TopicReader
+from robot_io.transform import Transform
+from robot_io.transform_tree import TransformError, TransformTree
+
+log = logging.getLogger(__name__)
+
+TYPE = "tf2_msgs/msg/TFMessage"
+NOW = 0.0
+
+
+class Frames:
+    """The frames that one pair of topics relates, for all robots that have it.
+
+    Args:
+        relays: The relayed topics.
+        graph: Knows who publishes what.
+        moving: Absolute name of the topic; that of the frames that never move ends with `_static`.
+    """
+
+    def __init__(self, relays: Relays, graph: GraphCache, moving: str) -> None:
+        self._fixed = f"{moving}_static"
+        self._tree = TransformTree()
+        self._readers = [TopicReader(relays, graph, topic, TYPE, self) for topic in (moving, self._fixed)]
+        self._doubted = False
+
+    async def look(self) -> None:
+        """Join the topics if they are there."""
+        for reader in self._readers:
+            await reader.look()
+
+    async def offer(self, message: Received) -> None:
+        """Take transforms."""
+        try:
+            for stamped in message.kind.decode(message.data).transforms:
+                parent, child = frame_name(stamped.header.frame_id), frame_name(stamped.child_frame_id)
+                stamp = stamped.header.stamp.sec + stamped.header.stamp.nanosec / 1e9
+                transform = _transform(stamped.transform)
+                self._tree.add(parent, child, stamp, transform, fixed=message.topic == self._fixed)
+        except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
+            if not self._doubted:
+                self._doubted = True
+                log.warning("%s: a transform is not used: it %s", message.topic, error)
+
+    def locate(self, frame: str, target: str, stamp: float = NOW) -> Transform:
+        """Return where a frame lies in another one: at a time, or the newest that is known if not for that time.
+
+        Raises:
+            TransformError: They are not related.
+        """
+        if stamp != NOW:
+            try:
+                return self._tree.lookup(target, frame, stamp)
+            except TransformError:  # clocks may differ
+                pass
+        return self._tree.lookup(target, frame, NOW)
+
+    async def close(self) -> None:
+        """Leave the topics."""
+        for reader in self._readers:
+            await reader.close()
+
+
+def _transform(message: Any) -> Transform:
+    shift, turn = message.translation, message.rotation
+    length = math.hypot(turn.x, turn.y, turn.z, turn.w)
+    numbers = (shift.x, shift.y, shift.z, length)
+    if not all(map(math.isfinite, numbers)) or not MIN_LENGTH <= length <= MAX_LENGTH:
+        raise ValueError("has numbers that are no position and no rotation")
+    rotation = (turn.x / length, turn.y / length, turn.z / length, turn.w / length)
+    return Transform((shift.x, shift.y, shift.z), rotation)

@@ -1,0 +1,93 @@
+"""A topic that is read while it is needed, if it is published with the type that is expected."""
+
+import asyncio
+import logging
+from collections.abc import Sequence
+
+from dock_gateway.core.errors import GatewayError, NotFound
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.relay import Outlet, Received
+from dock_gateway.graph.relays import Relays
+
+log = logging.getLogger(__name__)
+
+
+class TopicReader:
+    """Passes the messages of a topic on, once it has a publisher.
+
+    Args:
+        relays: The relayed topics.
+        graph: Knows who publishes what.
+        topic: Absolute name.
+        type_name: The type that is expected.
+        outlet: Receives the messages.
+
+    Attributes:
+        hint: Why there is nothing to read; None if there is.
+    """
+
+    def __init__(self, relays: Relays, graph: GraphCache, topic: str, type_name: str, outlet: Outlet) -> None:
+        self.topic = topic
+        self.hint: str | None = None
+        self._relays = relays
+        self._graph = graph
+        self._type = type_name
+        self._outlet = outlet
+        self._joined = False
+
+    async def look(self) -> None:
+        """Join the topic if it is there."""
+        if self._joined:
+            return
+        types = await published_types(self._graph, self.topic)
+        if types and self._type not in types:
+            self._doubt(types[0])
+            return
+        self.hint = None if types else f"Nothing is published on {self.topic} ({self._type})."
+        if not types:
+            return
+        try:
+            await self._relays.join(self.topic, self._type, self)
+        except GatewayError as error:
+            self.hint = f"{self.topic} cannot be read: {error.detail}"
+            return
+        self._joined = True
+
+    async def offer(self, message: Received) -> None:
+        """Pass a message on, if it is of the right type."""
+        if message.kind.name != self._type:
+            self._doubt(message.kind.name)
+            return
+        self.hint = None
+        await self._outlet.offer(message)
+
+    def _doubt(self, type_name: str) -> None:
+        hint = f"{self.topic} is of the type {type_name}, not {self._type}."
+        if hint != self.hint:
+            log.warning("%s", hint)
+        self.hint = hint
+
+    async def close(self) -> None:
+        """Leave the topic."""
+        if self._joined:
+            self._joined = False
+            await self._relays.leave(self.topic, self)
+
+
+async def published_types(graph: GraphCache, topic: str) -> list[str]:
+    """Return the types with which a topic is published; none if it is not."""
+    try:
+        found = await graph.topic(topic)
+    except NotFound:
+        return []
+    return sorted({endpoint.type for endpoint in found.publishers})
+
+
+async def find_topic(graph: GraphCache, names: Sequence[str], type_name: str) -> str:
+    """Return the first of some topics that is published with a type; else the first that is published, or that."""
+    if len(names) == 1:
+        return names[0]
+    types = await asyncio.gather(*(published_types(graph, name) for name in names))
+    right = [name for name, found in zip(names, types, strict=True) if type_name in found]
+    there = [name for name, found in zip(names, types, strict=True) if found]
+    return next(iter((*right, *there)), names[0])
