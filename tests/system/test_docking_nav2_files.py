@@ -288,7 +288,11 @@ def test_sections_are_found_by_namespace_and_those_of_our_own_nodes_count_more(
         ("v_linear_max", 1, "expected 'Type.DOUBLE' got 'Type.INTEGER'"),
         ("max_retries", 2.0, "expected 'Type.INTEGER' got 'Type.DOUBLE'"),
         ("controller.v_linear_max", 0.1, "undeclared parameter"),
-        ("near.charging_source", "pos", "near.charging_source is 'pos', but must be one of: status, current, pose"),
+        (
+            "near.charging_source",
+            "pos",
+            "near.charging_source is 'pos', but must be one of: status, current, pose, none",
+        ),
         ("near.docking_threshold", math.nan, "near.docking_threshold out of range"),
     ],
 )

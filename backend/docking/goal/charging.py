@@ -30,7 +30,7 @@ def tells_charging(battery: BatteryReading, settings: ChargingSettings, velocity
 
 
 def stands_docked(robot: Pose | None, docked: Pose | None, settings: ChargingSettings, threshold: float) -> bool:
-    """Whether the robot charges by where it stands; only where the pose is to tell it.
+    """Whether the robot charges, or is docked, by where it stands; only where the pose is to tell it.
 
     Args:
         robot: base_link in odom; None if unknown.
@@ -38,7 +38,7 @@ def stands_docked(robot: Pose | None, docked: Pose | None, settings: ChargingSet
         settings: How charging is detected.
         threshold: The most that both may differ by, in m.
     """
-    if settings.charging_source is not ChargingSource.POSE or robot is None or docked is None:
+    if not settings.by_pose or robot is None or docked is None:
         return False
     return robot.distance_to(docked) <= threshold
 
@@ -49,8 +49,10 @@ def current_in(battery: BatteryReading, settings: ChargingSettings) -> float:
     return -current if settings.charging_current_negative else current
 
 
-def describe_charging(battery: BatteryReading, settings: ChargingSettings) -> str:
+def describe_charging(battery: BatteryReading | None, settings: ChargingSettings) -> str:
     """Describe the charging state in a battery message, as the end of a sentence."""
+    if battery is None or not settings.charges:
+        return "its dock does not charge"
     if settings.charging_source is ChargingSource.CURRENT:
         return f"its current is {battery.current:g} A"
     return f"its battery is {describe_status(battery.status)}"

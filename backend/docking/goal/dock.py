@@ -82,20 +82,28 @@ class Docking(Objective):
             stage: Deadline(parameter, getattr(timeouts, parameter), error, message)
             for stage, (parameter, error, message) in DEADLINES.items()
         }
+        if not self._charging.charges:
+            self._deadlines[Stage.WAIT_FOR_CHARGE] = Deadline(
+                "wait_charge_timeout",
+                timeouts.wait_charge_timeout,
+                FailedToControl,
+                f"the robot did not stay within {docking_threshold:g} m (docking_threshold) of the docked pose",
+            )
         if recovery is not None:
             self._deadlines[Stage.CORRECTING] = Deadline(
                 "correction_timeout", recovery.correction_timeout, FailedToControl, "the robot did not press again"
             )
 
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
-        """Whether the battery has been charging for charge_stable_for."""
+        """Whether the battery has been charging, or the robot docked, for charge_stable_for."""
         odometry = observation.odometry
         robot = odometry.pose if odometry is not None and makes_sense(odometry.pose) else None
         if robot is not None:
             self._motion.look(observation.now, robot)
-        self.memory.heads_for(self._staging, self._dock_type, robot)
-        charges = battery is not None and self._charges(observation, battery, progress)
-        if battery is not None:
+        self.memory.heads_for(self._staging, self._dock_type, robot, charges=self._charging.charges)
+        known = battery is not None or not self.needs_battery
+        charges = known and self._charges(observation, battery, progress)
+        if battery is not None and self.needs_battery:
             self._record.hear(observation.now, battery, charges=charges)
         if not charges:
             self._connected_since = None
@@ -109,17 +117,23 @@ class Docking(Objective):
             self.memory.places[self._dock_name] = robot
         return reached
 
-    def _charges(self, observation: Observation, battery: BatteryReading, progress: Progress) -> bool:
-        self._status = battery.status
+    def _charges(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         odometry = observation.odometry
-        if tells_charging(battery, self._charging, self._motion.velocity):
-            return True
+        if battery is not None:
+            self._status = battery.status
+            if tells_charging(battery, self._charging, self._motion.velocity):
+                return True
         # Before the robot has arrived, it may still be where it was docked last.
         docked = progress.docked if progress.arrived else self.memory.at if self.memory.docked else None
         return stands_docked(None if odometry is None else odometry.pose, docked, self._charging, self._threshold)
 
     def holds(self, stage: Stage) -> bool:
-        """Whether the battery charges and the robot is not pressing on."""
+        """Whether the battery charges and the robot is not pressing on.
+
+        Where the pose alone tells that it is docked, the plan goes on to watch that.
+        """
+        if not self._charging.charges and stage is Stage.WAIT_FOR_CHARGE:
+            return False
         return self._connected_since is not None and stage is not Stage.CONTROLLING
 
     @property
@@ -129,6 +143,8 @@ class Docking(Objective):
 
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of a stage."""
+        if not self._charging.charges and self._connected_since is not None:
+            return None  # in a moment it is docked
         deadline = self._deadlines.get(stage)
         if deadline is not None and stage is Stage.WAIT_FOR_CHARGE and self._record.breaks:
             return replace(deadline, message="the charge did not become stable")

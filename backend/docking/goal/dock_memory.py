@@ -22,6 +22,7 @@ class DockMemory:
         staging: Of the dock that the robot is on, else of that of the last docking goal, and the direction; None before
             the first one.
         dock_type: Of the same dock; empty where there is none.
+        charges: Whether the same dock charges.
         places: Where base_link stood when it was docked last, in odom, by the names of docks.
         turns: How far a dock's marker was taken to be turned then, in rad, by the names of docks.
     """
@@ -30,6 +31,7 @@ class DockMemory:
     at: Pose | None = None
     staging: Staging | None = None
     dock_type: str = ""
+    charges: bool = True
     places: dict[str, Pose] = field(default_factory=dict)
     turns: dict[str, float] = field(default_factory=dict)
 
@@ -37,18 +39,19 @@ class DockMemory:
         """Remember how a goal has ended, and where."""
         self.docked, self.at = docked, at
 
-    def heads_for(self, staging: Staging, dock_type: str, robot: Pose | None) -> None:
+    def heads_for(self, staging: Staging, dock_type: str, robot: Pose | None, *, charges: bool = True) -> None:
         """A goal to dock runs: its dock is remembered, unless the robot is still on the one where it was docked last.
 
         Args:
             staging: Of the goal's dock.
             dock_type: Of the same dock.
             robot: Where it is now, in odom; None where that is not known yet.
+            charges: Whether that dock charges.
         """
         if robot is not None and self.recall(robot) is None:
             self.docked = None  # for good: odometry drifts, so that the place may seem to be somewhere else later
         if not self.docked or self.staging is None:
-            self.staging, self.dock_type = staging, dock_type
+            self.staging, self.dock_type, self.charges = staging, dock_type, charges
 
     def moves(self) -> None:
         """Forget what was known without a pose: a goal moves the robot."""

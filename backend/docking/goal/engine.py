@@ -96,7 +96,8 @@ class Goal:
             return self._give_up(
                 ErrorCode.TIMEOUT, f"the goal was not reached within {timeouts.goal_timeout:g} s (goal_timeout)"
             )
-        return self._wait_for_battery(now, battery) if fresh is None else self._go_on(observation, max(0.0, dt))
+        waits = fresh is None and self._objective.needs_battery
+        return self._wait_for_battery(now, battery) if waits else self._go_on(observation, max(0.0, dt))
 
     @property
     def _progress(self) -> Progress:

@@ -96,6 +96,11 @@ class Objective(ABC):
         """Whether the charge comes and goes, so that waiting for it counts towards the time limit, too."""
         return False
 
+    @property
+    def needs_battery(self) -> bool:
+        """Whether the robot waits without a battery message: not where the dock does not charge."""
+        return self._charging.charges
+
     def holds(self, stage: Stage) -> bool:
         """Whether the robot is to stand still at this stage, as the goal may be reached in a moment."""
         return False

@@ -45,10 +45,10 @@ class Undocking(Objective):
         Raises:
             DockedUnknown: Nothing tells whether the robot is docked.
         """
-        if battery is None:
+        if battery is None and self.needs_battery:
             return False
         pose = None if observation.odometry is None else observation.odometry.pose
-        charges = tells_charging(battery, self._charging)
+        charges = battery is not None and tells_charging(battery, self._charging)
         if self._docked:
             return progress.finished and not charges
         if charges:

@@ -1,5 +1,7 @@
 """The node `disconnect_from_charging_dock_action_server`: drives the robot off its dock."""
 
+from dataclasses import replace
+
 from action_tutorials_interfaces.action import DisconnectFromChargingDock
 from docking.core.errors import Stage
 from docking.goal.admission import UNDOCKING
@@ -7,7 +9,7 @@ from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.undock import Undocking
-from docking.parameters import UndockSettings
+from docking.parameters import ChargingSource, UndockSettings
 from docking.plans.undock import UndockPlan
 from docking.ros.robot_action import RobotAction
 from docking.ros.sensors import Sensor
@@ -31,8 +33,10 @@ class UndockAction(RobotAction[UndockSettings]):
 
     def make_goal(self, settings: UndockSettings, memory: DockMemory, started_at: float) -> Goal:
         """An undocking goal that backs out as far as the last dock's staging pose is away."""
-        assume_docked = settings.assume_docked
-        objective = Undocking(settings.timeouts, memory, charging=settings.charging, assume_docked=assume_docked)
+        charging, assume_docked = settings.charging, settings.assume_docked
+        if not memory.charges:
+            charging = replace(charging, charging_source=ChargingSource.NONE)
+        objective = Undocking(settings.timeouts, memory, charging=charging, assume_docked=assume_docked)
         staging = memory.staging or settings.staging
         plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
         return Goal(plan, objective, started_at, watch_obstacles(settings))

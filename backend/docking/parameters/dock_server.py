@@ -6,7 +6,6 @@ from typing import Self
 from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
-from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.dock import Dock, DockType, detection_timeout_field
 from docking.parameters.dock_database import DockDatabase
@@ -131,10 +130,9 @@ class DockSettings(ServerSettings):
             )
         sources = {"": self.charging, **{f"{name}.": dock.charging for name, dock in self.database.types.items()}}
         for prefix, charging in sources.items() if self.controller == ControllerName.ROTATE else ():
-            if charging.charging_source is ChargingSource.POSE:
-                conflict = conflict or (
-                    f"{prefix}charging_source is 'pose', but the controller rotate knows no docked pose"
-                )
+            if charging.by_pose:
+                source = f"{prefix}charging_source is {charging.charging_source.value!r}"
+                conflict = conflict or f"{source}, but the controller rotate knows no docked pose"
         conflict = conflict or self.database.find_fault()
         if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
             return conflict

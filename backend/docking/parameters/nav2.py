@@ -160,7 +160,7 @@ class _Reader:
 
     def _read_plugin(self, name: str, value: Value) -> None:
         if value == NON_CHARGING_DOCK:
-            self._set_source(name, "pose")
+            self._set_source(name, "none")
 
     def _read_battery_status(self, name: str, value: Value) -> None:
         self._set_source(name, "current" if _switch(name, value) else "pose")

@@ -128,8 +128,8 @@ NAV2: tuple[Nav2Parameter, ...] = (
         "<type>.plugin",
         None,
         (CHARGING_DOCK, NON_CHARGING_DOCK),
-        "Plugins cannot be loaded. Leave it out to dock by the other parameters of this type, or write a controller of "
-        "your own.",
+        "The second one sets `charging_source` of the type: `none`. Other plugins cannot be loaded: leave it out to "
+        "dock by the other parameters of this type, or write a controller of your own.",
     ),
     *_same(0.05, "<type>.docking_threshold"),
     *_same(-0.7, "<type>.staging_x_offset"),

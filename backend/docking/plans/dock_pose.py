@@ -55,6 +55,7 @@ class DockPosePlan(SightedPlan):
         self._turns = sorted(TURNS, key=lambda turn: turn != settings.last_turn)  # the last one first
         self._turn = 0  # which one of them is tried
         self._waits = self._charged = False
+        self._dock_charges = settings.charging.charges
 
     @property
     def poses(self) -> KnownPoses:
@@ -144,7 +145,8 @@ class DockPosePlan(SightedPlan):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
-        missed, self._waits = self._waits and not self._charged, stage is Stage.WAIT_FOR_CHARGE
+        waits = stage is Stage.WAIT_FOR_CHARGE and self._dock_charges
+        missed, self._waits = self._waits and not self._charged, waits
         if stage is Stage.CONTROLLING:
             self._charged = False
         if stage is Stage.RETRY:

@@ -74,7 +74,7 @@ def test_what_is_ignored_is_told(parameter: Nav2Parameter) -> None:
         ({"kind.charging_threshold": 1.0}, {"kind.charging_source": "current"}),
         ({"kind.charging_threshold": 1.0, "charging_source": "status"}, {}),
         ({"kind.charging_threshold": 1.0, "kind.charging_source": "status"}, {}),
-        ({"kind.plugin": NON_CHARGING_DOCK}, {"kind.charging_source": "pose"}),
+        ({"kind.plugin": NON_CHARGING_DOCK}, {"kind.charging_source": "none"}),
         ({"controller.rotate_to_heading_angular_vel": 0.4}, {"v_angular_max": 0.4}),
         ({"controller.rotate_to_heading_angular_vel": 1.5}, {}),
         (
