@@ -14,6 +14,7 @@ from dock_gateway.assembly import open_gateway
 from dock_gateway.audit import routes as audit_routes
 from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.automation import routes as automation_routes
+from dock_gateway.cameras import routes as camera_routes
 from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.foxglove import routes as foxglove_routes
 from dock_gateway.goals import action_routes, approval_routes, dock_routes, export_routes, note_routes
@@ -83,6 +84,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         publish_routes,
         battery_routes,
         map_routes,
+        camera_routes,
         fleet_routes,
         automation_routes,
         webhook_routes,

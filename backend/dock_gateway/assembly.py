@@ -17,6 +17,7 @@ from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.automation.rule import RuleEntry
+from dock_gateway.cameras.cameras import Cameras
 from dock_gateway.core.automation import Decision
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
@@ -231,6 +232,7 @@ async def _open(
             GraphCache: graph,
             Relays: relays,
             Maps: _closed_by(stack, Maps(settings, relays, graph, hub, robots.namespaces)),
+            Cameras: _closed_by(stack, Cameras(settings, hub, robots, graph, relays)),
             EchoRegistry: _closed_by(stack, EchoRegistry(bridge, graph)),
             ServiceCalls: _closed_by(stack, ServiceCalls(settings, bridge, interlock)),
             Parameters: _closed_by(stack, Parameters(settings, bridge)),

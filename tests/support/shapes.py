@@ -133,6 +133,7 @@ def _operations() -> list[tuple[int, re.Pattern[str], dict[str, Any]]]:
     found = []
     for template, item in document()["paths"].items():
         pattern = re.sub(r"\\{(name|service|node|topic)\\}", ".+", re.escape(template))
+        pattern = pattern.replace(r"robots/\{robot\}", "robots/.*")
         pattern = re.sub(r"\\{\w+\\}", "[^/]+", pattern)
         literals = [part for part in template.split("/") if part and not part.startswith("{")]
         found.append((-len(literals), re.compile(pattern), item))

@@ -47,7 +47,7 @@ class Grant:
         robots: Patterns of the namespaces of their robots; empty means every robot. A namespace includes those below
             it, but `/` is only the robot without a namespace.
         actions: Patterns of the actions whose goals they see and send; empty means every action of their robots.
-        topics: Patterns of the topics that they may read on `/ws/topics`; empty means every topic of their robots.
+        topics: Patterns of the topics whose messages and pictures they may read; empty means every one of their robots.
     """
 
     role: Role

@@ -3,7 +3,7 @@
 import asyncio
 import hashlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from dock_gateway.core.errors import NotFound
@@ -12,7 +12,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.graph import Seen, Topic, graph_document, narrow_graph
 from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.graph import Survey, read_topic
+from dock_gateway.ros.graph import Survey, read_topic, read_topics
 
 # Minimum seconds between the starts of two scans of the whole graph.
 INTERVAL = 1.0
@@ -64,6 +64,14 @@ class GraphCache:
         if not topic.types:
             raise NotFound(f"there is no topic {name[:200]} on the ROS graph", code="topic_not_found")
         return topic
+
+    async def topics_of(self, types: Iterable[str], namespace: str) -> list[Topic]:
+        """Return the current state of the topics of some types in a namespace.
+
+        Raises:
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        return await self._bridge.call(lambda: read_topics(self._bridge.node, frozenset(types), namespace))
 
     async def _look(self) -> View:
         survey = await self._bridge.call(lambda: Survey(self._bridge.node))

@@ -13,6 +13,7 @@ from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import HistoryPolicy, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from dock_gateway.core.filters import is_under
 from dock_gateway.core.graph import (
     ACTION_PART,
     FEEDBACK,
@@ -153,6 +154,12 @@ def read_topic(node: Node, name: str) -> Topic:
     except InvalidTopicNameException:  # the name is too long
         return Topic(name, [], [])
     return Topic(name, [_endpoint(info) for info in publishers], [_endpoint(info) for info in subscribers])
+
+
+def read_topics(node: Node, types: frozenset[str], namespace: str) -> list[Topic]:
+    """Return the topics in a namespace that have one of these types, with their endpoints; on the ROS thread."""
+    found = node.get_topic_names_and_types()
+    return [read_topic(node, name) for name, of in found if is_under(name, namespace) and not types.isdisjoint(of)]
 
 
 def read_service(node: Node, name: str) -> list[str]:

@@ -2,11 +2,13 @@
 
 import asyncio
 import logging
+import socket
 import sys
 from http import HTTPStatus
 from typing import Any
 
 import h11
+from starlette.requests import Request
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from dock_gateway.core.errors import GatewayError, MalformedRequest, Unavailable
@@ -32,6 +34,18 @@ REQUEST_COST = 0.001
 END_OF_TLS = 0.3
 # Seconds that a piece of a body costs in addition to reading it: the route wakes up and takes it.
 PIECE_COST = 0.0001
+
+EXTENSION = "dock_gateway.socket"
+
+
+def limit_unsent(request: Request, size: int) -> None:
+    """Let the system hold at most so many unsent bytes for a client, so that a slow one gets what is new.
+
+    Without the limit the system would hold seconds of old pictures.
+    """
+    extension = (request.scope.get("extensions") or {}).get(EXTENSION)
+    if extension is not None:
+        extension["socket"].setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, size)
 
 
 def create_connection(edge: Edge, **options: Any) -> Connection:
@@ -160,6 +174,7 @@ class HttpProtocol(H11Protocol):
         before = self.cycle
         super().handle_events()
         if self.cycle is not before:
+            self.scope["extensions"] = {EXTENSION: {"socket": self.transport.get_extra_info("socket")}}
             self._edge.scheduler.charge(REQUEST_COST)
             # A careless proxy takes a connection on which it has seen a WebSocket's upgrade for a tunnel, whatever the
             # answer: its client could send any request through it.

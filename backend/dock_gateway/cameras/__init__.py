@@ -1,0 +1,1 @@
+"""The pictures of the robots' cameras, for browsers and video players."""

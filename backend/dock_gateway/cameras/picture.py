@@ -1,0 +1,130 @@
+"""A picture of a camera as browsers show it: JPEG or PNG."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from dock_gateway.cameras.camera import COMPRESSED, IMAGE
+from dock_gateway.cameras.pixels import Unreadable, encode
+from dock_gateway.graph.relay import Received
+
+# The largest message that is read, in bytes, and the most pixels of a picture: 4K in colour fits.
+MOST_BYTES, MOST_PIXELS = 32_000_000, 33_000_000
+# A JPEG can be decoded at so many eighths of its size, which takes less time than at its whole size.
+WHOLE = 8
+JPEG, PNG = "image/jpeg", "image/png"
+JPEG_START, JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
+PNG_START, PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
+# Between the pictures of a stream.
+BOUNDARY = "picture"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """An encoded picture.
+
+    Attributes:
+        data: The file.
+        media_type: JPEG or PNG.
+        width: In pixels.
+        height: In pixels.
+        received_ns: When the gateway received it, in ns since 1970.
+    """
+
+    data: bytes
+    media_type: str
+    width: int
+    height: int
+    received_ns: int
+
+    @property
+    def timestamp(self) -> str:
+        """When the gateway received it, in seconds since 1970."""
+        return f"{self.received_ns / 1e9:.6f}"
+
+    @cached_property
+    def part(self) -> bytes:
+        """The picture in a stream. The boundary follows at once: browsers show a picture when it has come."""
+        head = (
+            f"Content-Type: {self.media_type}\r\nContent-Length: {len(self.data)}\r\nX-Timestamp: {self.timestamp}\r\n"
+        )
+        return b"%b\r\n%b\r\n--%b\r\n" % (head.encode(), self.data, BOUNDARY.encode())
+
+    def eighths(self, max_width: int) -> int:
+        """Return at how many eighths of its size it is at most so wide; at least one. A PNG keeps its size."""
+        return WHOLE if self.media_type != JPEG else min(WHOLE, max(1, WHOLE * max_width // self.width))
+
+    def scaled(self, eighths: int, quality: int) -> "Picture":
+        """Return a JPEG at so many eighths of its size.
+
+        Raises:
+            Unreadable: It is damaged.
+        """
+        import simplejpeg  # noqa: PLC0415 - only if someone watches
+
+        width, height = (-(-size * eighths // WHOLE) for size in (self.width, self.height))
+        try:
+            gray = simplejpeg.decode_jpeg_header(self.data)[2] == "Gray"
+            colors = "GRAY" if gray else "RGB"
+            pixels = simplejpeg.decode_jpeg(self.data, colors, min_width=width, min_height=height, strict=False)
+        except ValueError as error:
+            raise Unreadable(f"the JPEG is damaged: {error}") from None
+        data = simplejpeg.encode_jpeg(pixels, quality, colors, "Gray" if gray else "420")
+        return replace(self, data=data, width=pixels.shape[1], height=pixels.shape[0])
+
+
+def read_picture(message: Received, quality: int) -> Picture:
+    """Return the picture of a message: as it is if browsers show it, else encoded.
+
+    Args:
+        message: Of any type.
+        quality: Of a JPEG that is encoded, 1 to 100.
+
+    Raises:
+        Unreadable: Browsers do not show it, or it is damaged.
+    """
+    if message.kind.name not in (IMAGE, COMPRESSED):
+        raise Unreadable(f"its type is {message.kind.name}")
+    if message.size > MOST_BYTES:
+        raise Unreadable(f"a picture has {message.size / 1e6:.0f} MB; at most {MOST_BYTES / 1e6:.0f} MB are read")
+    try:
+        decoded = message.kind.decode(message.data)
+    except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
+        raise Unreadable(f"its messages cannot be read as {message.kind.name}: {error}") from None
+    if message.kind.name == COMPRESSED:
+        return _as_it_is(bytes(decoded.data), decoded.format, message.received_ns)
+    _check_size(decoded.width, decoded.height)
+    data, width, height = encode(decoded, quality)
+    return Picture(data, JPEG, width, height, message.received_ns)
+
+
+def _as_it_is(data: bytes, name: str, received_ns: int) -> Picture:
+    if data.startswith(JPEG_START):
+        width, height = _size_of_jpeg(data)
+        if not data.rstrip(b"\0").endswith(JPEG_END):
+            raise Unreadable("a JPEG is cut off")
+        kind = JPEG
+    elif data.startswith(PNG_START):
+        width, height = (int.from_bytes(data[at : at + 4]) for at in (16, 20))
+        if PNG_END not in data[-64:]:
+            raise Unreadable("a PNG is cut off")
+        kind = PNG
+    else:
+        raise Unreadable(f"the format {name[:60]!r} is neither jpeg nor png")
+    _check_size(width, height)
+    return Picture(data, kind, width, height, received_ns)
+
+
+def _size_of_jpeg(data: bytes) -> tuple[int, int]:
+    import simplejpeg  # noqa: PLC0415 - only if someone watches
+
+    try:
+        height, width, *_ = simplejpeg.decode_jpeg_header(data)
+    except ValueError as error:
+        raise Unreadable(f"a JPEG is damaged: {error}") from None
+    return width, height
+
+
+def _check_size(width: Any, height: Any) -> None:
+    if not 0 < width * height <= MOST_PIXELS:
+        raise Unreadable(f"a picture has {width} x {height} pixels; 1 to {MOST_PIXELS / 1e6:.0f} million are shown")

@@ -1,0 +1,101 @@
+"""`/robots/{robot}/cameras`: the cameras of a robot, their pictures, and streams of them."""
+
+from collections.abc import AsyncGenerator
+from contextlib import aclosing
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request
+from starlette.responses import Response, StreamingResponse
+
+from dock_gateway.access.authorization import subscribed
+from dock_gateway.cameras.camera import Camera
+from dock_gateway.cameras.cameras import Cameras
+from dock_gateway.cameras.picture import BOUNDARY, JPEG, PNG
+from dock_gateway.cameras.schema import CameraList
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Role
+from dock_gateway.http.edge.http import limit_unsent
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import AllParts, Part, Parts
+from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import NO_QUERY, GraphName, RobotInPath, json_response, known_query
+from dock_gateway.http.slow_clients import PacedResponse
+from dock_gateway.settings import Settings
+
+router = APIRouter(tags=["Cameras"], prefix="/robots/{robot:robot}/cameras")
+
+MIXED = "multipart/x-mixed-replace"
+PICTURES: dict[str, dict[str, str]] = {JPEG: {}, PNG: {}}
+# Bytes that the system holds for a viewer that reads slowly: about one picture.
+UNSENT = 32_768
+
+WidthQuery = Annotated[int | None, Query(ge=16, le=8192, description="Maximum width in pixels; JPEG only")]
+RateQuery = Annotated[float | None, Query(ge=0.1, le=60, description="Maximum number of pictures per second")]
+
+
+@router.get("", response_model=CameraList, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.ROBOT)
+async def list_cameras(robot: RobotInPath, cameras: Part[Cameras], grant: TheGrant) -> Response:
+    """List the cameras of a robot: topics of CompressedImage and Image in its namespace that have a publisher."""
+    found = await cameras.all(robot, grant)
+    return json_response({"cameras": [{**vars(camera), "hint": cameras.hint(camera)} for camera in found]})
+
+
+@router.get(
+    "/{name:graph_name}/image",
+    responses={200: {"description": "The picture", "content": PICTURES}, **problems(404, 422, 429, 503)},
+    response_class=Response,
+    dependencies=[Depends(known_query("max_width"))],
+)
+@operation(Role.VIEWER, Scope.ROBOT)
+async def get_picture(
+    robot: RobotInPath, name: GraphName, request: Request, parts: AllParts, max_width: WidthQuery = None
+) -> Response:
+    """Return one current picture of a camera. `X-Timestamp` says when it came, in seconds since 1970."""
+    principal = principal_of(request)
+    camera = await parts[Cameras].find(robot, name, principal.grant)
+    with subscribed(parts, principal, EventFilter(topics=frozenset())) as viewer:
+        async with aclosing(parts[Cameras].pictures(camera, viewer, max_width, None)) as pictures:
+            async for picture in pictures:
+                return Response(picture.data, headers={"X-Timestamp": picture.timestamp}, media_type=picture.media_type)
+    raise Unavailable("the gateway is shutting down", code="shutting_down")
+
+
+@router.get(
+    "/{name:graph_name}/stream",
+    responses={200: {"description": "Pictures", "content": {MIXED: {}}}, **problems(404, 422, 429, 503)},
+    response_class=StreamingResponse,
+    dependencies=[Depends(known_query("max_rate", "max_width"))],
+)
+@operation(Role.VIEWER, Scope.ROBOT)
+async def stream_pictures(  # noqa: PLR0917 - FastAPI passes them by name
+    robot: RobotInPath,
+    name: GraphName,
+    request: Request,
+    parts: AllParts,
+    max_rate: RateQuery = None,
+    max_width: WidthQuery = None,
+) -> Response:
+    """Stream the pictures of a camera as MJPEG, which browsers show as an image. A slow reader skips pictures."""
+    principal = principal_of(request)
+    camera = await parts[Cameras].find(robot, name, principal.grant)
+    limit_unsent(request, UNSENT)
+    chunks = _chunks(parts, principal, camera, max_width, max_rate)
+    first = await anext(chunks, b"")  # errors are raised before the stream begins
+    media_type = f"{MIXED}; boundary={BOUNDARY}"
+    headers = {"X-Accel-Buffering": "no"}
+    return PacedResponse(first, chunks, parts[Settings].subscriber_timeout, media_type=media_type, headers=headers)
+
+
+async def _chunks(
+    parts: Parts, principal: Principal, camera: Camera, max_width: int | None, max_rate: float | None
+) -> AsyncGenerator[bytes]:
+    before = f"--{BOUNDARY}\r\n".encode()
+    with subscribed(parts, principal, EventFilter(topics=frozenset())) as viewer:
+        async with aclosing(parts[Cameras].pictures(camera, viewer, max_width, max_rate)) as pictures:
+            async for picture in pictures:
+                yield before + picture.part
+                before = b""

@@ -1,0 +1,89 @@
+"""Pictures of cameras: real gateway, real publishers, real DDS."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import pytest
+import simplejpeg
+
+from tests.support.access import Site, bearer
+from tests.support.camera_node import HEIGHT, WIDTH
+from tests.support.gateway import RunningGateway
+from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.waiting import wait_until
+
+pytestmark = pytest.mark.ros
+
+COMPRESSED = "/robot1/back/image_raw/compressed"
+
+
+def parts(answer: httpx2.Response) -> Iterator[bytes]:
+    """The pictures of a stream."""
+    received = b""
+    for chunk in answer.iter_bytes():
+        received += chunk
+        while b"\r\n--picture\r\n" in received:
+            part, _, received = received.partition(b"\r\n--picture\r\n")
+            yield part.partition(b"\r\n\r\n")[2]
+
+
+def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
+    site = Site(tmp_path)
+    viewer, limited = site.token("eve", "viewer"), site.token("mallory", "viewer", "--topic", "/robot1/back/*")
+    with ExitStack() as stack:
+        gateway = stack.enter_context(site.gateway(domain))
+        http = gateway.http
+        http.headers.update(bearer(viewer))
+        films = ForkedProcess("-m", "tests.support.camera_node", env=ros_environment(domain))
+        stack.enter_context(films).wait_for("filming")
+
+        def cameras(robot: str, **options: Any) -> dict[str, str | None]:
+            found = http.get(f"/robots/{robot}/cameras", **options)
+            return {each["name"]: each["type"] for each in found.json().get("cameras", ())}
+
+        image, compressed = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
+        everything = {"back/image_raw": compressed, "odd": image}
+        wait_until(lambda: cameras("robot1") == everything, "the cameras of /robot1")
+        wait_until(lambda: cameras("%2F") == {"front": image}, "the camera of /")
+        assert cameras("robot1", headers=bearer(limited)) == {"back/image_raw": compressed}
+
+        look_at_pictures(gateway)
+        refused = http.get("/robots/robot1/cameras/odd/image", headers=bearer(limited))
+        assert refused.json()["code"] == "not_covered"
+        unreadable = http.get("/robots/robot1/cameras/odd/stream")
+        assert unreadable.json()["detail"].startswith("/robot1/odd cannot be shown: the encoding 'odd' is not shown")
+        assert http.get("/robots/robot1/cameras/none/image").json()["code"] == "camera_not_found"
+
+        with http.stream("GET", "/robots/robot1/cameras/back/image_raw/stream", headers=bearer(limited)) as stream:
+            pictures = parts(stream)
+            assert next(pictures)
+            assert site.run("token", "revoke", "mallory").returncode == 0
+            for _ in pictures:  # to its end
+                pass
+        wait_until(lambda: not readers(http), "it is left")
+
+
+def look_at_pictures(gateway: RunningGateway) -> None:
+    """Viewers share one subscription; what is too wide is scaled down; the last one to leave ends it."""
+    http = gateway.http
+    picture = http.get("/robots/%2F/cameras/front/image")
+    assert picture.headers["content-type"] == "image/jpeg"
+    assert simplejpeg.decode_jpeg_header(picture.content)[:2] == (HEIGHT, WIDTH)
+    small = http.get("/robots/%2F/cameras/front/image?max_width=16")
+    assert simplejpeg.decode_jpeg_header(small.content)[:2] == (HEIGHT // 4, WIDTH // 4)
+
+    path = "/robots/robot1/cameras/back/image_raw/stream"
+    with http.stream("GET", path) as one, http.stream("GET", f"{path}?max_rate=1&max_width=32") as two:
+        assert one.headers["content-type"] == "multipart/x-mixed-replace; boundary=picture"
+        pictures = parts(one)
+        assert next(pictures) == next(pictures)
+        assert simplejpeg.decode_jpeg_header(next(parts(two)))[:2] == (HEIGHT // 2, WIDTH // 2)
+        assert readers(http) == ["/dock_gateway"]
+    wait_until(lambda: not readers(http), "it is left")
+
+
+def readers(http: Any) -> list[str]:
+    return [each["node"] for each in http.get(f"/graph/topics{COMPRESSED}").json()["subscribers"]]
