@@ -6,6 +6,7 @@ from docking.core.battery import BatteryReading
 from docking.core.errors import DockingError, ErrorCode, FailedToControl, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
+from docking.goal.detector import Detector
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.navigation import Going, Navigation
 from docking.goal.objective import Objective, Progress
@@ -53,6 +54,7 @@ class Goal:
             self._pace = Pace(plan.motion, objective.slowdown_radius)
             self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
         self._navigation: Navigation | None = None
+        self._detector: Detector | None = None
         self._recovery = Recovery(plan, objective)
         self._enter(plan.stages[0])
 
@@ -64,6 +66,10 @@ class Goal:
     def navigate_first(self, navigation: Navigation) -> None:
         """Have the robot driven to its staging pose before the plan begins; call it before the first step."""
         self._navigation = navigation
+
+    def detect_with(self, detector: Detector) -> None:
+        """Have the detector of the marker switched on before the plan begins; call it before the first step."""
+        self._detector = detector
 
     # A step: is the goal reached, is the battery heard, and what moves the robot?
 
@@ -152,6 +158,10 @@ class Goal:
         try:
             if watch is not None and not watch.sees(observation):
                 return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, watch.waiting)
+            if self._detector is not None:
+                if not self._detector.is_on(dt):
+                    return self._command(self._rest())
+                self._detector = None
             self._plan.observe(observation)
             # Where the robot will be when a command that is given now takes effect.
             ahead = observation if watch is None else watch.ahead(observation)

@@ -64,6 +64,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
     """Drives by `cmd_vel`; publishes the sensor readings of the robot, and the ground truth.
 
     Everything here runs in the one thread that spins the node.
+
+    Attributes:
+        detects: Whether the camera detects the marker.
     """
 
     def __init__(self, *, context: Context | None = None, **options: Any) -> None:
@@ -87,6 +90,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._make_publishers()
         self._make_subscriptions()
         self.create_service(Trigger, "dock_simulator/reset", self._reset)
+        self.detects = not self._settings.switched_detector
+        if self._settings.switched_detector:
+            self.create_service(SetBool, "dock_simulator/detector", self._switch_detector)
         for fault in Fault:
             self.create_service(SetBool, f"dock_simulator/faults/{fault}", partial(self._switch, fault))
         # A simulated clock that stands still must not stop these.
@@ -195,6 +201,13 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self.get_logger().info(f"Fault {response.message}")
         return response
 
+    def _switch_detector(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        self.detects = request.data
+        response.success = True
+        response.message = f"the detector is {'on' if request.data else 'off'}"
+        self.get_logger().info(f"The detector is {'on' if request.data else 'off'}")
+        return response
+
     # Time passes.
 
     def _tick(self) -> None:
@@ -221,7 +234,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._frames.publish(odometry.pose, error, simulation.time, reckoned)
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
         detections, ranges = simulation.detections, simulation.ranges
-        if detections and detections[0][0] != self._marker_told:
+        if self.detects and detections and detections[0][0] != self._marker_told:
             self._marker_told = detections[0][0]
             for _, marker in detections:
                 self._marker.publish(self._frames.detection(marker, self._stamp(self._marker_told)))

@@ -4,6 +4,7 @@ from docking.parameters.approach import ApproachSettings, Gains
 from docking.parameters.charging import ChargingSettings, ChargingSource
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.controller import ControllerName
+from docking.parameters.detector import DetectorSettings
 from docking.parameters.dock import Dock, DockDirection, DockType, Staging
 from docking.parameters.dock_database import DockDatabase, DockEntry
 from docking.parameters.dock_server import DockSettings
@@ -23,6 +24,7 @@ __all__ = [
     "ChargingSource",
     "CollisionSettings",
     "ControllerName",
+    "DetectorSettings",
     "Dock",
     "DockDatabase",
     "DockDirection",

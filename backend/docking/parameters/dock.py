@@ -9,6 +9,7 @@ from docking.core.parameter import choice, group, number, switch
 from docking.core.transform import tilt
 from docking.parameters.approach import threshold_field
 from docking.parameters.charging import ChargingSettings
+from docking.parameters.detector import DetectorSettings
 from robot_io.transform import Transform
 
 
@@ -152,3 +153,4 @@ class DockType(Dock):
     charging: ChargingSettings = group(ChargingSettings)
     external_detection_timeout: float = detection_timeout_field()
     docking_threshold: float = threshold_field()
+    detector: DetectorSettings = group(DetectorSettings)

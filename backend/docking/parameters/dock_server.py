@@ -7,6 +7,7 @@ from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.controller import ControllerName, check_controller
+from docking.parameters.detector import DetectorSettings
 from docking.parameters.dock import Dock, DockType, detection_timeout_field
 from docking.parameters.dock_database import DockDatabase
 from docking.parameters.limits import BACKWARDS
@@ -45,6 +46,7 @@ class DockSettings(ServerSettings):
         0.6, 0.05, 4.0, "rad/s", "Angular velocity while the robot searches for the dock. Not below v_angular_min."
     )
     external_detection_timeout: float = detection_timeout_field()
+    detector: DetectorSettings = group(DetectorSettings)
     dock: Dock = group(Dock)
     database: DockDatabase = group(DockDatabase)
     navigation: NavigationSettings = group(NavigationSettings)
@@ -81,6 +83,11 @@ class DockSettings(ServerSettings):
         """As the parameters of the dock say."""
         return self.dock.tilt
 
+    @property
+    def switched(self) -> DetectorSettings:
+        """As the parameters say."""
+        return self.detector
+
     def at_dock(self, name: str) -> Self:
         """The settings for a goal; see `ServerSettings`."""
         kind = self.database.type_of(name)
@@ -99,6 +106,7 @@ class DockSettings(ServerSettings):
             dock=dock,
             charging=dock.charging,
             external_detection_timeout=dock.external_detection_timeout,
+            detector=dock.detector,
             approach=replace(self.approach, docking_threshold=dock.docking_threshold),
         )
 

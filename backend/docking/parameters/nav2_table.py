@@ -156,9 +156,9 @@ NAV2: tuple[Nav2Parameter, ...] = (
     _ignored("<type>.stall_joint_names", None, STALL),
     _ignored("<type>.stall_velocity_threshold", 1.0, STALL),
     _ignored("<type>.stall_effort_threshold", 1.0, STALL),
-    _ignored("<type>.detector_service_name", "", "No service is called: start what detects the dock yourself.", ""),
-    _ignored("<type>.detector_service_timeout", 5.0, "No service is called to start what detects the dock."),
-    _ignored("<type>.subscribe_toggle", False, "detected_dock_pose is subscribed to while a goal runs."),
+    *_same("", "<type>.detector_service_name", text="`std_srvs/srv/SetBool` is called, too"),
+    *_same(5.0, "<type>.detector_service_timeout"),
+    _ignored("<type>.subscribe_toggle", False, "detected_dock_pose is subscribed to while a goal runs.", True, False),
     # Of a dock.
     *_same(None, "<dock>.type"),
     *_same("map", "<dock>.frame"),

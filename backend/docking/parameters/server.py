@@ -9,6 +9,7 @@ from typing import Self
 from docking.core.parameter import Meanings, NodeSettings, Value, choice, group, number, string, switch
 from docking.parameters.charging import ChargingSettings
 from docking.parameters.collision import CollisionSettings, Outline
+from docking.parameters.detector import DetectorSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.nav2 import read_nav2
 from docking.parameters.navigation import StagingGoal
@@ -112,6 +113,11 @@ class ServerSettings(NodeSettings):
     def dock_types(self) -> tuple[str, ...]:
         """The types of docks that have parameters of their own."""
         return ()
+
+    @property
+    def switched(self) -> DetectorSettings:
+        """How the detector of the marker is switched on and off."""
+        return DetectorSettings()
 
     @property
     def marker_tilt(self) -> Transform:

@@ -23,6 +23,7 @@ from docking.parameters import read_topics
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import battery_message
 from docking.ros.clock import ClockWatch, control_time
+from docking.ros.detector import DetectorClient
 from docking.ros.dock_calibrator import DockCalibrator
 from docking.ros.footprint import FootprintPublisher
 from docking.ros.goal_reporter import GoalReporter
@@ -83,6 +84,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._transforms = Transforms(self)
         self._sensors = Sensors(self, self._transforms, self._repeat_report)
         self._navigation = NavigationClient(self)
+        self._detector = DetectorClient(self)
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
         self._calibrator = DockCalibrator(
@@ -214,6 +216,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._sensors.place = settings.place if Sensor.ODOMETRY in needs else None
         self._sensors.listen_to(needs)
         self._control_timer.timer_period_ns = round(self._settings.control_period * 1e9)
+        detector = self._detector.detector(settings.switched) if Sensor.MARKER in needs else None
+        if detector is not None:
+            goal.detect_with(detector)
         if settings.staging_goal is not None:
             self._transforms.use(self._navigation, on=True)
             goal.navigate_first(self._navigation.navigation(settings.staging_goal, self._sensors))
@@ -304,6 +309,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running.ended.set_result(outcome)
         self._reporter.end(outcome, running.goal_id)
         self._transforms.use(self._navigation, on=False)
+        self._detector.end()
         self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
         self._show()
 

@@ -65,4 +65,9 @@ class SimulatorSettings(NodeSettings):
         "Whether the room's `map` is published, and where odometry lies in it, as a localization does; switch it off "
         "for a localization of your own. Applies at the next start.",
     )
+    switched_detector: bool = switch(
+        False,
+        "Whether the camera detects the marker only while the service dock_simulator/detector has switched it on; "
+        "applies at the next start.",
+    )
     settings: Settings = group(Settings)
