@@ -36,6 +36,7 @@ from dock_gateway.maps import routes as map_routes
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
+from dock_gateway.recordings import routes as recording_routes
 from dock_gateway.robots import battery_routes, calibration_routes, simulator_routes
 from dock_gateway.rosbridge import routes as rosbridge_routes
 from dock_gateway.settings import Settings
@@ -73,6 +74,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         events,
         export_routes,  # before goals: `export` and `tags` are not goal ids
         note_routes,
+        recording_routes,
         goal_routes,
         statistics_routes,
         action_routes,
@@ -172,13 +174,23 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
                 "Content-Type",
                 "Idempotency-Key",
                 "If-None-Match",
+                "If-Range",
                 "Last-Event-ID",
                 "Prefer",
+                "Range",
                 "Traceparent",
                 "Tracestate",
                 "X-Request-ID",
             ),
-            expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After", "X-Request-ID"),
+            expose_headers=(
+                "Accept-Ranges",
+                "Content-Disposition",
+                "Content-Range",
+                "ETag",
+                "Location",
+                "Retry-After",
+                "X-Request-ID",
+            ),
             allow_private_network=True,  # a robot's address is usually in one
         )
     app.add_middleware(AuditTrail)

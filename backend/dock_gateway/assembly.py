@@ -54,6 +54,9 @@ from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.maps.service import Maps
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.traces import open_traces
+from dock_gateway.recordings.recorder import Recorder
+from dock_gateway.recordings.recordings import Recordings
+from dock_gateway.recordings.store import RecordingStore
 from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.last_goals import LastGoals
@@ -112,7 +115,6 @@ async def _open(
     actions = _closed_by(
         stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, limits=limits)
     )
-    actions.on_end.append(last_goals.take)
     history.on_loss = lambda: store_unfinished(actions, history)
     _follow_docking(actions, last_goals, hub)
     robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
@@ -128,8 +130,8 @@ async def _open(
     if settings.store_poses:
         recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
         _listen_to_poses(settings, robots, PosePort, recorder, stack)
-    graph = _closed_by(stack, GraphCache(bridge))
-    relays = _closed_by(stack, Relays(bridge, graph))
+    graph, relays = _read_topics(bridge, stack)
+    recordings = _record(settings, relays, robots, actions, audit=audit, stack=stack)
     publishing = _closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
     await bridge.call(
         lambda: DiagnosticsPort(
@@ -155,6 +157,7 @@ async def _open(
             SharedEntries(history.documents("acknowledgement", Acknowledgement)),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
+            recordings=lambda: recordings.trouble,
             given_up=decisions.given_up,
             findings=lambda: graph_watch.findings,
         ),
@@ -195,10 +198,13 @@ async def _open(
     tasks.spawn(
         _watch_graph(
             bridge,
-            actions,
-            robots,
-            Departures(robots, actions, interlock, forget_after=settings.forget_robot_after),
-            graph_watch,
+            actions.update,
+            robots.update,
+            lambda found: robots.velocities.update(found.topics),
+            lambda found: robots.topics.update(found.topics),
+            graph_watch.update,
+            recordings.update,
+            _following(Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)),
         )
     )
     tasks.spawn(take_over_unfinished(actions, history))
@@ -233,6 +239,7 @@ async def _open(
             Relays: relays,
             Maps: _closed_by(stack, Maps(settings, relays, graph, hub, robots.namespaces)),
             Cameras: _closed_by(stack, Cameras(settings, hub, robots, graph, relays)),
+            Recordings: recordings,
             EchoRegistry: _closed_by(stack, EchoRegistry(bridge, graph)),
             ServiceCalls: _closed_by(stack, ServiceCalls(settings, bridge, interlock)),
             Parameters: _closed_by(stack, Parameters(settings, bridge)),
@@ -254,6 +261,34 @@ def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, s
     stopper.on_stop.append(publishing.withdraw)
     interlock.on_latch.append(publishing.withdraw)
     return publishing
+
+
+def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Relays]:
+    """Make what reads the graph, and the messages of any topic."""
+    graph = _closed_by(stack, GraphCache(bridge))
+    return graph, _closed_by(stack, Relays(bridge, graph))
+
+
+def _record(
+    settings: Settings,
+    relays: Relays,
+    robots: RobotRegistry,
+    actions: ActionRegistry,
+    *,
+    audit: AuditLog,
+    stack: AsyncExitStack,
+) -> Recordings:
+    """Record goals, from their first sign until they have ended or are lost."""
+    store = RecordingStore(settings.recordings_folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
+    if settings.record == "none":
+        return Recordings(store, None)
+    recorder = _closed_by(stack, Recorder(settings, relays, robots, store))
+    actions.on_sent.append(recorder.follow)
+    actions.on_change.append(recorder.follow)
+    actions.on_end.append(recorder.end)
+    actions.on_lost.append(recorder.end)
+    audit.on_entry.append(recorder.on_command)
+    return Recordings(store, recorder)
 
 
 def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry) -> GraphWatch:
@@ -284,6 +319,7 @@ def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, hub: Hub) ->
         hub.publish(system_event("docking", actions.servers_of(robot)._asdict(), utc_now(), robot=robot))
 
     actions.docking.on_change.append(changed)
+    actions.on_end.append(last_goals.take)
 
 
 class _Part(Protocol):
@@ -350,18 +386,8 @@ def _listen_to_poses(
     _closed_by(stack, OnDemand(robots.topics.bridge, ears, "poses", port))
 
 
-async def _watch_graph(
-    bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures, graph_watch: GraphWatch
-) -> None:
-    """Scan the graph periodically and update actions and robots."""
-    steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
-        actions.update,
-        robots.update,
-        lambda found: robots.velocities.update(found.topics),
-        lambda found: robots.topics.update(found.topics),
-        graph_watch.update,
-        lambda found: departures.look(found, time.monotonic()),
-    )
+async def _watch_graph(bridge: Bridge, *steps: Callable[[Scan], Awaitable[bool | None]]) -> None:
+    """Scan the graph periodically, and tell those who follow it."""
     while True:
         more = False
         with _logged():
@@ -370,6 +396,10 @@ async def _watch_graph(
                 with _logged():
                     more = bool(await step(found)) or more
         await asyncio.sleep(PAUSE if more else SCAN_INTERVAL)
+
+
+def _following(departures: Departures) -> Callable[[Scan], Awaitable[None]]:
+    return lambda found: departures.look(found, time.monotonic())
 
 
 @contextmanager

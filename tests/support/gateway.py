@@ -135,7 +135,7 @@ class RunningGateway:
 
 @contextmanager
 def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[RunningGateway]:
-    """`dock-gateway serve` on a free port, with a database of its own.
+    """`dock-gateway serve` on a free port, with a database of its own; it records nothing unless it is told to.
 
     Args:
         domain: The ROS domain.
@@ -144,7 +144,8 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
     """
     with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
         stored = {"database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
-        settings = {"port": "0", **PATIENT, **stored, "stop_path": f"{folder}/stops.json", **settings}
+        stored |= {"stop_path": f"{folder}/stops.json", "recordings_path": f"{folder}/recordings"}
+        settings = {"port": "0", "record": "none", **PATIENT, **stored, **settings}
         variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in settings.items()}
         environment = ros_environment(domain, **variables)
         start = Process if prefix else ForkedProcess

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import uuid
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
@@ -67,6 +67,7 @@ class AuditLog:
     def __init__(self, store: AuditStore, spool: AuditSpool | None = None, limits: AuditLimits = LIMITS) -> None:
         self._limits = limits
         self.lost = 0  # entries since the start
+        self.on_entry: list[Callable[[AuditEntry], None]] = []  # called with each entry; it must not raise
         self._store = store
         self._spool = spool
         self._spooled: set[str] = set()  # which of those that wait are in the spool
@@ -133,6 +134,8 @@ class AuditLog:
             return
         self._waiting[entry.entry_id] = entry
         self._wake.set()
+        for heard in self.on_entry:
+            heard(entry)
 
     def _most(self, user: str | None) -> int:
         return self._limits.unknown if user == UNKNOWN else self._limits.of_user

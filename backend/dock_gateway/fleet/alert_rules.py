@@ -44,6 +44,7 @@ class AlertKind(StrEnum):
     BATTERY_IMPLAUSIBLE = "battery_implausible"
     BATTERY_STALE = "battery_stale"
     HISTORY_LOST = "history_lost"
+    RECORDINGS_FAILED = "recordings_failed"
     DUPLICATE_ACTION_SERVER = "duplicate_action_server"
     AUTOMATIC_DOCKING_FAILED = "automatic_docking_failed"
     SPLIT_ROBOT = "split_robot"
@@ -65,6 +66,7 @@ WARNINGS = frozenset(
         AlertKind.BATTERY_IMPLAUSIBLE,
         AlertKind.BATTERY_STALE,
         AlertKind.HISTORY_LOST,
+        AlertKind.RECORDINGS_FAILED,
         AlertKind.ROBOT_SEEN_TWICE,
         AlertKind.SPLIT_ROBOT,
         AlertKind.WRONG_TOPIC_TYPE,
@@ -142,6 +144,7 @@ class AlertRules:
         seconds: float,
         *,
         incident: Incident | None = None,
+        recordings: Incident | None = None,
         duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
         given_up: Mapping[str, Decision] = NOT_GIVEN_UP,
         findings: Iterable[Finding] = (),
@@ -155,6 +158,7 @@ class AlertRules:
             now: The current time.
             seconds: The current time on a monotonic clock, in seconds.
             incident: The incident of the history, if there is one.
+            recordings: Why recordings cannot be written, if so.
             duplicates: By robot, the actions that have more than one server.
             given_up: By robot, the decisions of automatic docking to give up.
             findings: Faults on the ROS graph, once for each kind and robot.
@@ -164,6 +168,9 @@ class AlertRules:
         alerts += [*self._found(list(findings), now), *self._split(list(split), now, seconds)]
         if incident is not None:
             alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
+        if recordings is not None:
+            kind = AlertKind.RECORDINGS_FAILED
+            alerts.append(Alert(kind, None, recordings.since, "No recordings", recordings.detail))
         for state in states:
             alerts += self._discharging(state, now, seconds)
             alerts += self._low(state, now, seconds)

@@ -35,6 +35,7 @@ class AlertBoard:
         acknowledgements: The acknowledgements.
         low_battery: Charge (0 to 1) below which a battery is low.
         incident: Returns the incident of the history, or None.
+        recordings: Returns why recordings cannot be written, or None.
         given_up: Returns, by robot, the decisions of automatic docking to give up.
         findings: Returns the faults on the ROS graph, once for each kind and robot.
         sync_interval: Seconds between two reads of what other gateways have acknowledged.
@@ -48,6 +49,7 @@ class AlertBoard:
         *,
         low_battery: float,
         incident: Callable[[], Incident | None] = lambda: None,
+        recordings: Callable[[], Incident | None] = lambda: None,
         given_up: Callable[[], Mapping[str, Decision]] = dict,
         findings: Callable[[], Iterable[Finding]] = tuple,
         sync_interval: float = SYNC_INTERVAL,
@@ -57,6 +59,7 @@ class AlertBoard:
         self._acknowledgements = acknowledgements
         self._rules = AlertRules(low_battery)
         self._incident = incident
+        self._recordings = recordings
         self._given_up = given_up
         self._findings = findings
         self._sync_interval = sync_interval
@@ -87,6 +90,7 @@ class AlertBoard:
             utc_now(),
             time.monotonic(),
             incident=self._incident(),
+            recordings=self._recordings(),
             duplicates=duplicates,
             given_up=self._given_up(),
             findings=self._findings(),

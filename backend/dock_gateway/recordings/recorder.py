@@ -1,0 +1,325 @@
+"""The black box: hears every robot all the time, and writes a file of each goal while it runs."""
+
+import asyncio
+import logging
+import time
+from contextlib import suppress
+from typing import Any
+
+from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.filters import is_under
+from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.graph.relay import Received
+from dock_gateway.graph.relays import Relays
+from dock_gateway.recordings.mcap_file import EVENT, EVENTS
+from dock_gateway.recordings.ring import Ring, Sample
+from dock_gateway.recordings.store import OpenRecording, RecordingStore
+from dock_gateway.recordings.topics import CAMERA, Wanted, recorded_topics
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.ros.graph import Scan
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+# Seconds before a goal and after its end that its recording has.
+BEFORE, AFTER = 5.0, 2.0
+# Seconds between two pieces of a file, and between two looks at what is to be deleted.
+FLUSH, CLEAN = 0.5, 60.0
+# Seconds that the end of the gateway waits for the disk.
+CLOSE_TIMEOUT = 2.0
+# Nanoseconds between two pictures of a camera.
+PICTURE_NS = 950_000_000
+# Bytes of a recording after which only its end is written.
+MAX_RECORDING = 200_000_000
+
+
+class RobotEar:
+    """What is heard of one robot: an `Outlet` of all its topics."""
+
+    def __init__(self, ring: Ring) -> None:
+        self.ring = ring
+        self.topics: dict[str, Wanted] = {}
+        self.refused: dict[str, Wanted] = {}
+        self._pictures: dict[str, int] = {}
+
+    async def offer(self, message: Received) -> None:
+        """Keep a message; of a camera one in a second."""
+        kind = message.kind.name
+        if kind == CAMERA:
+            if 0 <= message.received_ns - self._pictures.get(message.topic, 0) < PICTURE_NS:
+                return
+            self._pictures[message.topic] = message.received_ns
+        wanted = self.topics.get(message.topic)
+        sample = Sample(message.topic, kind, message.data, message.source_ns, message.received_ns)
+        self.ring.put(sample, lasting=wanted is not None and wanted.lasting)
+
+    def note(self, document: dict[str, Any]) -> None:
+        """Keep an event of the gateway."""
+        now = time.time_ns()
+        self.ring.put(Sample(EVENTS, EVENT, encode(document), now, now))
+
+
+class _Running:
+    """A goal that is being recorded."""
+
+    def __init__(self, goal: Goal, robot: str, ear: RobotEar) -> None:
+        self.goal = goal
+        self.robot = robot
+        self.ear = ear
+        self.ends_at: float | None = None
+        self.seen = ear.ring.mark(BEFORE)
+        self.began_ns = time.time_ns() - int(BEFORE * 1e9)
+        self.state: object = None
+        self.opened: OpenRecording | None = None
+        self.elsewhere = False  # another gateway on this machine records it in the same folder
+
+    @property
+    def size(self) -> int:
+        """Bytes written so far."""
+        return 0 if self.opened is None else self.opened.size
+
+    def about(self) -> dict[str, str]:
+        """Return what the recording is about."""
+        goal = self.goal
+        error = "" if goal.error is None else f"{goal.error.code}: {goal.error.detail}"
+        return {
+            "goal_id": goal.goal_id,
+            "robot": self.robot,
+            "action_name": goal.action_name,
+            "action_type": goal.action_type,
+            "status": goal.status.value,
+            "error": error,
+        }
+
+
+class Recorder:
+    """Records the goals of all robots.
+
+    Args:
+        settings: What is recorded, and how much of it is kept.
+        relays: The topics.
+        robots: The robots.
+        store: Keeps the files.
+    """
+
+    def __init__(self, settings: Settings, relays: Relays, robots: RobotRegistry, store: RecordingStore) -> None:
+        self._settings = settings
+        self._relays = relays
+        self._robots = robots
+        self._store = store
+        self._ears: dict[str, RobotEar] = {}
+        self._running: dict[str, _Running] = {}
+        self._scan = Scan()
+        self._changed = asyncio.Event()
+        self._closing = asyncio.Event()
+        self._tasks = Tasks("recording")
+        self._tasks.spawn(self._follow_topics())
+        self._writing = self._tasks.spawn(self._write_on())
+
+    # ------------------------------------------------------------------ topics
+
+    def update(self, scan: Scan) -> None:
+        """Follow what is on the ROS graph."""
+        self._scan = scan
+        self._changed.set()
+
+    async def _follow_topics(self) -> None:
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            try:
+                await self._choose_topics()
+            except Exception:
+                log.exception("while choosing the topics to record")
+
+    async def _choose_topics(self) -> None:
+        """Subscribe to what is to be heard of the robots, and leave the rest."""
+        robots = self._robots.namespaces()
+        recorded = {running.robot for running in self._running.values()}
+        wanted = dict.fromkeys((*recorded.intersection(robots), *robots[: self._settings.record_robots]))
+        for robot in self._ears.keys() - wanted.keys() - recorded:
+            await self._listen(self._ears.pop(robot), {})
+        for robot in wanted:
+            await self._listen(self._ear(robot), self._topics(robot))
+
+    def _topics(self, robot: str) -> dict[str, Wanted]:
+        return recorded_topics(robot, self._settings, self._scan.topics, self._scan.actions, self._owner)
+
+    def _owner(self, name: str) -> str | None:
+        robot = self._robots.owner(name)
+        return None if robot is None else robot.namespace
+
+    def _ear(self, robot: str) -> RobotEar:
+        if robot not in self._ears:
+            settings = self._settings
+            self._ears[robot] = RobotEar(Ring(settings.record_seconds, settings.record_ring_mb * 1_000_000))
+        return self._ears[robot]
+
+    async def _listen(self, ear: RobotEar, wanted: dict[str, Wanted]) -> None:
+        for topic in [topic for topic, kind in ear.topics.items() if wanted.get(topic) != kind]:
+            del ear.topics[topic]
+            await self._relays.leave(topic, ear)
+        ear.refused = {topic: kind for topic, kind in ear.refused.items() if wanted.get(topic) == kind}
+        for topic, kind in wanted.items():
+            if topic in ear.topics or topic in ear.refused:
+                continue
+            ear.topics[topic] = kind
+            try:
+                await self._relays.join(topic, kind.kind or None, ear)
+            except GatewayError as error:
+                del ear.topics[topic]
+                ear.refused[topic] = kind
+                log.info("%s is not recorded: %s", topic, error.detail)
+            except BaseException:
+                del ear.topics[topic]
+                raise
+
+    # ------------------------------------------------------------------ goals
+
+    def follow(self, goal: Goal) -> None:
+        """Record a goal that has been sent or has changed."""
+        if goal.status.terminal:
+            self.end(goal)
+            return
+        if (running := self._running.get(goal.goal_id)) is None:
+            robot = self._robots.owner(goal.action_name)
+            if robot is None:
+                self._store.note(goal.goal_id, "Its action belongs to no robot.")
+                return
+            running = _Running(goal, robot.namespace, self._ear(robot.namespace))
+            self._running[goal.goal_id] = running
+            self._changed.set()
+        running.ends_at = None
+        self._note_state(running)
+
+    def end(self, goal: Goal) -> None:
+        """End the recording of a goal soon: it has ended, or is lost."""
+        running = self._running.get(goal.goal_id)
+        if running is not None and running.ends_at is None:
+            running.ends_at = time.monotonic() + AFTER
+            self._note_state(running)
+
+    @staticmethod
+    def _note_state(running: _Running) -> None:
+        goal = running.goal
+        state = (goal.status, goal.stage, goal.retries, goal.stalled)
+        if state != running.state:
+            running.state = state
+            document = {"type": "status", "time": goal.updated_at, **goal.state()}
+            document |= {"goal": None} if goal.goal is None else {"goal": goal.summary()["goal"]}
+            running.ear.note(document)
+
+    def on_command(self, entry: AuditEntry) -> None:
+        """Keep what someone has commanded: who, what, for which robot."""
+        robots = (entry.robot or "").split(",")
+        owner = None if entry.action_name is None else self._owner(entry.action_name)
+        for name, ear in self._ears.items():
+            if name == owner or any(robot and is_under(name, robot) for robot in robots):
+                ear.note(
+                    {
+                        "type": "command",
+                        "time": entry.at,
+                        "what": entry.what,
+                        "by": entry.principal,
+                        "role": entry.role,
+                        "robot": entry.robot,
+                        "goal_id": entry.goal_id,
+                        "subject": entry.subject,
+                        "status": entry.status,
+                        "code": entry.code,
+                    }
+                )
+
+    def is_running(self, goal_id: str) -> bool:
+        """Return whether a goal is being recorded."""
+        return goal_id in self._running
+
+    # ------------------------------------------------------------------ files
+
+    async def _write_on(self) -> None:
+        await asyncio.to_thread(self._store.recover)
+        clean_at = 0.0
+        while not self._closing.is_set():
+            for running in list(self._running.values()):
+                await self._proceed(running)
+            if time.monotonic() >= clean_at:
+                clean_at = time.monotonic() + CLEAN
+                await asyncio.to_thread(self._store.clean)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(FLUSH):
+                    await self._closing.wait()
+        for running in list(self._running.values()):
+            await self._proceed(running, closing=True)
+
+    async def _proceed(self, running: _Running, *, closing: bool = False) -> None:
+        """Write what was heard since the last time, and finish the file if its time has come."""
+        ring = running.ear.ring
+        done = running.ends_at is not None and (closing or time.monotonic() >= running.ends_at)
+        if running.elsewhere or (running.size > MAX_RECORDING and not done):
+            samples = []
+        else:
+            samples = ring.after(running.seen)
+            running.seen = ring.heard
+        if running.opened is None:
+            samples = [each._replace(received_ns=running.began_ns) for each in ring.lasting()] + samples
+        try:
+            if not running.elsewhere:
+                await asyncio.to_thread(self._write, running, samples, done=done)
+        except BlockingIOError:
+            running.elsewhere = True
+        except OSError as error:
+            self._store.complain(error)
+            self._give_up(running, "The disk did not take it: it is full, or cannot be written.")
+            return
+        except Exception:
+            log.exception("while recording goal %s", running.goal.goal_id)
+            self._give_up(running, "It could not be written; the gateway's log says why.")
+            return
+        if done:
+            self._running.pop(running.goal.goal_id, None)
+
+    def _write(self, running: _Running, samples: list[Sample], *, done: bool) -> None:
+        goal_id, goal = running.goal.goal_id, running.goal
+        if running.opened is None:
+            running.opened = self._store.open(goal_id)
+        else:
+            self._store.require_room()
+        opened = running.opened
+        opened.file.write(samples)
+        if not done:
+            return
+        succeeded = goal.status is GoalStatus.SUCCEEDED
+        if goal.unsent:
+            self._store.forget(opened, goal_id, "The goal was not sent to the action server.")
+        elif succeeded and self._settings.record != "all":
+            self._store.forget(opened, goal_id, "The goal succeeded, and only others are kept (`--record all`).")
+        else:
+            self._store.finish(opened, goal_id, running.about(), failed=not succeeded)
+
+    def _give_up(self, running: _Running, reason: str) -> None:
+        """Record a goal no more; its next event begins a new file, if there is room again."""
+        self._store.note(running.goal.goal_id, reason)
+        if running.opened is not None:
+            running.opened.drop()
+        self._running.pop(running.goal.goal_id, None)
+
+    @property
+    def robots(self) -> int:
+        """Number of robots that are listened to while no goal runs."""
+        return self._settings.record_robots
+
+    def heard_of(self, robot: str) -> list[Sample] | None:
+        """Return what has been heard of a robot in the last seconds; None if it is not listened to."""
+        if (ear := self._ears.get(robot)) is None:
+            return None
+        samples = ear.ring.after(0)
+        began = samples[0].received_ns if samples else time.time_ns()
+        return [*(each._replace(received_ns=began) for each in ear.ring.lasting()), *samples]
+
+    async def close(self) -> None:
+        """Write what there is of running goals, with which the next process goes on."""
+        self._closing.set()
+        await asyncio.wait([self._writing], timeout=CLOSE_TIMEOUT)
+        await self._tasks.close()

@@ -1,0 +1,183 @@
+"""`/goals/…/recording.mcap` and `/robots/recording.mcap`: what was heard of a robot, as files of MCAP."""
+
+import contextlib
+import os
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.datastructures import Headers
+from starlette.responses import FileResponse, Response
+from starlette.types import Message, Receive, Send
+from starlette.types import Scope as AsgiScope
+
+from dock_gateway.core.errors import FieldError, InvalidField, NotFound
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Role
+from dock_gateway.goals.goals import Goals
+from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.problems import problems
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, json_response, known_query
+from dock_gateway.http.slow_clients import send_in_time
+from dock_gateway.recordings.recordings import Recordings
+from dock_gateway.recordings.schema import GoalRecording
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+
+router = APIRouter()
+
+MCAP = "application/x-mcap"
+FILE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "A file", "content": {MCAP: {"schema": {"type": "string", "format": "binary"}}}}
+}
+RANGES: dict[int | str, dict[str, Any]] = {
+    **FILE,
+    206: {**FILE[200], "description": "A part of the file, as `Range` asks for"},
+    304: {"description": "The client has it, as `If-None-Match` says"},
+}
+PICTURE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "A picture",
+        "content": {kind: {"schema": {"type": "string", "format": "binary"}} for kind in ("image/jpeg", "image/png")},
+    }
+}
+
+
+class RecordingResponse(FileResponse):
+    """A file, whole or in ranges, that cuts off a client that does not read. It counts as one of the user's exports."""
+
+    def __init__(self, request: Request, timeout: float, quotas: Quotas, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._held = quotas.hold(principal_of(request), "exports")
+        self._timeout = timeout
+
+    async def __call__(self, scope: AsgiScope, receive: Receive, send: Send) -> None:
+        """Send the file.
+
+        Raises:
+            InvalidField: The file has no such range.
+        """
+        asked = Headers(scope=scope).get("range", "")
+
+        async def send_on(message: Message) -> None:
+            if message["type"] == "http.response.start" and message["status"] >= HTTPStatus.BAD_REQUEST:
+                raise InvalidField([FieldError("header.range", "a range of the file", f"got {asked[:60]!r}")])
+            await send_in_time(send, message, self._timeout)
+
+        with self._held, contextlib.suppress(TimeoutError):
+            await super().__call__(scope, receive, send_on)
+
+
+@router.get(
+    "/goals/{goal_id}/recording",
+    tags=["Goals"],
+    response_model=GoalRecording,
+    responses=problems(404, 422, 503),
+    dependencies=[NO_QUERY],
+)
+@operation(Role.VIEWER, Scope.GOAL)
+async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings]) -> Response:
+    """Return whether a goal has a recording at this gateway, or why it has none."""
+    try:
+        found = await recordings.find(await goals.get(goal_id))
+    except NotFound as error:
+        if error.code != "recording_not_found":
+            raise
+        return json_response({"size": None, "why_none": error.detail})
+    return json_response({"size": found.size, "why_none": None})
+
+
+@router.get(
+    "/goals/{goal_id}/recording.mcap",
+    tags=["Goals"],
+    response_class=Response,
+    responses={**RANGES, **problems(404, 422, 429, 503)},
+    dependencies=[NO_QUERY],
+)
+@operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS)
+async def download_recording(
+    request: Request,
+    goal_id: GoalId,
+    goals: Part[Goals],
+    *,
+    recordings: Part[Recordings],
+    settings: Part[Settings],
+    quotas: Part[Quotas],
+    grant: TheGrant,
+) -> Response:
+    """Download what was heard of the robot from 5 s before a goal to 2 s after its end, as MCAP.
+
+    Without a recording, `recording_not_found` says why. With an access to some robots, actions or topics, the file has
+    only their topics. Ranges are supported where it has all.
+    """
+    found = await recordings.find(await goals.get(goal_id))
+    name = f"goal-{goal_id}.mcap"
+    if grant.limited or grant.topics:
+        with quotas.hold(principal_of(request), "exports"):
+            return _attached(await recordings.narrowed(found, grant), name)
+    tag = f'"{found.goal_id}-{found.size}-{int(found.at * 1e6)}"'
+    headers = {"Cache-Control": "no-cache", "ETag": tag}
+    if tag in [each.strip() for each in request.headers.get("if-none-match", "").split(",")]:
+        return Response(status_code=304, headers=headers)
+    try:
+        stat = os.stat(found.path)  # noqa: PTH116
+    except FileNotFoundError:
+        raise NotFound("It has just been deleted.", code="recording_not_found") from None
+    return RecordingResponse(
+        request,
+        settings.subscriber_timeout,
+        quotas,
+        found.path,
+        headers=headers,
+        media_type=MCAP,
+        filename=name,
+        stat_result=stat,
+    )
+
+
+@router.get(
+    "/goals/{goal_id}/thumbnail",
+    tags=["Goals"],
+    response_class=Response,
+    responses={**PICTURE, **problems(404, 422, 503)},
+    dependencies=[NO_QUERY],
+)
+@operation(Role.VIEWER, Scope.GOAL)
+async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant) -> Response:
+    """Return the last picture of the robot's camera in the recording of a goal."""
+    found = await recordings.find(await goals.get(goal_id))
+    data, media_type = await recordings.picture(found, grant)
+    return Response(data, media_type=media_type, headers={"Cache-Control": "private, max-age=3600"})
+
+
+@router.get(
+    "/robots/recording.mcap",
+    tags=["Robots"],
+    response_class=Response,
+    responses={**FILE, **problems(404, 422, 429)},
+    dependencies=[Depends(known_query("robot"))],
+)
+@operation(Role.VIEWER, Scope.ROBOT, Audit.ALWAYS)
+async def download_recent(
+    request: Request,
+    robots: Part[RobotRegistry],
+    recordings: Part[Recordings],
+    *,
+    quotas: Part[Quotas],
+    grant: TheGrant,
+    robot: RobotQuery = None,
+) -> Response:
+    """Download what has been heard of a robot in the last seconds, as MCAP: someone has just seen something odd."""
+    namespace = robots.get(robot).namespace
+    with quotas.hold(principal_of(request), "exports"):
+        data = await recordings.of_robot(namespace, grant)
+    name = namespace.strip("/").replace("/", "-") or "robot"
+    return _attached(data, f"{name}-{utc_now():%Y%m%dT%H%M%SZ}.mcap")
+
+
+def _attached(data: bytes, name: str) -> Response:
+    headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
+    return Response(data, media_type=MCAP, headers=headers)

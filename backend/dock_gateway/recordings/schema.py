@@ -1,0 +1,10 @@
+"""The JSON shapes of recordings."""
+
+from dock_gateway.http.schema import Schema
+
+
+class GoalRecording(Schema):
+    """Whether a goal has a recording at this gateway: its size in bytes, or `why_none`."""
+
+    size: int | None
+    why_none: str | None

@@ -1,0 +1,100 @@
+"""The black box: a goal that fails leaves what was heard of its robot, also if the gateway is killed meanwhile."""
+
+import signal
+from pathlib import Path
+from typing import Any
+from uuid import UUID
+
+import orjson
+import pytest
+from mcap.reader import make_reader
+from rclpy.serialization import deserialize_message
+
+from dock_gateway.ros.messages.interfaces import load_message
+from tests.support.gateway import ACTION, RunningGateway, running_gateway
+from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.waiting import wait_until
+
+pytestmark = pytest.mark.ros
+
+FEEDBACK, EVENTS = f"{ACTION}/_action/feedback", "/dock_gateway/events"
+ABORTED, SUCCEEDED = 8, 4
+
+
+def send(gateway: RunningGateway, status: int) -> str:
+    sent = gateway.http.post("/dock", json={"desired_battery_state": {"power_supply_status": status}})
+    goal_id: str = sent.raise_for_status().json()["goal_id"]
+    return goal_id
+
+
+def wait_for_recording(gateway: RunningGateway, goal_id: str) -> int:
+    size: int = wait_until(
+        lambda: gateway.http.get(f"/goals/{goal_id}/recording").raise_for_status().json()["size"], "the recording"
+    )
+    return size
+
+
+def download(gateway: RunningGateway, path: str, folder: Path) -> dict[str, list[Any]]:
+    """The messages of a recording, by topic."""
+    file = folder / "recording.mcap"
+    file.write_bytes(gateway.http.get(path).raise_for_status().content)
+    messages: dict[str, list[Any]] = {}
+    with file.open("rb") as stream:
+        for _, channel, message in make_reader(stream).iter_messages():
+            if channel.message_encoding == "json":
+                decoded = orjson.loads(message.data)
+            else:
+                decoded = deserialize_message(message.data, load_message(channel.metadata["ros_type"]))
+            messages.setdefault(channel.topic, []).append(decoded)
+    return messages
+
+
+def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: int, tmp_path: Path) -> None:
+    recordings = tmp_path / "recordings"
+    kept = {"database_url": f"sqlite:///{tmp_path}/history.db", "recordings_path": str(recordings), "record": "failed"}
+    command = ("-m", "tests.support.plain_action_server", "--feedbacks", "20")
+    with ForkedProcess(*command, env=ros_environment(domain)) as server:
+        server.wait_for("serving")
+        with running_gateway(domain, **kept) as gateway:
+            gateway.wait_until_ready()
+            succeeded = send(gateway, SUCCEEDED)
+            gateway.wait_for_goal(succeeded, "succeeded")
+            goal_id = send(gateway, ABORTED)
+            size = wait_for_recording(gateway, goal_id)
+            check_download(gateway, goal_id, size)
+            messages = download(gateway, f"/goals/{goal_id}/recording.mcap", tmp_path)
+            of_goal = [each for each in messages[FEEDBACK] if each.goal_id.uuid.tobytes() == UUID(goal_id).bytes]
+            heard = [each.feedback.current_battery_state.percentage for each in of_goal]
+            assert heard == pytest.approx([count / 100 for count in range(20)])
+            events = {(each["type"], each.get("what") or each["status"]) for each in messages[EVENTS]}
+            assert {("command", "dock"), ("status", "aborted")} <= events
+            problem = gateway.http.get(f"/goals/{succeeded}/recording.mcap").json()
+            assert (problem["code"], "succeeded" in problem["detail"]) == ("recording_not_found", True)
+            assert FEEDBACK in download(gateway, "/robots/recording.mcap", tmp_path)
+            assert gateway.http.get(f"/goals/{goal_id}/thumbnail").json()["code"] == "picture_not_found"
+
+            interrupted = send(gateway, ABORTED)
+            wait_until(lambda: size_of(recordings / f"{interrupted}.part") > 1000, "the beginning of the recording")
+            gateway.process.send_signal(signal.SIGKILL)
+            gateway.process.wait()
+        with running_gateway(domain, **kept) as again:
+            again.wait_for_goal(interrupted, "aborted")
+            wait_for_recording(again, interrupted)
+            messages = download(again, f"/goals/{interrupted}/recording.mcap", tmp_path)
+            assert UUID(interrupted).bytes in {each.goal_id.uuid.tobytes() for each in messages[FEEDBACK]}
+            assert again.http.get(f"/goals/{goal_id}/recording").json() == {"size": size, "why_none": None}
+
+
+def check_download(gateway: RunningGateway, goal_id: str, size: int) -> None:
+    """It can be downloaded in ranges, and is not sent again to who has it."""
+    path = f"/goals/{goal_id}/recording.mcap"
+    head = gateway.http.get(path, headers={"Range": "bytes=0-7"})
+    assert (head.status_code, head.content) == (206, b"\x89MCAP0\r\n")
+    assert head.headers["content-range"] == f"bytes 0-7/{size}"
+    for odd in ("bytes=900000000-", "bytes=9-1", "lines=1-2"):
+        assert gateway.http.get(path, headers={"Range": odd}).status_code == 422
+    assert gateway.http.get(path, headers={"If-None-Match": head.headers["etag"]}).status_code == 304
+
+
+def size_of(path: Path) -> int:
+    return path.stat().st_size if path.exists() else 0
