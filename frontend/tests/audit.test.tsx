@@ -90,7 +90,7 @@ describe("the page", () => {
   it("asks for what it is narrowed to, when Enter is pressed", async () => {
     const asked = answering([]);
     const { user } = renderPage(fakeGateway(), {}, "/ui/audit?what=dock");
-    await screen.findByText("No record fits.");
+    await screen.findByText("No record fits");
     await user.type(screen.getByLabelText("Who"), "Ada");
     expect(asked).toEqual(["?what=dock&limit=50"]);
     await user.keyboard("{Enter}");

@@ -172,6 +172,16 @@ describe("the page", () => {
     ]);
   });
 
+  it("starts from an example", async () => {
+    const stored = answering([]);
+    const { user } = open();
+    await user.click(await screen.findByRole("button", { name: "Example: Dock every night at 22:00" }));
+    const dialog = await screen.findByRole("dialog", { name: "New rule" });
+    await user.click(within(dialog).getByRole("button", { name: "Save" }));
+    await screen.findByRole("radiogroup", { name: "Mode of Night" });
+    expect(stored[0]?.body).toMatchObject({ mode: "off", schedule: { times: ["22:00"] } });
+  });
+
   it("keeps a rule off that somebody has switched off while it was edited", async () => {
     const stored = answering([{ ...LOW, mode: "on" }]);
     const { store, user } = open();

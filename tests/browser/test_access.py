@@ -346,7 +346,7 @@ def test_an_admin_reads_the_audit_log(page: Page, gateway: RunningGateway, secre
     who = page.get_by_label("Who", exact=True)
     who.fill("nobody")
     who.press("Enter")
-    expect(page.get_by_text("No record fits.")).to_be_visible()
+    expect(page.get_by_text("No record fits")).to_be_visible()
     assert "principal=nobody" in page.url
     page.get_by_label("Goal id").fill("x")
     expect(page.get_by_text("The whole id of a goal")).to_be_visible()

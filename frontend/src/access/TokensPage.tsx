@@ -7,6 +7,7 @@ import { useForbidden } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
+import { Empty } from "../ui/Empty";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Trouble } from "../ui/errors";
 import { Fact } from "../ui/Fact";
@@ -14,7 +15,7 @@ import { ReasonButton } from "../ui/ReasonButton";
 import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
 import classes from "./access.module.css";
-import { TokenForm } from "./accountForms";
+import { type Example, TokenForm } from "./accountForms";
 import { AccountItem, useTokens } from "./accounts";
 import { OpenNotice } from "./OpenNotice";
 import { loginName } from "./who";
@@ -23,12 +24,13 @@ import { loginName } from "./who";
 export default function TokensPage() {
   const forbidden = useForbidden("GET /tokens");
   const { tokens, error, refetch, create, revoke } = useTokens();
-  const [creating, setCreating] = useState(false);
+  /** What the form starts from; null for nothing, undefined for no form. */
+  const [creating, setCreating] = useState<Example | null>();
   const [created, setCreated] = useState<CreatedToken | null>(null);
   const [revoked, setRevoked] = useState<Token | null>(null);
   const reason = useWhyNot("GET /tokens", tokens !== undefined);
   const closeForm = () => {
-    setCreating(false);
+    setCreating(undefined);
     create.reset();
   };
   const closeRevoke = () => {
@@ -38,22 +40,23 @@ export default function TokensPage() {
   return (
     <Stack gap="md">
       <PageTitle title="Tokens">
-        <ReasonButton reason={reason} onClick={() => setCreating(true)}>
+        <ReasonButton reason={reason} onClick={() => setCreating(null)}>
           New token
         </ReasonButton>
       </PageTitle>
       <OpenNotice />
       <Trouble what="The tokens could not be loaded" error={error} onRetry={() => void refetch()} />
       {tokens !== undefined ? (
-        <TokenList tokens={tokens} reason={reason} onRevoke={setRevoked} />
+        <TokenList tokens={tokens} reason={reason} onRevoke={setRevoked} onExample={setCreating} />
       ) : forbidden !== null ? (
         <Text size="sm">{forbidden}</Text>
       ) : (
         error === null && <Skeleton height={90} role="status" aria-label="The tokens are loading" />
       )}
-      <Dialog opened={creating} onClose={closeForm} title="New token">
-        {creating && (
+      <Dialog opened={creating !== undefined} onClose={closeForm} title="New token">
+        {creating !== undefined && (
           <TokenForm
+            example={creating ?? undefined}
             create={create}
             onDone={(token) => {
               closeForm();
@@ -79,14 +82,25 @@ interface TokenListProps {
   tokens: readonly Token[];
   reason: string | null;
   onRevoke: (token: Token) => void;
+  onExample: (example: Example) => void;
 }
 
-function TokenList({ tokens, reason, onRevoke }: TokenListProps) {
+/** A token to start from. */
+const EXAMPLE: Example = { name: "Night script", role: "operator" };
+
+function TokenList({ tokens, reason, onRevoke, onExample }: TokenListProps) {
   if (tokens.length === 0)
     return (
-      <Text size="sm" c="dimmed" maw="44rem">
-        No tokens. Each person and each script gets one of their own, so that it can be revoked alone.
-      </Text>
+      <Empty
+        title="No tokens"
+        examples={
+          <ReasonButton variant="default" reason={reason} onClick={() => onExample(EXAMPLE)}>
+            Example: a script that docks robots
+          </ReasonButton>
+        }
+      >
+        Each person and each script gets one of their own, so that it can be revoked alone.
+      </Empty>
     );
   return (
     <Stack component="ul" gap="sm" m={0} p={0} aria-label="Tokens">

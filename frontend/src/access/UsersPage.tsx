@@ -6,16 +6,20 @@ import type { User } from "../api/access";
 import { useForbidden, useSession } from "../api/session";
 import { useWhyNot } from "../fleet/context";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
+import { Empty } from "../ui/Empty";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Trouble } from "../ui/errors";
 import { Fact } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
 import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { UserForm } from "./accountForms";
+import { type Example, UserForm } from "./accountForms";
 import { AccountItem, sessionWords, usePeople, useUsers } from "./accounts";
 import { OpenNotice } from "./OpenNotice";
 import { loginName } from "./who";
+
+/** A user to start from. */
+const EXAMPLE: Example = { name: "operator", role: "operator" };
 
 /** Those who log in with a name and a password, or with the identity provider; for admins. */
 export default function UsersPage() {
@@ -24,10 +28,12 @@ export default function UsersPage() {
   const { users, error, refetch, save, remove, logOut } = useUsers();
   /** Who is changed; null for a new user, undefined for no form. */
   const [edited, setEdited] = useState<User | null>();
+  const [example, setExample] = useState<Example>();
   const [removed, setRemoved] = useState<User | null>(null);
   const reason = useWhyNot("GET /users", users !== undefined);
   const closeForm = () => {
     setEdited(undefined);
+    setExample(undefined);
     save.reset();
   };
   const closeRemoval = () => {
@@ -62,9 +68,23 @@ export default function UsersPage() {
         error === null && <Skeleton height={90} role="status" aria-label="The users are loading" />
       )}
       {users?.length === 0 && (
-        <Text size="sm" c="dimmed">
-          No users.
-        </Text>
+        <Empty
+          title="No users"
+          examples={
+            <ReasonButton
+              variant="default"
+              reason={reason}
+              onClick={() => {
+                setExample(EXAMPLE);
+                setEdited(null);
+              }}
+            >
+              Example: an operator
+            </ReasonButton>
+          }
+        >
+          People log in with a name and a password. An operator moves robots; a viewer only watches.
+        </Empty>
       )}
       {provider !== null && forbidden === null && <PeopleList provider={provider.name} reason={reason} />}
       <Dialog
@@ -75,6 +95,7 @@ export default function UsersPage() {
         {edited !== undefined && (
           <UserForm
             user={edited}
+            example={example}
             taken={(users ?? []).map(({ name }) => name)}
             save={save}
             onDone={closeForm}

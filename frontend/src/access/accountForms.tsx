@@ -11,9 +11,16 @@ import { NewPassword, passwordProblem } from "./PasswordDialog";
 /** As the gateway allows. */
 const NAME = /^[a-z0-9](?:[a-z0-9._@+-]{0,58}[a-z0-9])?$/;
 
+/** What a form for a new user or token starts from. */
+export interface Example {
+  name: string;
+  role: Role;
+}
+
 interface UserFormProps {
   /** Who is changed; null for a new user. */
   user: User | null;
+  example?: Example | undefined;
   /** Names that are taken. */
   taken: readonly string[];
   save: UseMutationResult<void, ClientError, { name: string; body: UserBody }>;
@@ -21,9 +28,11 @@ interface UserFormProps {
 }
 
 /** Adds a user, or changes one. */
-export function UserForm({ user, taken, save, onDone }: UserFormProps) {
-  const [name, setName] = useState(user?.name ?? "");
-  const [grant, setGrant] = useState<Grant>(user === null ? { role: "viewer", ...NO_LIMITS } : grantOf(user));
+export function UserForm({ user, example, taken, save, onDone }: UserFormProps) {
+  const [name, setName] = useState(user?.name ?? example?.name ?? "");
+  const [grant, setGrant] = useState<Grant>(
+    user === null ? { role: example?.role ?? "viewer", ...NO_LIMITS } : grantOf(user),
+  );
   const [disabled, setDisabled] = useState(user?.disabled ?? false);
   const [password, setPassword] = useState("");
   const [tried, setTried] = useState(false);
@@ -98,15 +107,16 @@ const MAX_DAYS = 3650;
 const USUAL_DAYS = 90;
 
 interface TokenFormProps {
+  example?: Example | undefined;
   create: UseMutationResult<CreatedToken, ClientError, TokenBody>;
   onDone: (created: CreatedToken) => void;
   onCancel: () => void;
 }
 
 /** Creates a token for a person or a script. */
-export function TokenForm({ create, onDone, onCancel }: TokenFormProps) {
-  const [name, setName] = useState("");
-  const [grant, setGrant] = useState<Grant>({ role: "viewer", ...NO_LIMITS });
+export function TokenForm({ example, create, onDone, onCancel }: TokenFormProps) {
+  const [name, setName] = useState(example?.name ?? "");
+  const [grant, setGrant] = useState<Grant>({ role: example?.role ?? "viewer", ...NO_LIMITS });
   const [days, setDays] = useState<number | string>(USUAL_DAYS);
   const [tried, setTried] = useState(false);
   const missing = name.trim() === "";

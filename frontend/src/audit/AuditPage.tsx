@@ -6,7 +6,9 @@ import { useFleet, useNaming } from "../fleet/context";
 import { codeWords } from "../goal/words";
 import { goalPath } from "../goals/GoalsTable";
 import { useAddress } from "../ui/address";
+import { Command } from "../ui/CopyButton";
 import { Downloads } from "../ui/Downloads";
+import { Empty } from "../ui/Empty";
 import { Trouble } from "../ui/errors";
 import { Breakable } from "../ui/Fact";
 import { type PagedList, usePages } from "../ui/requests";
@@ -49,7 +51,11 @@ export default function AuditPage() {
           </Text>
           <AuditFilters filter={filter} change={change} />
           <Trouble what="The audit log could not be loaded" error={list.error} onRetry={list.refetch} />
-          <Listed list={list} />
+          <Listed
+            list={list}
+            filtered={!auditFilter.isInitial(filter)}
+            onClear={() => change(auditFilter.initial)}
+          />
         </>
       )}
     </Stack>
@@ -67,12 +73,18 @@ function useRecords(filter: AuditFilter): PagedList<AuditRecords> {
   });
 }
 
-function Listed({ list }: { list: PagedList<AuditRecords> }) {
+interface ListedProps {
+  list: PagedList<AuditRecords>;
+  filtered: boolean;
+  onClear: () => void;
+}
+
+function Listed({ list, filtered, onClear }: ListedProps) {
   const { pages, error, loading, more, loadMore } = list;
   if (pages === undefined)
     return error === null && <Skeleton height={200} role="status" aria-label="The records are loading" />;
   const records = pages.flatMap((page) => page.records);
-  if (records.length === 0) return <Text size="sm">No record fits.</Text>;
+  if (records.length === 0) return <NoRecords filtered={filtered} onClear={onClear} />;
   return (
     <Stack gap="sm">
       <Text size="sm" c="dimmed" role="status">
@@ -89,6 +101,33 @@ function Listed({ list }: { list: PagedList<AuditRecords> }) {
         </Button>
       )}
     </Stack>
+  );
+}
+
+function NoRecords({ filtered, onClear }: Omit<ListedProps, "list">) {
+  if (filtered) {
+    return (
+      <Empty
+        title="No record fits"
+        examples={
+          <Button variant="default" onClick={onClear}>
+            Show all records
+          </Button>
+        }
+      >
+        Choose a longer time, or fewer filters.
+      </Empty>
+    );
+  }
+  return (
+    <Empty
+      title="No records yet"
+      examples={
+        <Command line={`curl -s ${window.location.origin}/audit`} what="the command that lists the records" />
+      }
+    >
+      The first command, such as Dock or Stop, is recorded here. The same list in a terminal:
+    </Empty>
   );
 }
 

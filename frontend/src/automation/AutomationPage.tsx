@@ -5,19 +5,21 @@ import type { Decision, Rule } from "../api/automation";
 import { useFleetLive, useNaming, useWhyNot } from "../fleet/context";
 import { robotPath } from "../fleet/names";
 import { Dialog } from "../ui/Dialog";
+import { Empty } from "../ui/Empty";
 import { Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { PageTitle, Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { useZone } from "../ui/zone";
 import classes from "./automation.module.css";
+import { type Draft, EXAMPLES } from "./draft";
 import { RuleCard } from "./RuleCard";
 import { RuleForm } from "./RuleForm";
 import { useDecisions, useFreshAutomation, useRules } from "./rules";
 import { OUTCOMES, reasonWords } from "./words";
 
-/** The rule in the dialog; null for a new one. */
-type Edited = { rule: Rule | null };
+/** The rule in the dialog; null for a new one, which may start from an example. */
+type Edited = { rule: Rule | null; example?: Partial<Draft> };
 
 /** The rules of automatic docking, and what they have decided. */
 export default function AutomationPage() {
@@ -37,7 +39,7 @@ export default function AutomationPage() {
       {rules === undefined ? (
         error === null && <RulesSkeleton />
       ) : rules.length === 0 ? (
-        <NoRules />
+        <NoRules reason={reason} onExample={(example) => setEdited({ rule: null, example })} />
       ) : (
         <Stack component="ul" gap="sm" m={0} p={0} aria-label="Rules">
           {rules.map((rule) => (
@@ -51,21 +53,33 @@ export default function AutomationPage() {
         onClose={close}
         title={edited?.rule ? `Edit ${edited.rule.name}` : "New rule"}
       >
-        {edited !== null && <RuleForm rule={edited.rule} rules={rules ?? []} onDone={close} />}
+        {edited !== null && (
+          <RuleForm rule={edited.rule} example={edited.example} rules={rules ?? []} onDone={close} />
+        )}
       </Dialog>
     </Stack>
   );
 }
 
-function NoRules() {
+interface NoRulesProps {
+  /** Why none can be added now; null where one can. */
+  reason: string | null;
+  onExample: (draft: Partial<Draft>) => void;
+}
+
+function NoRules({ reason, onExample }: NoRulesProps) {
   return (
-    <Stack gap="xs">
-      <Text fw={600}>No rules</Text>
-      <Text size="sm" c="dimmed" maw="44rem">
-        A rule sends robots to their docks by itself: those that stand idle with a low battery, or all of them
-        at 22:00. A new rule is off. In a dry run it only records what it would do.
-      </Text>
-    </Stack>
+    <Empty
+      title="No rules"
+      examples={EXAMPLES.map(({ label, draft }) => (
+        <ReasonButton key={label} variant="default" reason={reason} onClick={() => onExample(draft)}>
+          Example: {label}
+        </ReasonButton>
+      ))}
+    >
+      A rule sends robots to their docks by itself: those that stand idle with a low battery, or all of them
+      at 22:00. A new rule is off. In a dry run it only records what it would do.
+    </Empty>
   );
 }
 

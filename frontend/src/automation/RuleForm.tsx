@@ -36,14 +36,16 @@ import { dayWords, WEEKDAYS } from "./words";
 interface RuleFormProps {
   /** Null for a new one. */
   rule: Rule | null;
+  /** What a new one starts from. */
+  example?: Partial<Draft> | undefined;
   /** All of them. */
   rules: readonly Rule[];
   onDone: () => void;
 }
 
 /** Adds a rule, which is off, or changes one, which keeps its mode. */
-export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
-  const [draft, setDraft] = useState(() => draftOf(rule));
+export function RuleForm({ rule, example, rules, onDone }: RuleFormProps) {
+  const [draft, setDraft] = useState(() => ({ ...draftOf(rule), ...example }));
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
   const { save } = useRuleCommands();

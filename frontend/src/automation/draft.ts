@@ -35,6 +35,12 @@ export function draftOf(rule: Rule | null): Draft {
   };
 }
 
+/** Rules to start from. */
+export const EXAMPLES: readonly { label: string; draft: Partial<Draft> }[] = [
+  { label: "Dock below 20 %", draft: { name: "Low battery", condition: "battery", below: 20 } },
+  { label: "Dock every night at 22:00", draft: { name: "Night", condition: "schedule", times: ["22:00"] } },
+];
+
 export type DraftErrors = Partial<Record<keyof Draft, string>>;
 
 /** What is wrong with each field. */

@@ -4,6 +4,7 @@ import { useFleet, useFleetLive } from "../fleet/context";
 import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
 import { Downloads } from "../ui/Downloads";
+import { Empty } from "../ui/Empty";
 import { Trouble } from "../ui/errors";
 import { SavedViews } from "../ui/SavedViews";
 import { PageTitle } from "../ui/Section";
@@ -70,26 +71,28 @@ function Listed({ list, filter, onClear }: ListedProps) {
 function NoGoals({ filtered, onClear }: { filtered: boolean; onClear: () => void }) {
   if (filtered) {
     return (
-      <Stack gap="xs" align="flex-start">
-        <Text fw={600}>No goal fits</Text>
-        <Text size="sm" c="dimmed">
-          Goals that do appear here as they come.
-        </Text>
-        <Button variant="default" onClick={onClear}>
-          Show all goals
-        </Button>
-      </Stack>
+      <Empty
+        title="No goal fits"
+        examples={
+          <Button variant="default" onClick={onClear}>
+            Show all goals
+          </Button>
+        }
+      >
+        Goals that do appear here as they come.
+      </Empty>
     );
   }
   return (
-    <Stack gap="xs">
-      <Text fw={600}>No goals yet</Text>
-      <Text size="sm" c="dimmed">
-        Every goal on every action of the ROS graph is listed here: those sent from these pages, over HTTP,
-        and by other ROS nodes. Send the first one from a robot's page or an action's, or from a terminal:
-      </Text>
-      <Command line={`curl -X POST ${window.location.origin}/dock`} what="the command that docks" />
-    </Stack>
+    <Empty
+      title="No goals yet"
+      examples={
+        <Command line={`curl -X POST ${window.location.origin}/dock`} what="the command that docks" />
+      }
+    >
+      Every goal on every action of the ROS graph is listed here: those sent from these pages, over HTTP, and
+      by other ROS nodes. Send the first one from a robot's page or an action's, or from a terminal:
+    </Empty>
   );
 }
 

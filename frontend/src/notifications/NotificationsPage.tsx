@@ -7,6 +7,7 @@ import { RobotFields } from "../fleet/RobotFields";
 import { choiceError } from "../fleet/robotChoice";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
+import { Empty } from "../ui/Empty";
 import { Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { PageTitle, Section } from "../ui/Section";
@@ -20,7 +21,7 @@ import {
 } from "./announce";
 import { SEVERITY_OPTIONS, useWebhooks } from "./useWebhooks";
 import { WebhookCard } from "./WebhookCard";
-import { WebhookForm } from "./WebhookForm";
+import { type Draft, EXAMPLE, WebhookForm } from "./WebhookForm";
 
 /** Who receives alerts, and how. */
 export default function NotificationsPage() {
@@ -102,8 +103,8 @@ function ThisBrowser() {
   );
 }
 
-/** The webhook in the dialog; null for a new one. */
-type Edited = { webhook: Webhook | null };
+/** The webhook in the dialog; null for a new one, which may start from an example. */
+type Edited = { webhook: Webhook | null; example?: Partial<Draft> };
 
 /** The addresses that receive alerts. */
 function Webhooks() {
@@ -133,10 +134,22 @@ function Webhooks() {
       ) : webhooks === undefined ? (
         error === null && <Skeleton height={90} role="status" aria-label="The webhooks are loading" />
       ) : webhooks.length === 0 ? (
-        <Text size="sm" c="dimmed" maw="44rem">
+        <Empty
+          inside
+          title="No webhooks"
+          examples={
+            <ReasonButton
+              variant="default"
+              reason={reason}
+              onClick={() => setEdited({ webhook: null, example: EXAMPLE })}
+            >
+              Example: all alerts to a receiver on the gateway's machine
+            </ReasonButton>
+          }
+        >
           A webhook tells another system of every alert that begins or ends: a chat, a pager, or a script of
           yours.
-        </Text>
+        </Empty>
       ) : (
         <Stack component="ul" gap="sm" m={0} p={0} aria-label="Webhooks">
           {webhooks.map((webhook) => (
@@ -149,7 +162,14 @@ function Webhooks() {
         onClose={() => done(null)}
         title={edited?.webhook ? `Edit ${edited.webhook.name}` : "New webhook"}
       >
-        {edited !== null && <WebhookForm webhook={edited.webhook} webhooks={webhooks ?? []} onDone={done} />}
+        {edited !== null && (
+          <WebhookForm
+            webhook={edited.webhook}
+            example={edited.example}
+            webhooks={webhooks ?? []}
+            onDone={done}
+          />
+        )}
       </Dialog>
       <Dialog opened={secret !== null} onClose={() => setSecret(null)} title="The webhook's secret">
         {secret !== null && <Secret secret={secret} />}

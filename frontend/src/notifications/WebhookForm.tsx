@@ -11,6 +11,8 @@ import { SEVERITY_OPTIONS, useWebhookCommands } from "./useWebhooks";
 interface WebhookFormProps {
   /** Null for a new one. */
   webhook: Webhook | null;
+  /** What a new one starts from. */
+  example?: Partial<Draft> | undefined;
   /** All of them. */
   webhooks: readonly Webhook[];
   /** Null where nothing was stored. */
@@ -18,8 +20,8 @@ interface WebhookFormProps {
 }
 
 /** Adds a webhook, or changes one. */
-export function WebhookForm({ webhook, webhooks, onDone }: WebhookFormProps) {
-  const [draft, setDraft] = useState(() => draftOf(webhook));
+export function WebhookForm({ webhook, example, webhooks, onDone }: WebhookFormProps) {
+  const [draft, setDraft] = useState(() => ({ ...draftOf(webhook), ...example }));
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
   const { save } = useWebhookCommands();
@@ -75,7 +77,7 @@ const MAX_NAME = 60;
 const MAX_URL = 2000;
 
 /** A webhook as it is typed. */
-interface Draft extends RobotChoice {
+export interface Draft extends RobotChoice {
   name: string;
   url: string;
   warnings: boolean;
@@ -89,6 +91,9 @@ export function draftOf(webhook: Webhook | null): Draft {
     warnings: webhook?.severities.includes("warning") ?? true,
   };
 }
+
+/** A webhook to start from: the receiver of the documents. */
+export const EXAMPLE: Partial<Draft> = { name: "Receiver", url: "http://127.0.0.1:9000", warnings: true };
 
 type DraftErrors = Partial<Record<"name" | "url" | "robots", string>>;
 

@@ -1,12 +1,14 @@
 import type { GoalCounts, Statistics } from "@dock-gateway/client";
-import { SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
+import { Button, SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
 import { keepPreviousData } from "@tanstack/react-query";
 import { useEffect } from "react";
+import { Link } from "react-router";
 import { fetchStatistics } from "../api/history";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { GroupSelect, RobotSelect } from "../fleet/RobotFields";
 import { TagSelect } from "../goals/TagSelect";
 import { useAddress } from "../ui/address";
+import { Empty } from "../ui/Empty";
 import { Trouble } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";
 import { fixed } from "../ui/numbers";
@@ -42,7 +44,11 @@ export default function StatisticsPage() {
           <Text size="sm" c="dimmed" role="status">
             {live ? "As of" : "Not live: as of"} <Time value={dataUpdatedAt} />, days in {zoneName()}
           </Text>
-          {data.total.ended === 0 ? <NoGoals /> : <Shown statistics={data} view={view} />}
+          {data.total.ended === 0 ? (
+            <NoGoals view={view} change={change} />
+          ) : (
+            <Shown statistics={data} view={view} />
+          )}
         </Stack>
       )}
     </Stack>
@@ -66,15 +72,33 @@ function Shown({ statistics, view }: { statistics: Statistics; view: View }) {
   );
 }
 
-function NoGoals() {
+function NoGoals({ view, change }: ControlsProps) {
+  const narrowed = view.robot !== null || view.group !== null || view.tags.length > 0;
+  const month = { last: "30d", since: null, until: null } as const;
   return (
-    <Stack gap="xs">
-      <Text fw={600}>No goal ended</Text>
-      <Text size="sm" c="dimmed">
-        Goals that were created in this time are counted here once they have ended. Choose a longer time, or
-        all robots, groups and tags, to see others.
-      </Text>
-    </Stack>
+    <Empty
+      title="No goal ended"
+      examples={
+        <>
+          {view.time.last !== month.last && (
+            <Button variant="default" onClick={() => change({ time: month })}>
+              Show 30 days
+            </Button>
+          )}
+          {narrowed && (
+            <Button variant="default" onClick={() => change({ robot: null, group: null, tags: [] })}>
+              Show all robots and tags
+            </Button>
+          )}
+          <Button component={Link} to="/ui/goals" variant="default">
+            All goals
+          </Button>
+        </>
+      }
+    >
+      Goals that were created in this time are counted here once they have ended: in plots, and in tables by
+      day, robot and action.
+    </Empty>
   );
 }
 
