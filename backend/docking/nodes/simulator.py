@@ -29,6 +29,7 @@ from docking.parameters import read_topics
 from docking.ros.geometry import pose_from, stamped_pose
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
+from docking.ros.simulator_camera import SimulatorCamera
 from docking.ros.simulator_frames import SimulatorFrames
 from docking.ros.simulator_messages import (
     MAP,
@@ -132,6 +133,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._simulation.settings.marker.camera_yaw,
             localizes=mapped is not None,
         )
+        self._camera = SimulatorCamera(self)
         self._make_messages()
 
     def _make_messages(self) -> None:
@@ -249,6 +251,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         if scan is not None and scan.stamp > self._scan_told:
             self._scan_told = scan.stamp
             self._scan.publish(self._scan_message.fill(scan.distances, self._stamp(scan.stamp)))
+        self._camera.publish(simulation)
 
     def _publish_battery(self, now: float) -> None:
         """Publish the state of the battery, unless someone else does or it is silent."""
