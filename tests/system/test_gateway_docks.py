@@ -68,6 +68,16 @@ def test_our_own_server(domain: int, gateway: RunningGateway, tmp_path: Path) ->
         assert goal.status_code == 202, goal.text
         gateway.http.post(f"/dock/{goal.json()['goal_id']}/cancel").raise_for_status()
 
+        somewhere = {"header": {"frame_id": "map"}, "pose": {"position": {"x": 4.2}}}
+        refused = gateway.http.post("/dock", json={"dock_pose": somewhere, "dock_type": "pallet"})
+        assert (refused.status_code, refused.json()["code"]) == (409, "goal_rejected")
+        assert "the type of the dock is 'pallet', but must be one of dock_plugins (there: wall)" in refused.text
+        goal = gateway.http.post("/dock", json={"dock_pose": somewhere, "dock_type": "wall"})
+        assert goal.status_code == 202, goal.text
+        gateway.http.post(f"/dock/{goal.json()['goal_id']}/cancel").raise_for_status()
+        for wrong in ({"header": {"frame_id": 7}}, {"header": {"frame_id": ""}}, 7):
+            assert gateway.http.post("/dock", json={"dock_pose": wrong}).status_code == 422
+
         server.send_signal(signal.SIGSTOP)
         try:
             started = time.monotonic()

@@ -4,9 +4,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.core.dock_adapters.adapter import DESIRED, DockAdapter
+from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
 from dock_gateway.core.event import loss_event, system_event, utc_now
 from dock_gateway.core.goal import GoalError
 from dock_gateway.core.hub import Hub
@@ -126,6 +127,10 @@ class Action:
             battery = codec(BatteryState)
             state = battery.parse(request[DESIRED], f"{path}.{DESIRED}" if path else DESIRED)
             request = {**request, DESIRED: battery.document(state)}
+        if POSE in request and self.adapter.reads_dock_pose:
+            stamped = codec(PoseStamped)
+            pose = stamped.parse(request[POSE], f"{path}.{POSE}" if path else POSE)
+            request = {**request, POSE: stamped.document(pose)}
         return self.port.goal_codec.parse(self.adapter.goal(request, self._default_dock, path), path)
 
     def _publish_server(self, state: ServerState) -> None:

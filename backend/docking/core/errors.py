@@ -65,6 +65,8 @@ class ErrorCode(enum.StrEnum):
     """Rejected: the desired power_supply_status is not one that docking can bring about."""
     DOCK_NOT_IN_DB = "DOCK_NOT_IN_DB", 901
     """Rejected: the goal names a dock that is not one of `docks`."""
+    DOCK_NOT_VALID = "DOCK_NOT_VALID", 902
+    """Rejected: the goal describes a dock instead of naming one, and its type, frame or pose is none."""
     SHUTTING_DOWN = "SHUTTING_DOWN", 952
     """Rejected or aborted: the action server is ending."""
     STOP_LATCHED = "STOP_LATCHED", 953
@@ -125,6 +127,13 @@ class DockNotInDb(DockingError):
     """The goal names a dock that is not known."""
 
     error_code = ErrorCode.DOCK_NOT_IN_DB
+    worth_a_retry = False
+
+
+class DockNotValid(DockingError):
+    """The goal describes a dock that cannot be one."""
+
+    error_code = ErrorCode.DOCK_NOT_VALID
     worth_a_retry = False
 
 

@@ -112,9 +112,7 @@ class Docking(Objective):
             self._connected_since = observation.now
         reached = observation.now - self._connected_since >= self._stable_for
         if reached:
-            self.memory.turns[self._dock_name] = progress.turn
-        if reached and robot is not None:
-            self.memory.places[self._dock_name] = robot
+            self.memory.docked_at(self._dock_name, robot, progress.turn)
         return reached
 
     def _charges(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:

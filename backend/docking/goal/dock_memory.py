@@ -10,6 +10,8 @@ MOVED = 0.1
 """In m; a robot that odometry has moved by more is somewhere else."""
 TURNED = 0.35
 """The same in rad."""
+MOST = 1000
+"""Docks that are remembered: goals may describe docks that have no name."""
 
 
 @dataclass
@@ -34,6 +36,23 @@ class DockMemory:
     charges: bool = True
     places: dict[str, Pose] = field(default_factory=dict)
     turns: dict[str, float] = field(default_factory=dict)
+
+    def docked_at(self, dock: str, place: Pose | None, turn: float) -> None:
+        """Remember where the robot was docked, and how far the marker seemed to be turned.
+
+        Args:
+            dock: The name of the dock.
+            place: base_link in odom; None if unknown.
+            turn: Of the marker, in rad.
+        """
+        self.turns[dock] = turn
+        if place is not None:
+            self.places.pop(dock, None)
+            self.places[dock] = place
+        while len(self.turns) > MOST:
+            forgotten = next(iter(self.turns))
+            self.turns.pop(forgotten)
+            self.places.pop(forgotten, None)
 
     def note(self, docked: bool, at: Pose | None) -> None:
         """Remember how a goal has ended, and where."""

@@ -63,8 +63,9 @@ class DockAction(RobotAction[DockSettings]):
 
     def uses_frames(self, settings: DockSettings) -> bool:
         """Also to navigate, and to look for a dock where the database has it."""
-        has_places = settings.database.has_poses and Sensor.ODOMETRY in self.needs(settings)
-        return super().uses_frames(settings) or settings.navigates or has_places
+        has_places = settings.database.has_poses or settings.place is not None
+        located = has_places and Sensor.ODOMETRY in self.needs(settings)
+        return super().uses_frames(settings) or settings.navigates or located
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -1,5 +1,6 @@
 """The docks that a robot knows by name, in nav2's form."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,7 +8,7 @@ from pathlib import Path
 
 import yaml
 
-from docking.core.errors import DockNotInDb
+from docking.core.errors import DockNotInDb, DockNotValid
 from docking.core.parameter import NAME, Contents, Value, file, named_groups, names, numbers, string
 from docking.core.ros_yaml import entries, read_nodes, read_number, read_text
 from docking.parameters.dock import DockType
@@ -49,6 +50,37 @@ class DockEntry:
     id: str = string(
         "", "", "Identifier of the dock, such as the number of its marker. For information only.", read_only=True
     )
+
+
+def read_dock(location: str) -> DockEntry:
+    """The dock that a goal describes instead of naming one.
+
+    Args:
+        location: A JSON object with the keys of a dock in the database: `{"frame": "map", "pose": [x, y, theta]}`.
+
+    Raises:
+        DockNotValid: It describes none.
+    """
+    example = '{"frame": "map", "pose": [1.0, 2.0, 1.57], "type": "wall_dock"}'
+    try:
+        read = json.loads(location)
+    except (ValueError, RecursionError):
+        raise DockNotValid(f"the dock {location!r:.80} is no JSON such as {example}") from None
+    pose = read.get("pose")
+    if not isinstance(pose, list) or not all(type(number) in {int, float} for number in pose) or not pose:
+        raise DockNotValid(f"the dock {location!r:.80} has no pose: [x, y, theta] in m and rad, as {example}")
+    texts = {key: value for key, value in read.items() if key != "pose"}
+    for key, value in texts.items():
+        if key not in KEYS or not isinstance(value, str):
+            raise DockNotValid(f"the dock {location!r:.80} has {key!r:.20}, which is no text of {example}")
+    try:
+        numbers = tuple(map(float, pose))
+        _check_pose(numbers)
+    except OverflowError:
+        raise DockNotValid(f"the dock {location!r:.80} is too far away") from None
+    except ValueError as error:
+        raise DockNotValid(f"the dock's pose {error}") from None
+    return DockEntry(pose=numbers, **texts)
 
 
 def read_file(path: str) -> Contents:
@@ -130,6 +162,34 @@ class DockDatabase:
     entries: Mapping[str, DockEntry] = named_groups(DockEntry, "docks")
     types: Mapping[str, DockType] = named_groups(DockType, "dock_plugins", inherited=True)
 
+    def locate(self, location: str) -> tuple[str, DockEntry | None, str]:
+        """The dock that a goal means: what to call it, the dock itself where it is known, and its type.
+
+        Args:
+            location: Its name, empty for the first one; or a description, see `read_dock`.
+
+        Raises:
+            DockNotInDb: There is no such dock.
+            DockNotValid: The description is none.
+        """
+        if not location.lstrip().startswith("{"):
+            kind = self.type_of(location)
+            found = self.entry_of(location)
+            return (*found, kind) if found is not None else ("", None, kind)
+        dock = read_dock(location)
+        kind = dock.type or self._only_type
+        if kind not in self.types and (kind or self.types):
+            known = ", ".join(self.dock_plugins) or "none"
+            raise DockNotValid(
+                f"the type of the dock is {kind!r:.40}, but must be one of dock_plugins (there: {known})"
+            )
+        return f"({dock.pose[0]:.4g}, {dock.pose[1]:.4g}) in {dock.frame:.40}", dock, kind
+
+    @property
+    def _only_type(self) -> str:
+        """The type of docks that have none."""
+        return self.dock_plugins[0] if len(self.dock_plugins) == 1 else ""
+
     def type_of(self, name: str) -> str:
         """The type of the dock that a goal names; empty where there are no types.
 
@@ -141,8 +201,7 @@ class DockDatabase:
         """
         if self.docks and (name or self.docks[0]) not in self.entries:
             raise DockNotInDb(f"there is no dock {name!r:.80}, but: {', '.join(self.docks)}")
-        only = self.dock_plugins[0] if len(self.dock_plugins) == 1 else ""
-        return (self.entries[name or self.docks[0]].type if self.docks else "") or only
+        return (self.entries[name or self.docks[0]].type if self.docks else "") or self._only_type
 
     def entry_of(self, name: str) -> tuple[str, DockEntry] | None:
         """The dock that a goal names, with its name; None where there is no such dock.

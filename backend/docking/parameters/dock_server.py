@@ -90,13 +90,11 @@ class DockSettings(ServerSettings):
 
     def at_dock(self, name: str) -> Self:
         """The settings for a goal; see `ServerSettings`."""
-        kind = self.database.type_of(name)
+        known, entry, kind = self.database.locate(name)
         dock = self.database.types.get(kind)
-        staging = self._find_staging(dock or self.dock, name)
-        found = self.database.entry_of(name)
-        place = DockPlace(found[0], found[1].frame, Pose(*found[1].pose)) if found and found[1].pose else None
+        place = DockPlace(known, entry.frame, Pose(*entry.pose)) if entry is not None and entry.pose else None
+        staging = self._find_staging(dock or self.dock, place)
         settings = self if dock is None else self._of_type(dock)
-        known = found[0] if found else ""
         return replace(settings, dock_type=kind, dock_name=known, staging_goal=staging, place=place)
 
     def _of_type(self, dock: DockType) -> Self:
@@ -115,12 +113,10 @@ class DockSettings(ServerSettings):
         """Whether goals may begin with a navigation to the staging pose; rotate drives to no dock."""
         return self.navigation.navigate_to_staging_pose and self.controller != ControllerName.ROTATE
 
-    def _find_staging(self, dock: Dock, name: str) -> StagingGoal | None:
-        found = self.database.entry_of(name)
-        if found is None or not self.navigates or not found[1].pose:
+    def _find_staging(self, dock: Dock, place: DockPlace | None) -> StagingGoal | None:
+        if place is None or not self.navigates:
             return None
-        pose = dock.brought_to(Pose(*found[1].pose))
-        return StagingGoal(found[0], found[1].frame, pose, self.navigation)
+        return StagingGoal(place.dock, place.frame, dock.brought_to(place.pose), self.navigation)
 
     def find_conflict(self) -> str | None:
         """Why these values cannot work together."""

@@ -97,10 +97,11 @@ class ServerSettings(NodeSettings):
         """The settings for a goal; only docking knows docks.
 
         Args:
-            name: The dock that the goal names; may be empty.
+            name: The dock that the goal names, or describes as JSON; may be empty.
 
         Raises:
             DockNotInDb: There is no such dock.
+            DockNotValid: It is described, and can be none.
         """
         return self
 

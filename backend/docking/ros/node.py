@@ -14,7 +14,7 @@ from rclpy.context import Context
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from docking.core.battery import Battery
-from docking.core.errors import DockNotInDb, ErrorCode
+from docking.core.errors import DockingError, ErrorCode
 from docking.core.observation import STANDSTILL
 from docking.goal.admission import Rejection, admit
 from docking.goal.engine import Goal
@@ -184,7 +184,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if rejection is None:
             try:
                 self._settings.at_dock(request.desired_battery_state.location)
-            except DockNotInDb as error:
+            except DockingError as error:
                 rejection = Rejection(error.error_code, str(error))
             else:
                 return GoalResponse.ACCEPT
@@ -214,6 +214,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._sensors.scanner = self._settings.collision.mount
         self._sensors.marker_tilt = settings.marker_tilt
         self._sensors.place = settings.place if Sensor.ODOMETRY in needs else None
+        self._transforms.switch(on=self._action.uses_frames(settings), prefix=self._settings.frame_prefix)
         self._sensors.listen_to(needs)
         self._control_timer.timer_period_ns = round(self._settings.control_period * 1e9)
         detector = self._detector.detector(settings.switched) if Sensor.MARKER in needs else None

@@ -9,13 +9,13 @@ def test_every_code_has_a_number_of_its_own() -> None:
 
 def test_the_numbers_are_nav2s_where_it_has_them() -> None:
     known = {"FAILED_TO_STAGE": 903, "FAILED_TO_DETECT_DOCK": 904, "FAILED_TO_CONTROL": 905, "FAILED_TO_CHARGE": 906}
-    known |= {"NONE": 0, "DOCK_NOT_IN_DB": 901, "TIMEOUT": 907, "UNKNOWN": 999}
+    known |= {"NONE": 0, "DOCK_NOT_IN_DB": 901, "DOCK_NOT_VALID": 902, "TIMEOUT": 907, "UNKNOWN": 999}
     assert {name: ErrorCode(name).number for name in known} == known
 
 
 def test_every_exception_has_a_code_of_its_own_and_its_name() -> None:
     errors = [error for error in vars(failures).values() if isinstance(error, type) and issubclass(error, DockingError)]
     errors.remove(DockingError)
-    assert len(errors) == 14
+    assert len(errors) == 15
     for error in errors:
         assert error.error_code.value.replace("_", "").lower() == error.__name__.lower()

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from docking.core.errors import DockNotInDb
+from docking.core.errors import DockNotInDb, DockNotValid
 from docking.core.geometry import Pose
 from docking.core.parameter import from_values, named_parameters_of, parameters_of
 from docking.parameters import (
@@ -19,6 +19,7 @@ from docking.parameters import (
     DockDatabase,
     DockDirection,
     DockEntry,
+    DockPlace,
     DockSettings,
     DockType,
 )
@@ -52,6 +53,38 @@ def test_a_goal_gets_the_type_of_its_dock_and_the_first_dock_if_it_names_none() 
 def test_a_dock_that_is_not_there_is_refused(name: str) -> None:
     with pytest.raises(DockNotInDb, match=r"^there is no dock '.*', but: home, lab$"):
         SETTINGS.at_dock(name)
+
+
+def test_a_goal_may_describe_its_dock_by_a_pose() -> None:
+    settings = SETTINGS.at_dock(' {"frame": "hall", "pose": [4, -1.5, 1], "type": "far"}')
+    assert (settings.dock, settings.dock_type, settings.dock_name) == (FAR, "far", "(4, -1.5) in hall")
+    assert settings.place == DockPlace("(4, -1.5) in hall", "hall", Pose(4.0, -1.5, 1.0))
+    assert DockSettings().at_dock('{"pose": [1, 2, 3]}').place == DockPlace("(1, 2) in map", "map", Pose(1.0, 2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("location", "sentence"),
+    [
+        ("{", "is no JSON such as"),
+        ("{" * 5000, "is no JSON such as"),
+        ('{"a":' * 5000, "is no JSON such as"),
+        ("{}", "has no pose"),
+        ('{"pose": [true, 1, 2], "type": "far"}', "has no pose"),
+        ('{"pose": [1, 2], "type": "far"}', "must be .x, y, theta."),
+        ('{"pose": [1, NaN, 2], "type": "far"}', "must be .x, y, theta."),
+        ('{"pose": [1, 2, 90], "type": "far"}', "looks like degrees"),
+        ('{"pose": [1e8, 2, 0], "type": "far"}', "x and y must be in m"),
+        ('{"pose": [1' + "0" * 400 + ', 2, 0], "type": "far"}', "is too far away"),
+        ('{"pose": [1, 2, 3], "kind": "far"}', "has 'kind'"),
+        ('{"pose": [1, 2, 3], "type": 7}', "has 'type'"),
+        ('{"pose": [1, 2, 3]}', "the type of the dock is '', but must be one of dock_plugins"),
+        ('{"pose": [1, 2, 3], "type": "high"}', "the type of the dock is 'high', but must be one of dock_plugins"),
+    ],
+)
+def test_a_description_that_can_be_no_dock_is_refused(location: str, sentence: str) -> None:
+    with pytest.raises(DockNotValid, match=sentence) as refused:
+        SETTINGS.at_dock(location)
+    assert len(str(refused.value)) < 250
 
 
 def test_without_docks_every_name_is_accepted_and_changes_nothing() -> None:

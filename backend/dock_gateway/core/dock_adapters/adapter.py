@@ -14,6 +14,8 @@ Fields = Mapping[str, Any]
 
 # The simple request's two fields, which every type takes or refuses.
 DOCK_ID, DESIRED = "dock_id", "desired_battery_state"
+# A dock that has no name: where it is, of which type, and which of the two counts.
+POSE, TYPE, USE_ID = "dock_pose", "dock_type", "use_dock_id"
 # sensor_msgs/BatteryState.power_supply_status: what a docked robot's battery may do, and that of an undocked one.
 DOCKED = {0: "UNKNOWN", 1: "CHARGING", 4: "FULL"}
 UNDOCKED = {0: "UNKNOWN", 2: "DISCHARGING", 3: "NOT_CHARGING"}
@@ -47,6 +49,7 @@ class DockAdapter:
         action_type: The type; empty for any other type.
         action_name: The name under which its servers offer it, without a namespace.
         reads_battery_goal: Whether `goal` takes a `desired_battery_state` that the goal message does not have.
+        reads_dock_pose: Whether `goal` takes a `dock_pose` (geometry_msgs/PoseStamped) that the message does not have.
         tells_stage: Whether `progress` has to be asked about feedback.
     """
 
@@ -55,6 +58,7 @@ class DockAdapter:
     action_type: str = ""
     action_name: str = ""
     reads_battery_goal: bool = False
+    reads_dock_pose: bool = False
     tells_stage: bool = False
 
     @property
@@ -67,7 +71,7 @@ class DockAdapter:
 
         Args:
             request: A simple request, the goal message's own fields, or both. With `reads_battery_goal`, a
-                `desired_battery_state` is complete and valid.
+                `desired_battery_state` is complete and valid; with `reads_dock_pose`, a `dock_pose` is.
             default_dock: The dock to use if the request names none; empty: none.
             path: Where the request was, for errors.
 

@@ -3,9 +3,23 @@
 Their servers report stages, retries and reasons on `/diagnostics`; feedback and result hold the battery state only.
 """
 
+import json
 from dataclasses import dataclass
 
-from dock_gateway.core.dock_adapters.adapter import DESIRED, DOCK_ID, DockAdapter, Fields, choose_dock, refuse
+from dock_gateway.core.dock_adapters.adapter import (
+    DESIRED,
+    DOCK_ID,
+    POSE,
+    TYPE,
+    USE_ID,
+    DockAdapter,
+    Fields,
+    choose_dock,
+    invalid,
+    refuse,
+)
+from dock_gateway.core.errors import got
+from dock_gateway.core.scene import Pose
 
 FAMILY = "charging_dock"
 CHARGING = {"power_supply_status": 1}
@@ -13,7 +27,7 @@ CHARGING = {"power_supply_status": 1}
 
 @dataclass(frozen=True)
 class ConnectToChargingDock(DockAdapter):
-    """Drives until the battery is charging. `desired_battery_state.location` names the dock."""
+    """Drives until the battery is charging. `desired_battery_state.location` names the dock, or describes it."""
 
     @property
     def default(self) -> Fields:
@@ -21,16 +35,43 @@ class ConnectToChargingDock(DockAdapter):
         return {DESIRED: CHARGING}
 
     def goal(self, request: Fields, default_dock: str = "", path: str = "") -> Fields:
-        """Name the dock in `desired_battery_state.location`."""
-        desired = request.get(DESIRED, CHARGING if DOCK_ID in request else {})
+        """Name the dock in `desired_battery_state.location`, or describe it there, if the request has its pose."""
+        named = DOCK_ID in request or POSE in request
+        desired = request.get(DESIRED, CHARGING if named else {})
         if not isinstance(desired, dict):  # the codec reports the error
             return request
-        dock = choose_dock(request, desired.get("location"), path) or default_dock
+        own = {DOCK_ID} if POSE not in request else {DOCK_ID, POSE, TYPE, USE_ID}
+        dock = choose_dock(request, desired.get("location"), path)
+        if POSE in request and request.get(USE_ID) is not True:
+            if dock and USE_ID not in request:
+                raise invalid(path, USE_ID, f"true or false, as there are both {DOCK_ID} and {POSE}", "got none")
+            dock = _describe(request, path)
+        dock = dock or default_dock
         if not dock:
             return request
-        return {name: value for name, value in request.items() if name != DOCK_ID} | {
+        return {name: value for name, value in request.items() if name not in own} | {
             DESIRED: {**desired, "location": dock}
         }
+
+
+def _describe(request: Fields, path: str) -> str:
+    """The dock at a pose, as our docking server reads it.
+
+    Raises:
+        InvalidField: The pose or the type is none.
+    """
+    header, pose, kind = request[POSE]["header"], request[POSE]["pose"], request.get(TYPE, "")
+    if not isinstance(kind, str):
+        raise invalid(path, TYPE, "the name of a type of docks", got(kind))
+    if not header["frame_id"]:
+        raise invalid(path, f"{POSE}.header.frame_id", "the frame of the pose, such as map", "got none")
+    position, turn = pose["position"], pose["orientation"]
+    try:
+        place = Pose.in_plane(position["x"], position["y"], (turn["x"], turn["y"], turn["z"], turn["w"]))
+    except (TypeError, ValueError) as error:  # a NaN is null
+        raise invalid(path, f"{POSE}.pose", "a pose in the plane", str(error)) from None
+    dock = {"frame": header["frame_id"], "pose": [round(number, 6) for number in place]}
+    return json.dumps(dock | ({"type": kind} if kind else {}))
 
 
 @dataclass(frozen=True)
@@ -49,7 +90,11 @@ class DisconnectFromChargingDock(DockAdapter):
 
 
 DOCK = ConnectToChargingDock(
-    "dock", FAMILY, "action_tutorials_interfaces/action/ConnectToChargingDock", "connect_to_charging_dock"
+    "dock",
+    FAMILY,
+    "action_tutorials_interfaces/action/ConnectToChargingDock",
+    "connect_to_charging_dock",
+    reads_dock_pose=True,
 )
 UNDOCK = DisconnectFromChargingDock(
     "undock",

@@ -12,7 +12,9 @@ from dock_gateway.core.dock_adapters.adapter import (
     DOCK_ID,
     DOCKED,
     NO_REASON,
+    POSE,
     UNDOCKED,
+    USE_ID,
     DockAdapter,
     Fields,
     Outcome,
@@ -25,7 +27,6 @@ from dock_gateway.core.dock_adapters.adapter import (
 from dock_gateway.core.goal import GoalError, GoalStatus
 
 FAMILY = "nav2"
-POSE, USE_ID = "dock_pose", "use_dock_id"
 # Characters of the server's own sentence.
 MAX_MESSAGE = 500
 
