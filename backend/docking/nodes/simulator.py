@@ -10,7 +10,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
-from nav_msgs.msg import OccupancyGrid, Odometry
+from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
@@ -40,12 +40,11 @@ from docking.ros.simulator_messages import (
     RangeMessage,
     ScanMessage,
     diagnostics_message,
-    map_message,
 )
+from docking.ros.simulator_room import SimulatorRoom
 from docking.ros.stop_listener import StopListener
 from docking.simulation.battery_yield import BatteryYield
 from docking.simulation.faults import Fault
-from docking.simulation.occupancy import map_of
 from docking.simulation.parameters import SimulatorSettings
 from docking.simulation.room import WORKSHOP
 from docking.simulation.simulation import Simulation
@@ -123,8 +122,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         mapped = self._room if self._settings.publish_map else None
         if mapped is not None:
             self._world_frames |= {MAP}
-            self._map = publisher(OccupancyGrid, "map", LATCHED)
-            self._map.publish(map_message(map_of(mapped, self._simulation.dock), self._now()))
+        self._on_map = SimulatorRoom(self, mapped, lambda: self._simulation)
         self._frames = SimulatorFrames(
             self,
             self._settings.odometry_child_frame,
@@ -166,6 +164,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _obey_stop(self) -> None:
         self._simulation.halted = self._stops.held
+        if self._stops.held:
+            self._on_map.interrupt("a stop was latched")
         self._report_change()
 
     def _place(self, message: PoseWithCovarianceStamped) -> None:
@@ -178,6 +178,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         except ValueError as error:
             self.get_logger().warning(f"initialpose {error}: ignored")
             return
+        self._on_map.interrupt("the robot was lifted")
         self._simulation.place(pose)
         self._report_change()
 
@@ -185,6 +186,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._courtesy.heard(message, time.monotonic())
 
     def _reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._on_map.interrupt("the simulator was reset")
         halted = self._simulation.halted
         self._simulation = self._make_simulation()
         self._simulation.halted = halted
@@ -217,6 +219,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         lapse = min(LONGEST_LAPSE, now - self._ticked_at)
         self._ticked_at = now
         self._simulation.scanning = self._scan.get_subscription_count() > 0
+        self._on_map.drive()
         self._simulation.run(lapse * self._settings.real_time_factor)
         self._publish()
         if self._ticks % TICKS_PER_BATTERY_MESSAGE == 0:
@@ -232,8 +235,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._odometry_told = odometry.stamp  # of its arrival: its message may repeat the one before
             reckoned = self._stamp(reading[0])
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
-            error = robot.pose.compose(simulation.odometry.pose.inverse())
-            self._frames.publish(odometry.pose, error, simulation.time, reckoned)
+            self._frames.publish(odometry.pose, simulation.odometry_origin, simulation.time, reckoned)
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
         detections, ranges = simulation.detections, simulation.ranges
         if self.detects and detections and detections[0][0] != self._marker_told:
@@ -304,6 +306,11 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         level = Level.WARN if status.faults or status.halted else Level.OK
         name = self.get_fully_qualified_name()[1:]
         self._diagnostics.publish(diagnostics_message(name, level, status.message, status.values(), self._now()))
+
+    def destroy_node(self) -> None:
+        """Leave the ROS graph, with an action server, which rclpy would leave behind."""
+        self._on_map.close()
+        super().destroy_node()
 
 
 def _run(args: Sequence[str] | None) -> int:

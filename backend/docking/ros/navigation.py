@@ -17,6 +17,8 @@ try:
 except ImportError:  # not on PyPI
     NavigateToPose = None
 
+__all__ = ["ACTION", "NavigateToPose", "NavigationClient"]
+
 ACTION = "navigate_to_pose"
 UNDER_WAY = frozenset({RideState.ASKED, RideState.DRIVING})
 ENDS = {GoalStatus.STATUS_ABORTED: "aborted the goal", GoalStatus.STATUS_CANCELED: "was canceled by another client"}

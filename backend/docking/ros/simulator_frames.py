@@ -72,12 +72,12 @@ class SimulatorFrames:
             transforms.append(_stamped(MAP, WORLD, Transform(), now))
         self._fixed.publish(TFMessage(transforms=transforms))
 
-    def publish(self, odometry: Pose, error: Pose, now: float, stamp: Time) -> None:
-        """Publish where the robot is by its odometry, and at times how wrong that is.
+    def publish(self, odometry: Pose, origin: Pose, now: float, stamp: Time) -> None:
+        """Publish where the robot is by its odometry, and at times where its origin is on the map.
 
         Args:
             odometry: base_link in odom.
-            error: odom in the map.
+            origin: odom in the map.
             now: Simulated seconds.
             stamp: Of the odometry.
         """
@@ -86,7 +86,7 @@ class SimulatorFrames:
         transforms = [_stamped(ODOM, self._base, spatial(odometry), stamp)]
         if self._localizes and not 0.0 <= now - self._localized_at < LOCALIZATION_PERIOD:
             self._localized_at = now
-            transforms.append(_stamped(MAP, ODOM, spatial(error), stamp))
+            transforms.append(_stamped(MAP, ODOM, spatial(origin), stamp))
         self._moving.publish(TFMessage(transforms=transforms))
 
     def detection(self, marker: Pose, stamp: Time) -> PoseStamped:

@@ -219,6 +219,11 @@ class Simulation:
         return self.settings.obstacles + more
 
     @property
+    def odometry_origin(self) -> Pose:
+        """Odom in world: the start pose, but for what odometry has drifted."""
+        return self.robot.pose.compose(self.odometry.pose.inverse())
+
+    @property
     def odometry_velocity(self) -> Velocity:
         """As the wheels seem to turn, in base_link; 0 if odometry has no velocity."""
         return self.odometry.velocity(self.robot.velocity) if self.settings.odometry.twist else STANDSTILL
