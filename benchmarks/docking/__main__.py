@@ -8,7 +8,7 @@ from functools import partial
 from multiprocessing import Pool
 from pathlib import Path
 
-from benchmarks.docking import robustness
+from benchmarks.docking import comparison, robustness
 from benchmarks.docking.picture import picture
 from benchmarks.docking.table import table
 from benchmarks.docking.trial import REGIONS, Trial, run_trial, settings_of
@@ -29,25 +29,32 @@ def run_trials(seeds: range, processes: int) -> dict[ControllerName, list[Trial]
 def main() -> None:
     """Run the trials, print the table, write the table and the picture."""
     parser = argparse.ArgumentParser("benchmarks.docking", description="Dock from many random starts, in simulation")
-    parser.add_argument(
-        "--trials", type=int, help="starts for each controller (default: 1000, with --robustness 200 for each fault)"
-    )
+    parser.add_argument("--trials", type=int, help="starts for each controller (default: 1000, 200 for each fault)")
     parser.add_argument("--seed", type=int, default=0, help="of the first start (default: 0)")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="default: one a core")
     parser.add_argument("--output", type=Path, default=Path(__file__).parents[1] / "results", help="a folder")
     parser.add_argument("--robustness", action="store_true", help="with each fault of a real robot instead")
+    parser.add_argument("--laws", action="store_true", help="with each fault, by our controller and by nav2's law")
     parser.add_argument(
-        "--rows", default="", help="with --robustness: only faults whose names contain one of these, comma-separated"
+        "--rows",
+        default="",
+        help="with a table of faults: only those whose names contain one of these, comma-separated",
     )
     options = parser.parse_args()
     begun = time.monotonic()
-    count = options.trials or (200 if options.robustness else 1000)
+    count = options.trials or (200 if options.robustness or options.laws else 1000)
     seeds = range(options.seed, options.seed + count)
-    if options.robustness:
-        text = robustness.measure(options.rows, seeds, options.processes, options.output / "docking-robustness.json")
+    if options.robustness or options.laws:
+        name = "docking-laws" if options.laws else "docking-robustness"
+        figures = options.output / f"{name}.json"
+        if options.laws:
+            rows = [row for row in comparison.FAULTS if robustness.is_chosen(row, options.rows)]
+            text = comparison.measure(comparison.run_job, rows, seeds, options.processes, figures)
+        else:
+            text = robustness.measure(options.rows, seeds, options.processes, figures)
         print(text)
-        (options.output / "docking-robustness.md").write_text(text + "\n")
-        print(f"\n{time.monotonic() - begun:.0f} s; written: docking-robustness.md", file=sys.stderr)
+        (options.output / f"{name}.md").write_text(text + "\n")
+        print(f"\n{time.monotonic() - begun:.0f} s; written: {name}.md in {options.output}", file=sys.stderr)
         return
     trials = run_trials(seeds, options.processes)
     seconds = time.monotonic() - begun

@@ -10,6 +10,7 @@ from multiprocessing import Pool
 from pathlib import Path
 
 from benchmarks.docking.cases import CASES
+from benchmarks.docking.table import markdown
 from benchmarks.docking.trial import Trial, keeps_limits, run_trial, settings_of
 from docking.parameters import ControllerName
 
@@ -41,8 +42,7 @@ def measure(rows: str, seeds: range, processes: int, results: Path) -> str:
     Returns:
         The table.
     """
-    parts = [part.strip() for part in rows.split(",")]
-    chosen = [case for case in CASES if any(part in case.name for part in parts)]
+    chosen = [case for case in CASES if is_chosen(case.name, rows)]
     jobs = [(case.name, controller, seed) for case in chosen for controller in case.controllers for seed in seeds]
     figures: dict[str, dict[str, str]] = json.loads(results.read_text()) if results.exists() else {}
     results.parent.mkdir(parents=True, exist_ok=True)
@@ -55,6 +55,11 @@ def measure(rows: str, seeds: range, processes: int, results: Path) -> str:
     return table(figures)
 
 
+def is_chosen(name: str, rows: str) -> bool:
+    """Whether a name contains one of some parts, which are separated by commas."""
+    return any(part.strip() in name for part in rows.split(","))
+
+
 def table(figures: dict[str, dict[str, str]]) -> str:
     """All rows that have figures, as Markdown."""
     lines = [["controller", "fault", *COLUMNS]]
@@ -63,9 +68,7 @@ def table(figures: dict[str, dict[str, str]]) -> str:
             row = figures.get(f"{controller}: {case.name}")
             if row is not None:
                 lines.append([f"`{controller}`", case.name, *row.values()])
-    widths = [max(len(line[place]) for line in lines) for place in range(len(lines[0]))]
-    lines.insert(1, ["-" * width for width in widths])
-    return "\n".join("| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in lines)
+    return markdown(lines)
 
 
 def _run(job: Job) -> Trial:
@@ -76,15 +79,15 @@ def _run(job: Job) -> Trial:
 def _figures(controller: ControllerName, trials: Sequence[Trial]) -> dict[str, str]:
     docked = [trial for trial in trials if trial.docked]
     limits = settings_of(controller).motion
-    ends = Counter(_end(trial) for trial in trials if not trial.docked)
+    ends = Counter(end_of(trial) for trial in trials if not trial.docked)
     seconds = sorted(trial.seconds for trial in docked)
     values = (
-        _share(len(docked), len(trials)),
-        _share(sum(trial.retries == 0 for trial in docked), len(trials)),
+        share(len(docked), len(trials)),
+        share(sum(trial.retries == 0 for trial in docked), len(trials)),
         f"{seconds[len(seconds) // 2]:.0f} s" if seconds else "-",
         str(sum(trial.retries for trial in trials)),
         str(sum(trial.bumps for trial in trials)),
-        _fastest([speed for trial in trials for speed in trial.contacts]),
+        fastest([speed for trial in trials for speed in trial.contacts]),
         f"{1000.0 * max(trial.aside for trial in docked):.0f} mm" if docked else "-",
         str(sum(not keeps_limits(trial, limits) for trial in trials)),
         ", ".join(f"{end} {count}" for end, count in ends.most_common()) or "none",
@@ -92,14 +95,17 @@ def _figures(controller: ControllerName, trials: Sequence[Trial]) -> dict[str, s
     return dict(zip(COLUMNS, values, strict=True))
 
 
-def _end(trial: Trial) -> str:
+def end_of(trial: Trial) -> str:
+    """How a trial ended that did not dock."""
     return "docked after a bump" if trial.error_code == "NONE" else trial.error_code
 
 
-def _fastest(speeds: Sequence[float]) -> str:
+def fastest(speeds: Sequence[float]) -> str:
+    """The highest of these speeds."""
     return f"{max(speeds):.3f} m/s" if speeds else "-"
 
 
-def _share(part: int, all_of: int) -> str:
+def share(part: int, all_of: int) -> str:
+    """As a percentage that is never rounded up."""
     percent = 100.0 * part / all_of
     return f"{math.floor(10.0 * percent) / 10.0:g} %"

@@ -13,8 +13,13 @@ def table(trials: Mapping[str, Sequence[Trial]], limits: MotionLimits) -> str:
     lines = [["", *(f"`{name}`" for name in trials)]]
     columns = [_column(some, limits) for some in trials.values()]
     lines += [[measure, *(column[measure] for column in columns)] for measure in columns[0]]
+    return markdown(lines)
+
+
+def markdown(lines: Sequence[Sequence[str]]) -> str:
+    """A table of these lines, the first of which are the headings."""
     widths = [max(len(line[place]) for line in lines) for place in range(len(lines[0]))]
-    lines.insert(1, ["-" * width for width in widths])
+    lines = [lines[0], ["-" * width for width in widths], *lines[1:]]
     return "\n".join("| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in lines)
 
 
@@ -24,10 +29,10 @@ def _column(trials: Sequence[Trial], limits: MotionLimits) -> dict[str, str]:
     ends = Counter(trial.error_code for trial in trials if not trial.docked)
     return {
         "docked within 2 cm and 5°": f"{len(docked)} of {len(trials)} ({100 * len(docked) / len(trials):.1f} %)",
-        "time, median / 95 % / longest": _three([trial.seconds for trial in docked], "s", 1.0, 0),
+        "time, median / 95 % / longest": spread([trial.seconds for trial in docked], "s", 1.0, 0),
         "docked after 0 / 1 / 2 / 3 retries": " / ".join(str(retries[number]) for number in range(4)),
-        "final lateral error, median / 95 % / greatest": _three([trial.aside for trial in docked], "mm", 1000.0, 1),
-        "final heading error, median / 95 % / greatest": _three(
+        "final lateral error, median / 95 % / greatest": spread([trial.aside for trial in docked], "mm", 1000.0, 1),
+        "final heading error, median / 95 % / greatest": spread(
             [math.degrees(trial.askew) for trial in docked], "°", 1.0, 1
         ),
         "hit the dock elsewhere": str(sum(trial.bumps > 0 for trial in trials)),
@@ -47,7 +52,8 @@ def _most(trials: Sequence[Trial], name: str) -> float:
     return max(getattr(trial, name) for trial in trials)
 
 
-def _three(values: Sequence[float], unit: str, scale: float, digits: int) -> str:
+def spread(values: Sequence[float], unit: str, scale: float, digits: int) -> str:
+    """Median, 95th percentile and greatest."""
     if not values:
         return "-"
     ordered = sorted(scale * value for value in values)

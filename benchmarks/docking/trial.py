@@ -1,10 +1,12 @@
 """One docking goal from one random start, and what became of it."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from random import Random
 
 from benchmarks.docking.cases import CASES, Case, Region
+from benchmarks.docking.graceful import FREQUENCY, GracefulGoal, GracefulLaw
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.dock import Docking
@@ -22,8 +24,11 @@ LONGEST = 600.0
 """Simulated seconds after which a trial is given up."""
 TRAIL_PERIOD = 0.2
 """Simulated seconds between two points of a trail."""
+SETTLING = 1.0
+"""Simulated seconds for which the robot stands before it is measured where."""
 ROUNDING = 1e-9
 
+World = Callable[[Settings, int], Simulation]
 
 REGIONS = {
     ControllerName.DOCK_POSE: Region(0.45, 2.5, math.radians(60.0)),
@@ -81,11 +86,13 @@ def settings_of(controller: ControllerName, case: Case = CASES[0]) -> DockSettin
     )
 
 
-def simulation_of(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Simulation:
+def simulation_of(
+    controller: ControllerName, seed: int, case: Case = CASES[0], world: World = Simulation
+) -> Simulation:
     """A simulated robot at the start of a seed."""
     start = (case.region or REGIONS[controller]).draw(Random(f"{seed} start"))
     settings = Settings(start=start, marker=replace(MarkerSettings(), drop_outs=DROP_OUTS))
-    return Simulation(case.change(settings, Random(f"{seed} case")), seed)
+    return world(case.change(settings, Random(f"{seed} case")), seed)
 
 
 def _database_error(random: Random) -> Pose:
@@ -101,14 +108,31 @@ def _observe(simulation: Simulation, database_error: Pose | None) -> Observation
     return replace(simulation.observe(), expected_dock=odom.compose(DOCKED.compose(database_error)))
 
 
-def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Trial:
-    """Dock once."""
-    simulation, settings = simulation_of(controller, seed, case), settings_of(controller, case)
+def run_trial(
+    controller: ControllerName,
+    seed: int,
+    case: Case = CASES[0],
+    law: GracefulLaw | None = None,
+    world: World = Simulation,
+) -> Trial:
+    """Dock once.
+
+    Args:
+        controller: Ours.
+        seed: Which start.
+        case: What is wrong with the robot.
+        law: What drives from the staging pose on; None is the controller.
+        world: Makes the simulation.
+    """
+    simulation, settings = simulation_of(controller, seed, case, world), settings_of(controller, case)
+    if law is not None:
+        settings = replace(settings, controller_frequency=FREQUENCY)
     simulation.scanning = settings.collision.use_collision_detection
     off = _database_error(Random(f"{seed} database")) if case.known else None
     random = Random(f"{seed} disturbances")
     disturb = case.disturb(random)
-    goal = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time, watch_obstacles(settings))
+    own = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time, watch_obstacles(settings))
+    goal = own if law is None else GracefulGoal(own, law, settings)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
     step: Command | Outcome = goal.step(_observe(simulation, off))
@@ -121,13 +145,15 @@ def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> T
         if simulation.time >= TRAIL_PERIOD * len(trail):
             trail.append((simulation.robot.x, simulation.robot.y))
         step = goal.step(_observe(simulation, off))
+    seconds = simulation.time
+    simulation.run(SETTLING, STANDSTILL)
     robot = simulation.robot.pose
     succeeded = isinstance(step, Outcome) and step.end is End.SUCCEEDED
     return Trial(
         seed=seed,
         docked=succeeded and simulation.contact and simulation.bumps == 0,
         error_code=step.error_code.value if isinstance(step, Outcome) else "NO_END",
-        seconds=simulation.time,
+        seconds=seconds,
         retries=step.retries,
         bumps=simulation.bumps,
         contacts=tuple(touch.speed for touch in simulation.touches),
