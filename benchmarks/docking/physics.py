@@ -164,6 +164,7 @@ class Plates(Collisions):
             self._contact_since = None
         elif self._contact_since is None:
             self._contact_since = now
+            self.presses += 1
         hits = [pair for pair in touching if pair & SOLID and not pair & ROLLING and pair not in PADS_AT_PINS]
         blocked = bool(hits)
         if driven and blocked and not self._blocked and not self.contact:
