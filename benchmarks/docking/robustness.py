@@ -97,7 +97,9 @@ def _figures(controller: ControllerName, trials: Sequence[Trial]) -> dict[str, s
 
 def end_of(trial: Trial) -> str:
     """How a trial ended that did not dock."""
-    return "docked after a bump" if trial.error_code == "NONE" else trial.error_code
+    if trial.error_code != "NONE":
+        return trial.error_code
+    return "docked after a bump" if trial.bumps else "charged, then off the contacts"
 
 
 def fastest(speeds: Sequence[float]) -> str:

@@ -44,8 +44,8 @@ class Trial:
 
     Attributes:
         seed: Which start.
-        docked: Whether the goal succeeded with the robot in the contact zone, and without having run into the dock
-            outside of it.
+        docked: Whether the goal succeeded, with the robot in the contact zone also a second later, and without having
+            run into the dock outside of it.
         error_code: How the goal ended, NONE where it succeeded.
         seconds: Simulated, from the goal's acceptance to its end.
         retries: How often the robot backed off and tried again.
