@@ -53,7 +53,7 @@ WORKSHOP = Room(
         Box(-1.2, -3.5, -0.5, -2.8),  # drill press
         Box(-3.35, -2.2, -3.05, -1.9),  # column
         Box(-6.1, 1.7, -6.0, 4.5),  # wall of the store
-        Box(-9.85, 1.7, -8.0, 1.8),  # the same, beside its doorway
+        Box(-9.85, 1.7, -7.1, 1.8),  # the same, beside its doorway
         Box(-9.85, 2.2, -9.4, 4.1),  # shelves in the store
         Box(-8.4, 3.9, -7.0, 4.5),  # desk in the store
         Box(-9.85, -1.4, -9.0, 0.4),  # lathe
