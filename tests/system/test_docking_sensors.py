@@ -36,7 +36,7 @@ SENSORS = {
     "dock_pose": {"/odom", "/detected_dock_pose", "/tf"},
     "infrared": {"/odom", "/infrared/left", "/infrared/center", "/infrared/right"},
 }
-POSES = {"/dock_pose", "/filtered_dock_pose", "/staging_pose"}
+POSES = {"/dock_pose", "/filtered_dock_pose", "/staging_pose", "/plan"}
 ONE_METRE = Transform((1.0, 0.0, 0.0))
 AT = 1000.0  # the clock that stamps the sensors' messages need not be any other's
 

@@ -4,8 +4,10 @@ import signal
 
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist
+from nav_msgs.msg import Path
 
 from docking.core.geometry import Pose
+from docking.ros.geometry import pose_from
 from docking.simulation.dock import DOCKED
 from tests.support.docking import (
     SUCCEEDED,
@@ -29,6 +31,7 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer) -> None:
         poses = {
             topic: observer.record(PoseStamped, topic) for topic in ("dock_pose", "filtered_dock_pose", "staging_pose")
         }
+        plans = observer.record(Path, "plan")
         here.place(ASIDE)
         goal = send_dock_goal(observer)
         answer = goal.result(75.0)
@@ -43,6 +46,12 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer) -> None:
             assert stages.index(earlier) < stages.index(later)
         assert all(abs(message.linear.x) <= 0.26 and abs(message.angular.z) <= 1.0 for message in here.wheels.messages)
         assert all(recording.messages[-1].header.frame_id == "odom" for recording in poses.values())
+        plans.wait_for(lambda plan: not plan.poses)
+        assert {len(plan.poses) for plan in plans.messages} == {0, 2, 3}, "by way of the staging pose, then the rest"
+        ahead = [plan for plan in plans.messages if plan.poses]
+        docked = pose_from(poses["filtered_dock_pose"].messages[-1].pose)
+        assert all(pose_from(plan.poses[-1].pose).distance_to(docked) < 0.3 for plan in ahead)
+        assert {plan.header.frame_id for plan in plans.messages} == {"odom"}
 
         undocking = send_undock_goal(observer)
         answer = undocking.result(20.0)

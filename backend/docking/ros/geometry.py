@@ -1,11 +1,13 @@
 """Poses and stamps out of messages, and back."""
 
 import math
+from collections.abc import Sequence
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, PoseStamped, Quaternion, Vector3
 from geometry_msgs.msg import Pose as PoseMessage
 from geometry_msgs.msg import Transform as TransformMessage
+from nav_msgs.msg import Path
 
 from docking.core.geometry import Pose, quaternion_of, yaw_of
 from robot_io.transform import Transform
@@ -70,6 +72,14 @@ def pose_message(pose: Pose) -> PoseMessage:
     """A pose in the plane as a message."""
     x, y, z, w = quaternion_of(pose.theta)
     return PoseMessage(position=Point(x=pose.x, y=pose.y), orientation=Quaternion(x=x, y=y, z=z, w=w))
+
+
+def path_message(poses: Sequence[Pose], frame: str, stamp: Time) -> Path:
+    """Poses in the plane, one after another."""
+    message = Path(poses=[stamped_pose(pose, frame, stamp) for pose in poses])
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    return message
 
 
 def stamped_pose(pose: Pose, frame: str, stamp: Time) -> PoseStamped:

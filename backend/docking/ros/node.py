@@ -286,7 +286,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if observation.now - self._fed_back_at > 0.75 * FEEDBACK_PERIOD:
             self._fed_back_at = observation.now
             running.handle.publish_feedback(self._feedback())
-        self._poses.publish(step, self._sensors.odometry_frame)
+        robot = None if observation.odometry is None else observation.odometry.pose
+        self._poses.publish(step, self._sensors.odometry_frame, robot)
         stage, line = self._action.progress
         if step.stage is stage and not step.error_msg:
             self.get_logger().info(line, throttle_duration_sec=1.0)
@@ -309,6 +310,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             running.handle.abort()  # at once: of all goals to cancel, rclpy skips the one after a goal that refuses
         running.ended.set_result(outcome)
         self._reporter.end(outcome, running.goal_id)
+        self._poses.end()
         self._transforms.use(self._navigation, on=False)
         self._detector.end()
         self._sensors.listen_to(frozenset())  # an idle node costs next to nothing

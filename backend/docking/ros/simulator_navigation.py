@@ -17,7 +17,7 @@ from rclpy.task import Future
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL
 from docking.goal.outcome import End
-from docking.ros.geometry import pose_from, stamped_pose
+from docking.ros.geometry import path_message, pose_from, stamped_pose
 from docking.ros.navigation import ACTION, NavigateToPose
 from docking.ros.simulator_messages import BASE, MAP, ODOM, WORLD
 from docking.simulation.ride import MOTION, Ride
@@ -201,13 +201,9 @@ class SimulatorNavigation:
             )
 
     def _path(self, points: Sequence[Point], heading: float) -> Path:
-        stamp = self._now()
         headings = [math.atan2(end[1] - start[1], end[0] - start[0]) for start, end in pairwise(points)]
         poses = [Pose(x, y, theta) for (x, y), theta in zip(points, [*headings, heading], strict=False)]
-        path = Path(poses=[stamped_pose(pose, MAP, stamp) for pose in poses])
-        path.header.frame_id = MAP
-        path.header.stamp = stamp
-        return path
+        return path_message(poses, MAP, self._now())
 
     def _now(self) -> Time:
         return self._node.get_clock().now().to_msg()
