@@ -6,7 +6,7 @@ name, except those that only read; and none of a stopped robot, except those.
 
 import asyncio
 from collections import Counter, OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -79,6 +79,15 @@ class Called:
 
     type: str
     response: Json
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The response of a service as a message, with its type and that type's class."""
+
+    type: str
+    kind: Any
+    response: Any
 
 
 class ServiceCalls:
@@ -163,19 +172,44 @@ class ServiceCalls:
             grant: What the user may see of the graph.
 
         Raises:
-            NotFound, InvalidField: As for `find`; or `fields` are not a request of this type.
+            GatewayError: As for `ask`; or `response_too_large`.
+        """
+        answer = await self.ask(
+            name, lambda kind: codec(kind.Request).parse(fields), type_name=type_name, timeout=timeout, grant=grant
+        )
+        return Called(answer.type, await asyncio.to_thread(self._encode, name, answer.kind, answer.response))
+
+    async def ask(
+        self,
+        name: str,
+        read: Callable[[Any], Any],
+        *,
+        type_name: str | None = None,
+        timeout: float = 5.0,
+        grant: Grant = UNLIMITED,
+    ) -> Answer:
+        """Call a service and return its response as a message. Nothing is sent unless the request can be read.
+
+        Args:
+            name: Absolute name.
+            read: Returns the request, given the class of the service's type.
+            type_name: The type of the service, if it has several.
+            timeout: Seconds to wait for the response, after the service has been found.
+            grant: What the user may see of the graph.
+
+        Raises:
+            NotFound, InvalidField: As for `find`; or the request is none of this type.
             NotAllowed: As for `require_allowed`.
             Conflict: `stop_latched`: the robot is stopped.
             TooManyRequests: `too_many_calls`.
             Unavailable: Its package is not installed (`interface_not_installed`), it is not reached
                 (`service_unavailable`) or has left (`service_gone`), or `ros_unavailable`.
             ServerTimeout: `service_timeout`: it did not answer. It may have carried out the call.
-            GatewayError: `response_too_large`.
         """
         service = await self.find(name, type_name, grant)
         self.require_allowed(service)
         kind = await self.load(service)
-        request = codec(kind.Request).parse(fields)
+        request = read(kind)
         self._require_released(service)
 
         def before() -> None:
@@ -191,7 +225,7 @@ class ServiceCalls:
                     f"{name} did not answer within {timeout:g} s; it may still carry out the call",
                     code="service_timeout",
                 ) from None
-        return Called(service.type, await asyncio.to_thread(self._encode, name, kind, response))
+        return Answer(service.type, kind, response)
 
     @staticmethod
     async def load(service: FoundService) -> Any:

@@ -173,12 +173,6 @@ def split_name(name: str, identity: Identity) -> tuple[str, Identity]:
     return plain, behind if separator and identity is None else identity
 
 
-def full_type(name: str, kind: str = "msg") -> str:
-    """Return `std_msgs/msg/String` for `std_msgs/String`, too."""
-    package, separator, rest = name.partition("/")
-    return name if not separator or "/" in rest else f"{package}/{kind}/{rest}"
-
-
 def stamp(time: datetime) -> Json:
     """Return a time as a message of ROS."""
     return {"sec": int(time.timestamp()), "nanosec": time.microsecond * 1000}

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.grant import Role
 from dock_gateway.graph.publishing import Publishing
-from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.types import Nested, kinds, type_name
 from dock_gateway.rosbridge.protocol import stamp
 from dock_gateway.rosbridge.values import reader
+from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
 HEADER = "std_msgs/msg/Header"
@@ -45,11 +44,11 @@ class Publications:
 
     def __init__(self, parts: Parts, rights: Rights) -> None:
         self._publishing = parts[Publishing]
+        self._operations = GraphOperations(parts, rights)
         self._rights = rights
         self._types: dict[str, str | None] = {}  # as the client says
         self._advertised: dict[str, Advertised] = {}
 
-    @operation(Role.OPERATOR, Scope.PUBLISHING)
     async def advertise(self, topic: str, wanted: str) -> None:
         """Note the type of a topic.
 
@@ -65,26 +64,21 @@ class Publications:
             await self._look(topic)
             return {}
 
-        await self._rights.carry_out(Publications.advertise, {"topic": topic}, look)
+        await self._operations.advertise(topic, look)
 
     def unadvertise(self, topic: str) -> None:
         """Forget a topic. Its publisher leaves after a minute without messages."""
         self._types.pop(topic, None)
         self._advertised.pop(topic, None)
 
-    @operation(Role.OPERATOR, Scope.PUBLISHING)
     async def publish(self, topic: str, message: Any) -> None:
         """Publish a message.
 
         Raises:
             GatewayError: As `Publishing.publish`; or the user's grant does not reach.
         """
-        fields = {"topic": topic}
-        if topic in self._advertised:
-            await self._rights.require(Publications.publish, fields)
-            await self._publish(topic, message)
-        else:
-            await self._rights.carry_out(Publications.publish, fields, lambda: self._publish(topic, message))
+        known = topic in self._advertised
+        await self._operations.publish(topic, lambda: self._publish(topic, message), recorded=not known)
 
     async def _publish(self, topic: str, message: Any) -> dict[str, Any]:
         known = self._advertised.get(topic) or await self._look(topic)

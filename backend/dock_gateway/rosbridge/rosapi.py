@@ -12,7 +12,7 @@ from dock_gateway.core.grant import Grant
 from dock_gateway.core.graph import Endpoint, Seen, Service, Topic, graph_document
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.http.parts import Parts
-from dock_gateway.rosbridge.protocol import full_type
+from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.rosbridge.typedefs import definition_texts, message_definitions, service_definitions
 
 Json = dict[str, Any]

@@ -1,18 +1,14 @@
 """Services that a client calls: the gateway's own, those of `/rosapi`, and those of ROS nodes by permission."""
 
-import asyncio
-from collections.abc import Iterable
-from itertools import chain
 from typing import Any
 
 import orjson
 
-from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.graph import Seen
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.parameters import Parameters
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
@@ -20,6 +16,7 @@ from dock_gateway.ros.messages.interfaces import load_service
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.protocol import CallService
 from dock_gateway.rosbridge.values import adapter
+from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
 Json = dict[str, Any]
@@ -27,8 +24,6 @@ Json = dict[str, Any]
 # Services of the gateway itself: the commands of `/ws` with these names.
 STOP = "stop"
 OWN_SERVICES = {f"/dock_gateway/{name}": name for name in (STOP, "release_stop")}
-# Nodes that are asked for the names of their parameters, and how many of them at a time.
-MAX_NODES, NODES_AT_ONCE = 50, 4
 
 
 class Services:
@@ -42,6 +37,7 @@ class Services:
     def __init__(self, parts: Parts, rights: Rights) -> None:
         self._parts = parts
         self._rights = rights
+        self._operations = GraphOperations(parts, rights)
         self._parameters = {
             "get_param": self._get_param,
             "has_param": self._has_param,
@@ -74,7 +70,6 @@ class Services:
             return await parameter(args)
         return await self.ask(service, args)
 
-    @operation(Role.OPERATOR, Scope.SERVICE)
     async def call_service(self, service: str, request: CallService) -> Any:
         """Call a service of a ROS node."""
 
@@ -90,7 +85,7 @@ class Services:
             response = orjson.loads(called.response)
             return {"response": response if adapt is None else adapt(response)}
 
-        answer = await self._rights.carry_out(Services.call_service, {"service": service}, call)
+        answer = await self._operations.call_service(service, call)
         return answer["response"]
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
@@ -99,33 +94,19 @@ class Services:
         await self._rights.require(Services.ask, {})
         return await rosapi.answer(self._parts, self._rights.grant, service, args)
 
-    @operation(Role.VIEWER, Scope.PLACE, Audit.NEVER)
-    async def get_param(self, node: str, name: str) -> Any:
+    async def _value(self, args: Any) -> Any:
         """Return the value of a parameter, None if the node has no such parameter."""
-        await self._rights.require(Services.get_param, {"node": node})
-        for parameter in await self._parts[Parameters].read(node, self._rights.grant):
-            if (document := parameter.document())["name"] == name:
-                return document["value"]
-        return None
-
-    @operation(Role.SUPERVISOR, Scope.NODE)
-    async def set_param(self, node: str, name: str, value: Any) -> None:
-        """Set a parameter."""
-
-        async def change() -> Json:
-            await self._parts[Parameters].change(node, {name: value}, grant=self._rights.grant)
-            return {}
-
-        subject = f"{node} {name}"[:200]
-        await self._rights.carry_out(Services.set_param, {"node": node}, change, subject=subject)
+        node, name = _parameter(args)
+        parameters = await self._operations.get_param(node)
+        return next((each.document()["value"] for each in parameters if each.name == name), None)
 
     async def _get_param(self, args: Any) -> Json:
-        value = await self.get_param(*_parameter(args))
+        value = await self._value(args)
         default = args.get("default_value", args.get("default", "")) if isinstance(args, dict) else ""
         return {"value": default if value is None else encode(value).decode(), "successful": value is not None}
 
     async def _has_param(self, args: Any) -> Json:
-        return {"exists": await self.get_param(*_parameter(args)) is not None}
+        return {"exists": await self._value(args) is not None}
 
     async def _set_param(self, args: Any) -> Json:
         node, name = _parameter(args)
@@ -134,28 +115,13 @@ class Services:
             value = orjson.loads(text) if isinstance(text, str) else text
         except orjson.JSONDecodeError as error:
             raise MalformedRequest(f"args.value is not JSON: {error}") from None
-        await self.set_param(node, name, value)
+        await self._operations.set_param(node, {name: value})
         return {"successful": True, "reason": ""}
-
-    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
-    async def get_param_names(self, nodes: Iterable[str]) -> list[str]:
-        """Return the names of the parameters of nodes; those that do not answer are left out."""
-        await self._rights.require(Services.get_param_names, {})
-        at_once = asyncio.Semaphore(NODES_AT_ONCE)
-
-        async def names(node: str) -> list[str]:
-            try:
-                async with at_once:
-                    found = await self._parts[Parameters].read(node, self._rights.grant)
-            except GatewayError:
-                return []
-            return [f"{node}:{parameter.name}" for parameter in found]
-
-        return sorted(chain.from_iterable(await asyncio.gather(*map(names, nodes))))
 
     async def _get_param_names(self, _: Any) -> Json:
         seen: Seen = (await self._parts[GraphCache].graph(self._rights.grant)).seen
-        return {"names": await self.get_param_names(sorted(seen.nodes)[:MAX_NODES])}
+        found = await self._operations.get_params(seen.nodes)
+        return {"names": sorted(f"{node}:{each.name}" for node, parameters in found.items() for each in parameters)}
 
 
 def _parameter(args: Any) -> tuple[str, str]:

@@ -25,6 +25,7 @@ from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import INTERNAL
+from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
@@ -42,7 +43,6 @@ from dock_gateway.rosbridge.protocol import (
     Subscribe,
     Unadvertise,
     Unsubscribe,
-    full_type,
     read_operation,
     service_response,
     split_name,

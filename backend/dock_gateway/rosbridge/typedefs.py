@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import Any
 
 from dock_gateway.ros.messages.full_definition import full_definition, nested_classes, short_name
-from dock_gateway.ros.messages.interfaces import load_message, load_service
+from dock_gateway.ros.messages.interfaces import full_type, load_message, load_service
 from dock_gateway.ros.messages.types import (
     Boolean,
     Float,
@@ -17,7 +17,6 @@ from dock_gateway.ros.messages.types import (
     Text,
     kinds,
 )
-from dock_gateway.rosbridge.protocol import full_type
 
 Json = dict[str, Any]
 

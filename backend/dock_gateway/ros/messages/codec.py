@@ -53,9 +53,13 @@ class MessageCodec:
     def parse(self, value: object, path: str = "") -> Any:
         """Build a message from decoded JSON; missing fields get their default, NaN if the message type wants it.
 
+        What is a message already is returned as it is: a client may have sent it as bytes.
+
         Raises:
             InvalidField: With all errors, up to a limit.
         """
+        if isinstance(value, self._class):
+            return value
         errors: list[FieldError] = []
         message = self.parse_into(value, path, errors)
         if errors:

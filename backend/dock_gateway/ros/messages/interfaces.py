@@ -21,6 +21,12 @@ _SERVICE_TYPE = re.compile(f"({PACKAGE_NAME})/srv/({TYPE_NAME})")
 _INDEX = Path("share/ament_index/resource_index/rosidl_interfaces")
 
 
+def full_type(name: str, kind: str = "msg") -> str:
+    """Return `std_msgs/msg/String` for `std_msgs/String`, too."""
+    package, separator, rest = name.partition("/")
+    return name if not separator or "/" in rest else f"{package}/{kind}/{rest}"
+
+
 def load_action(type_name: str) -> Any:
     """Import the Python class of an action type such as `action_tutorials_interfaces/action/Fibonacci`.
 
