@@ -8,13 +8,15 @@ from typing import Any
 
 import orjson
 import pytest
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import String
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_websocket
 from websockets.typing import Subprotocol
 
+from action_tutorials_interfaces.action import Fibonacci
 from tests.support.access import Site, bearer, ends_with
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.processes import free_port
@@ -24,6 +26,21 @@ pytestmark = pytest.mark.ros
 
 SCAN = "/talker0/scan"
 FEEDBACK = "/fibonacci/_action/feedback"
+# More steps than a test takes; the server accepts no more.
+LONG = 45
+# What clients may reach past goals and the latch.
+ALLOWED = {
+    "publish": "/chatter,/cmd_vel",
+    "call_services": "/talker0/talker/*",
+    "set_parameters": "/talker0/talker",
+}
+PARAMETER = "/talker0/talker.use_sim_time"
+
+
+FIBONACCI = "action_tutorials_interfaces/action/Fibonacci"
+CHATTER = {"id": 1, "topic": "/chatter", "encoding": "cdr", "schemaName": "std_msgs/msg/String"}
+# A request with one text, which is empty.
+NO_TEXT = b"\0\1\0\0\1\0\0\0\0"
 
 
 class Client:
@@ -32,7 +49,7 @@ class Client:
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
         self.channels: dict[str, dict[str, Any]] = {}
-        self.messages: list[tuple[int, bytes]] = []
+        self.services: dict[str, dict[str, Any]] = {}
 
     def send(self, op: str, **fields: Any) -> None:
         self.connection.send(orjson.dumps({"op": op, **fields}).decode())
@@ -45,13 +62,18 @@ class Client:
             message = self.read(data)
         if message["op"] == "advertise":
             self.channels |= {each["topic"]: each for each in message["channels"]}
+        if message["op"] == "advertiseServices":
+            self.services |= {each["name"]: each for each in message["services"]}
         return message
 
-    def read(self, data: bytes) -> dict[str, Any]:
-        opcode, identity, stamp_ns = struct.unpack_from("<BIQ", data)
-        assert opcode == 1
-        self.messages.append((identity, data[13:]))
-        return {"op": "message", "id": identity, "stamp_ns": stamp_ns, "data": data[13:]}
+    @staticmethod
+    def read(data: bytes) -> dict[str, Any]:
+        if data[0] == 1:
+            identity, stamp_ns = struct.unpack_from("<IQ", data, 1)
+            return {"op": "message", "id": identity, "stamp_ns": stamp_ns, "data": data[13:]}
+        service, call, length = struct.unpack_from("<III", data, 1)
+        assert data[0] == 3
+        return {"op": "response", "serviceId": service, "callId": call, "data": data[13 + length :]}
 
     def until(self, op: str, **fields: Any) -> dict[str, Any]:
         """The next message of this kind with these fields."""
@@ -67,6 +89,33 @@ class Client:
 
     def subscribe(self, identity: int, topic: str) -> None:
         self.send("subscribe", subscriptions=[{"id": identity, "channelId": self.channel(topic)["id"]}])
+
+    def service(self, name: str) -> int:
+        """The id of a service, as soon as it is offered."""
+        while name not in self.services:
+            self.next()
+        return int(self.services[name]["id"])
+
+    def begin(self, name: str, request: bytes, encoding: str = "cdr", call: int = 7) -> None:
+        head = struct.pack("<BIII", 2, self.service(name), call, len(encoding))
+        self.connection.send(head + encoding.encode() + request)
+
+    def call(self, name: str, request: bytes, encoding: str = "cdr") -> bytes:
+        """The response of a service."""
+        self.begin(name, request, encoding)
+        while (message := self.next())["op"] not in {"response", "serviceCallFailure"}:
+            pass
+        assert message["op"] == "response", message
+        assert (message["serviceId"], message["callId"]) == (self.services[name]["id"], 7)
+        return bytes(message["data"])
+
+    def ask(self, name: str, **fields: Any) -> Any:
+        """The response of a service, in JSON."""
+        return orjson.loads(self.call(name, orjson.dumps(fields), "json"))
+
+    def failure(self, name: str, request: bytes, encoding: str = "cdr") -> str:
+        self.begin(name, request, encoding)
+        return str(self.until("serviceCallFailure", callId=7)["message"])
 
     def error(self, text: str) -> None:
         message = self.until("status", level=2)
@@ -88,7 +137,7 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
         latched = ("--topic", "latched:std_msgs/msg/String:latched")
         stack.enter_context(running_talker(shared_domain, *topics, *latched))
         stack.enter_context(running_program(shared_domain, "fibonacci_action_server", "-p", "step_period:=0.2"))
-        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1"))
+        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1", **ALLOWED))
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
         yield gateway
@@ -133,6 +182,113 @@ def test_the_feedback_of_an_action_and_topics_that_come_and_go(
         pass
 
 
+def test_a_goal_by_services(gateway: RunningGateway, client: Client) -> None:
+    sent = client.call("/fibonacci/send_goal", serialize_message(Fibonacci.Goal(order=4)))
+    assert b"accepted" in sent or b"executing" in sent
+    offered = client.services["/fibonacci/get_result"]["response"]["schema"]
+    assert offered.startswith("action_tutorials_interfaces/Fibonacci_Result result")
+    result = client.call("/fibonacci/get_result", NO_TEXT)  # of the last one
+    assert list(deserialize_message(result, Fibonacci.Result).sequence) == [0, 1, 1, 2, 3]
+    assert b"succeeded" in result
+    goal = client.ask("/fibonacci/send_goal", order=LONG)
+    assert client.ask("/fibonacci/cancel_goal", goal_id=goal["goal_id"])["goal_id"] == goal["goal_id"]
+    ended = client.ask("/fibonacci/get_result", goal_id=goal["goal_id"])
+    assert (ended["status"], ended["goal_id"]) == ("canceled", goal["goal_id"])
+    (newest, *_) = gateway.http.get("/actions/fibonacci/goals").json()["goals"]
+    assert (newest["goal_id"], newest["origin"]) == (goal["goal_id"], "gateway")
+    sent_goals = {"what": "send_goal"}
+    wait_until(lambda: goal["goal_id"] in gateway.http.get("/audit", params=sent_goals).text, "the audit log")
+    for name, request, reason in (
+        ("/fibonacci/send_goal", b'{"order": "ten"}', "order: expected"),
+        ("/fibonacci/send_goal", b'{"order": -1}', "rejected"),
+        ("/fibonacci/get_result", b'{"goal_id": 7}', "goal_id"),
+        ("/fibonacci/cancel_goal", orjson.dumps(goal), "already canceled"),
+    ):
+        assert reason in client.failure(name, request, "json")
+
+
+def test_a_stop_holds_and_is_carried_out_whatever_its_request_is(gateway: RunningGateway, client: Client) -> None:
+    goal = client.ask("/fibonacci/send_goal", order=LONG)
+    assert b"latched" in client.call("/dock_gateway/stop", b"\xff\xff")
+    assert "stop" in client.failure("/fibonacci/send_goal", b'{"order": 3}', "json")
+    assert client.ask("/fibonacci/get_result", goal_id=goal["goal_id"])["status"] == "canceled"
+    assert "latched" in client.ask("/dock_gateway/release_stop")["report"]
+    assert client.ask("/fibonacci/send_goal", order=2)["goal_id"]
+
+
+def test_services_parameters_and_the_connection_graph(gateway: RunningGateway, client: Client) -> None:
+    client.send("getParameters", parameterNames=[PARAMETER, "/nobody.a"], id="g")
+    assert client.until("parameterValues", id="g")["parameters"] == [{"name": PARAMETER, "value": False}]
+    client.error("no node /nobody")
+    client.send("getParameters", parameterNames=[], id="all")
+    found = client.until("parameterValues", id="all")["parameters"]
+    assert {PARAMETER, "/fibonacci_action_server.step_period"} <= {each["name"] for each in found}
+    (step,) = (each for each in found if each["name"] == "/fibonacci_action_server.step_period")
+    assert (step["value"], step["type"]) == (0.2, "float64")
+    client.send("subscribeParameterUpdates", parameterNames=[PARAMETER])
+    wait_until(lambda: gateway.http.get("/graph/topics/parameter_events").json()["subscribers"], "it listens")
+    client.send("setParameters", parameters=[{"name": PARAMETER, "value": False}], id="s")
+    both = [client.until("parameterValues") for _ in range(2)]  # the answer, and the change
+    assert {each.get("id") for each in both} == {"s", None}
+    assert all(each["parameters"] == [{"name": PARAMETER, "value": False}] for each in both)
+    for parameter, reason in (
+        ({"name": "/fibonacci_action_server.step_period", "value": 1.0}, "--set-parameters"),
+        ({"name": PARAMETER, "value": 7}, "expected a boolean"),
+        ({"name": PARAMETER}, "not removed"),
+        ({"name": "nothing", "value": 7}, "a node and a parameter"),
+        ({"name": PARAMETER, "value": "!", "type": "byte_array"}, "base64"),
+    ):
+        client.send("setParameters", parameters=[parameter])
+        client.error(reason)
+    changes = {"what": "set_param"}
+    wait_until(
+        lambda: "/fibonacci_action_server step_period" in gateway.http.get("/audit", params=changes).text, "the audit"
+    )
+    client.send("subscribeConnectionGraph")
+    graph = client.until("connectionGraphUpdate")
+    assert {"name": SCAN, "publisherIds": ["/talker0/talker"]} in graph["publishedTopics"]
+    client.send("unsubscribeConnectionGraph")
+    client.send("unsubscribeParameterUpdates", parameterNames=[])
+    wait_until(lambda: not gateway.http.get("/graph/topics/parameter_events").json()["subscribers"], "it leaves")
+
+
+def test_messages_are_published_where_that_is_allowed(gateway: RunningGateway, client: Client) -> None:
+    client.next()
+    for identity, topic, fields, reason in (
+        (1, "/other", {}, "--publish '/other'"),
+        (1, "/chatter", {"encoding": "protobuf"}, "encoding: expected one of cdr, json"),
+        (1, "/chatter", {"schemaName": "nothing_msgs/msg/Nothing"}, "not installed"),
+        (1, FEEDBACK, {"schemaName": f"{FIBONACCI}_FeedbackMessage"}, "belongs to an action"),
+    ):
+        client.send("advertise", channels=[CHATTER | {"id": identity, "topic": topic} | fields])
+        client.error(reason)
+    client.send("advertise", channels=[CHATTER, CHATTER, CHATTER | {"id": 2, "encoding": "json"}])
+    client.error("is advertised already")
+    client.connection.send(b"\x01\1\0\0\0" + serialize_message(String(data="first")))
+    client.subscribe(5, "/chatter")
+    wait_until(lambda: gateway.http.get("/graph/topics/chatter").json()["subscribers"], "it is subscribed to")
+    client.connection.send(b"\x01\1\0\0\0" + serialize_message(String(data="a")))
+    assert deserialize_message(client.until("message", id=5)["data"], String).data == "a"
+    client.connection.send(b'\x01\2\0\0\0{"data": "b"}')
+    assert deserialize_message(client.until("message", id=5)["data"], String).data == "b"
+    for message, reason in (
+        (b"\x01\1\0\0\0\xff\xff", "are no std_msgs/msg/String in CDR"),
+        (b'\x01\2\0\0\0{"data": 7}', "data: expected"),
+        (b"\x01\3\0\0\0x", "channel 3 is not advertised"),
+    ):
+        client.connection.send(message)
+        client.error(reason)
+    twist = {"id": 9, "topic": "/cmd_vel", "encoding": "json", "schemaName": "geometry_msgs/msg/Twist"}
+    client.send("advertise", channels=[twist])
+    assert gateway.http.post("/stop").status_code == 200
+    client.connection.send(b"\x01\x09\0\0\0{}")
+    client.error("stop")
+    assert gateway.http.delete("/stop").status_code == 200
+    client.send("unadvertise", channelIds=[1, 2, 3])
+    client.connection.send(b"\x01\1\0\0\0")
+    client.error("channel 1 is not advertised")
+
+
 def test_bad_input_is_answered_and_nothing_is_lost(client: Client) -> None:
     client.subscribe(1, SCAN)
     client.until("message", id=1)
@@ -156,9 +312,16 @@ def test_bad_input_is_answered_and_nothing_is_lost(client: Client) -> None:
         (b"\x01\x00", "a binary message"),
         (b"\x02\x01\x00\x00\x00\x01\x00\x00\x00\xff\xff\xff\xff", "a binary message"),
         (b"\xff" * 500, "a binary message"),
+        ('{"op": "getParameters", "parameterNames": "all"}', "parameterNames: expected"),
+        ('{"op": "advertise", "channels": [{}]}', "channels.0.id: expected"),
     ):
         client.connection.send(sent)
         client.error(expected)
+    client.connection.send(b"\x02" + struct.pack("<III", 1, 2, 3) + b"cdr")
+    assert "no service 1" in client.until("serviceCallFailure", callId=2)["message"]
+    assert "encoding" in client.failure("/fibonacci/send_goal", b"", "protobuf")
+    assert "in CDR" in client.failure("/fibonacci/send_goal", b"\x00\x01")
+    assert "in CDR" in client.failure("/fibonacci/get_result", NO_TEXT[:-2] + b"\xff\xff")
     unknown = [{"id": number + 2, "channelId": number} for number in range(10_000)]
     client.send("subscribe", subscriptions=unknown)
     client.error("and 99")
@@ -193,6 +356,10 @@ def test_a_port_of_its_own_subprotocols_tokens_and_tickets(shared_domain: int, t
                 hidden = everything.channel(SCAN)["id"]
             client.send("subscribe", subscriptions=[{"id": 2, "channelId": hidden}])
             client.error(f"there is no channel {hidden}")
+            client.service("/dock_gateway/stop")
+            assert [name for name in client.services if name.startswith("/fibonacci")] == ["/fibonacci/get_result"]
+            client.send("setParameters", parameters=[{"name": PARAMETER, "value": True}])
+            client.error("needs the role")
             assert SCAN not in client.channels
             other.channel("/talker0/battery_status")
             site.run("token", "revoke", "viewer")

@@ -21,6 +21,8 @@ ENCODINGS = ("cdr", "json")
 SCHEMA_ENCODING = "ros2msg"
 # Characters of a name, an id or an encoding.
 MAX_NAME = 1000
+# Parameters of one operation, and those of whose changes a client is told.
+MAX_PARAMETERS = 1000
 
 Id = Annotated[int, Field(ge=0, lt=2**32, strict=True)]
 Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME)]
@@ -57,6 +59,55 @@ class Unsubscribe(Operation):
     """Send no more messages of channels."""
 
     subscriptions: list[Id] = Field(alias="subscriptionIds")
+
+
+class ClientChannel(Operation):
+    """A channel on which a client publishes."""
+
+    id: Id
+    topic: Name
+    encoding: Name
+    schema_name: Name = Field(alias="schemaName")
+
+
+class Advertise(Operation):
+    """Prepare for messages on channels of the client."""
+
+    channels: list[ClientChannel]
+
+
+class Unadvertise(Operation):
+    """Forget channels of the client."""
+
+    channels: list[Id] = Field(alias="channelIds")
+
+
+class GetParameters(Operation):
+    """Send the values of parameters; without names, of all."""
+
+    names: Annotated[list[Name], Field(alias="parameterNames", max_length=MAX_PARAMETERS)]
+    id: Annotated[str, Field(max_length=MAX_NAME)] | None = None
+
+
+class ParameterIn(Operation):
+    """A parameter to be set."""
+
+    name: Name
+    value: Any = None
+    type: str | None = None
+
+
+class SetParameters(Operation):
+    """Set parameters."""
+
+    parameters: Annotated[list[ParameterIn], Field(max_length=MAX_PARAMETERS)]
+    id: Annotated[str, Field(max_length=MAX_NAME)] | None = None
+
+
+class ParameterNames(Operation):
+    """Parameters of whose changes a client is told, or no more; without names, all."""
+
+    names: Annotated[list[Name], Field(alias="parameterNames", max_length=MAX_PARAMETERS)]
 
 
 # Operations of the protocol that the gateway does not have, and why.
@@ -149,6 +200,33 @@ def advertise(channels: Iterable[Json]) -> bytes:
 def unadvertise(channels: Iterable[int]) -> bytes:
     """Return the message that channels are gone."""
     return encode({"op": "unadvertise", "channelIds": list(channels)})
+
+
+def advertise_services(services: Iterable[Json]) -> bytes:
+    """Return the message that there are services."""
+    return encode({"op": "advertiseServices", "services": list(services)})
+
+
+def unadvertise_services(services: Iterable[int]) -> bytes:
+    """Return the message that services are gone."""
+    return encode({"op": "unadvertiseServices", "serviceIds": list(services)})
+
+
+def service_call_failure(call: Call, text: str) -> bytes:
+    """Return the message that a call has failed."""
+    return encode({"op": "serviceCallFailure", "serviceId": call.service, "callId": call.call, "message": text})
+
+
+def service_call_response(call: Call, response: bytes) -> bytes:
+    """Return the response to a call, encoded as its request was."""
+    encoding = call.encoding.encode()
+    return struct.pack("<BIII", 3, call.service, call.call, len(encoding)) + encoding + response
+
+
+def parameter_values(parameters: list[Json], identity: str | None = None) -> bytes:
+    """Return the values of parameters."""
+    message = {"op": "parameterValues", "parameters": parameters}
+    return encode(message if identity is None else {**message, "id": identity})
 
 
 def message_data(subscription: int, received_ns: int, message: bytes) -> bytes:

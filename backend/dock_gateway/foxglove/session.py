@@ -3,7 +3,6 @@
 What a client may do is what it may do at `/ws`.
 """
 
-import asyncio
 import logging
 import os
 from collections.abc import Awaitable, Callable, Iterable
@@ -18,19 +17,27 @@ from starlette.websockets import WebSocketDisconnect
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests
 from dock_gateway.core.grant import Role
-from dock_gateway.core.graph import Seen
 from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
 from dock_gateway.foxglove import protocol
-from dock_gateway.foxglove.channels import Channels
+from dock_gateway.foxglove.graph_view import GraphView
+from dock_gateway.foxglove.parameters import ClientParameters
 from dock_gateway.foxglove.protocol import (
+    Advertise,
+    Call,
+    GetParameters,
     Json,
     Level,
+    ParameterNames,
+    SetParameters,
     Subscribe,
     Subscription,
+    Unadvertise,
     Unsubscribe,
     read_binary,
     read_operation,
 )
+from dock_gateway.foxglove.publications import Publications
+from dock_gateway.foxglove.services import Services
 from dock_gateway.foxglove.subscriptions import Subscriptions
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
@@ -49,10 +56,7 @@ log = logging.getLogger(__name__)
 
 # Operations in progress, and cancels and stops in addition to them.
 MAX_OPERATIONS, MAX_URGENT = 64, 64
-# Seconds between two looks at the graph.
-LOOK = 2.0
-# Channels in one message: a definition has kilobytes.
-CHANNELS_AT_ONCE = 100
+CAPABILITIES = ("services", "parameters", "parametersSubscribe", "connectionGraph")
 # Errors in one status message.
 MAX_ERRORS = 10
 
@@ -70,7 +74,6 @@ class Session:
         parts: Carry out the operations.
         principal: The user who sends them.
         writer: Writes frames past the queue; None if the connection cannot.
-        look: Seconds between two looks at the graph.
     """
 
     def __init__(
@@ -79,22 +82,27 @@ class Session:
         parts: Parts,
         principal: Principal,
         writer: FrameWriter | None,
-        look: float = LOOK,
     ) -> None:
         self._websocket = websocket
         self._parts = parts
-        self._look = look
         self._rights = Rights(websocket.scope, parts, principal)
-        self._channels = Channels(principal.grant)
         self._subscriptions = Subscriptions(parts[Relays], writer)
         self._connection = ClientConnection(websocket, parts[Settings].subscriber_timeout)
-        self._in_order = asyncio.Lock()
+        self._services = Services(parts, self._rights)
+        self._publications = Publications(parts, self._rights)
+        self._parameters = ClientParameters(parts, self._rights)
+        self._view = GraphView(parts[GraphCache], self._rights, self._services, self._subscriptions, self._send)
+        self._in_order = self._view.changing
         self._closed = False
 
     async def run(self, place: Subscriber) -> None:
         """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
         await until_one_ends(
-            self._read(), self._watch_graph(), self._subscriptions.send_all(self._send_bytes), self._follow(place)
+            self._read(),
+            self._show_graph(),
+            self._subscriptions.send_all(self._send_bytes),
+            self._parameters.send_all(self._send_parameters),
+            self._follow(place),
         )
         await self._connection.close("too_slow")
 
@@ -103,6 +111,7 @@ class Session:
         self._closed = True
         async with self._in_order:
             await self._subscriptions.close()
+            await self._parameters.close()
 
     async def _follow(self, place: Subscriber) -> None:
         hub = self._parts[Hub]
@@ -110,33 +119,12 @@ class Session:
             await place.take(60.0)
         await self._connection.close(end_of(place))
 
-    # ------------------------------------------------------------------ the graph
-
-    async def _watch_graph(self) -> None:
-        """Tell the client what there is, and what has changed."""
-        await self._send(protocol.server_info((), {"ROS_DISTRO": os.environ.get("ROS_DISTRO", "jazzy")}, SESSION))
-        await self._send(protocol.advertise(()))
-        graph, tag = self._parts[GraphCache], ""
-        while True:
-            try:
-                view = await graph.graph()
-            except GatewayError as error:
-                log.info("cannot read the ROS graph: %s", error.detail)
-            else:
-                if view.tag != tag:
-                    await self._show(view.seen)
-                    tag = view.tag
-            await asyncio.sleep(self._look)
-
-    async def _show(self, seen: Seen) -> None:
-        async with self._in_order:
-            new, gone = await self._channels.update(seen)
-            for channel in gone:
-                await self._subscriptions.leave(channel)
-        if gone:
-            await self._send(protocol.unadvertise(channel.id for channel in gone))
-        for at in range(0, len(new), CHANNELS_AT_ONCE):
-            await self._send(protocol.advertise(channel.document() for channel in new[at : at + CHANNELS_AT_ONCE]))
+    async def _show_graph(self) -> None:
+        publishes = self._parts[Settings].publish and self._rights.grant.role.includes(Role.OPERATOR)
+        capabilities = [*CAPABILITIES, *(["clientPublish"] if publishes else [])]
+        metadata = {"ROS_DISTRO": os.environ.get("ROS_DISTRO", "jazzy")}
+        await self._send(protocol.server_info(capabilities, metadata, SESSION))
+        await self._view.follow()
 
     # ------------------------------------------------------------------ operations
 
@@ -146,36 +134,65 @@ class Session:
             self._websocket,
             self._handle,
             self._refuse,
-            lambda _: False,
+            self._is_urgent,
             most=MAX_OPERATIONS,
             most_urgent=MAX_URGENT,
             what="operations",
         )
 
     async def _refuse(self, error: TooManyRequests) -> None:
-        await self._report(Level.error, error.detail)
+        await self._report(error.detail)
+
+    def _is_urgent(self, received: Message) -> bool:
+        """Whether a message stops something."""
+        try:
+            message = read_binary(received.get("bytes") or b"")
+        except GatewayError:
+            return False
+        service = self._services.find(message.service) if isinstance(message, Call) else None
+        return service is not None and service.urgent
 
     async def _handle(self, received: Message) -> None:
         op = ""
         try:
             if (text := received.get("text")) is None:
-                read_binary(received.get("bytes") or b"")
-                raise NotFound("the gateway offers this client no services, and no channels to publish on")
-            op, fields = read_operation(text)
-            operate = OPERATIONS.get(op)
-            if operate is None:
-                known = ", ".join(OPERATIONS)
-                await self._report(Level.error, f"unknown operation {op[:60]!r}: expected one of {known}")
+                await self._handle_binary(received.get("bytes") or b"")
                 return
-            async with self._in_order:
-                await operate(self, fields)
+            op, fields = read_operation(text)
+            if op in IN_ORDER:
+                async with self._in_order:
+                    await IN_ORDER[op](self, fields)
+            elif op in OTHERS:
+                await OTHERS[op](self, fields)
+            else:
+                known = ", ".join((*IN_ORDER, *OTHERS))
+                await self._report(f"unknown operation {op[:60]!r}: expected one of {known}")
         except GatewayError as error:
-            await self._report(Level.error, f"{op}: {error.detail}" if op else error.detail)
+            await self._report(f"{op}: {error.detail}" if op else error.detail)
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
             log.debug("an answer could not be sent: %s", error)
         except Exception:
             log.exception("an operation failed")
-            await self._report(Level.error, f"{op}: {INTERNAL.detail}")
+            await self._report(f"{op}: {INTERNAL.detail}")
+
+    async def _handle_binary(self, data: bytes) -> None:
+        message = read_binary(data)
+        if isinstance(message, Call):
+            await self._call(message)
+        else:
+            async with self._in_order:
+                await self._publications.publish(message)
+
+    async def _call(self, call: Call) -> None:
+        try:
+            response = await self._services.call(call)
+        except GatewayError as error:
+            await self._send(protocol.service_call_failure(call, error.detail))
+        except Exception:
+            log.exception("a call of a service failed")
+            await self._send(protocol.service_call_failure(call, INTERNAL.detail))
+        else:
+            await self._send_bytes(protocol.service_call_response(call, response))
 
     async def subscribe(self, fields: Json) -> None:
         """Send the messages of channels."""
@@ -183,7 +200,7 @@ class Session:
 
     async def _subscribe(self, wanted: Subscription) -> None:
         self._subscriptions.require_room()
-        if (channel := self._channels.find(wanted.channel)) is None:
+        if (channel := self._view.channels.find(wanted.channel)) is None:
             raise NotFound(f"there is no channel {wanted.channel}", code="channel_not_found")
         await self._rights.require(Session.read_topic, {"topic": channel.topic})
         if not self._closed:
@@ -198,6 +215,51 @@ class Session:
         for identity in read_fields(Unsubscribe, fields).subscriptions:
             await self._subscriptions.unsubscribe(identity)
 
+    async def advertise(self, fields: Json) -> None:
+        """Prepare for messages on channels of the client."""
+        await self._each("advertise", read_fields(Advertise, fields).channels, self._publications.advertise)
+
+    async def unadvertise(self, fields: Json) -> None:
+        """Forget channels of the client."""
+        for identity in read_fields(Unadvertise, fields).channels:
+            self._publications.unadvertise(identity)
+
+    async def get_parameters(self, fields: Json) -> None:
+        """Send the values of parameters."""
+        request = read_fields(GetParameters, fields)
+        await self._answer_parameters("getParameters", request.names, request.id, [])
+
+    async def set_parameters(self, fields: Json) -> None:
+        """Set parameters, then send their values."""
+        request = read_fields(SetParameters, fields)
+        errors = await self._parameters.set(request.parameters)
+        names = [each.name for each in request.parameters]
+        if names and request.id is not None:
+            await self._answer_parameters("setParameters", names, request.id, errors)
+        else:
+            await self._report_all("setParameters", errors)
+
+    async def _answer_parameters(self, op: str, names: list[str], identity: str | None, errors: list[str]) -> None:
+        found, unknown = await self._parameters.get(names)
+        await self._send(protocol.parameter_values(found, identity))
+        await self._report_all(op, [*errors, *unknown])
+
+    async def subscribe_parameters(self, fields: Json) -> None:
+        """Send parameters when they change."""
+        await self._parameters.subscribe(read_fields(ParameterNames, fields).names)
+
+    async def unsubscribe_parameters(self, fields: Json) -> None:
+        """Send changes of parameters no more."""
+        await self._parameters.unsubscribe(read_fields(ParameterNames, fields).names)
+
+    async def subscribe_connections(self, _: Json) -> None:
+        """Send which nodes are at each topic and service, and changes of that."""
+        await self._view.show_connections()
+
+    async def unsubscribe_connections(self, _: Json) -> None:
+        """Send nodes at topics and services no more."""
+        self._view.hide_connections()
+
     async def _each(self, op: str, items: Iterable[Item], do: Callable[[Item], Awaitable[None]]) -> None:
         """Do something with each item, and report those with which it was not possible."""
         errors: list[str] = []
@@ -209,15 +271,21 @@ class Session:
                 break
             except GatewayError as error:
                 errors.append(error.detail)
-        if errors:
-            more = f"; and {len(errors) - MAX_ERRORS} more" if len(errors) > MAX_ERRORS else ""
-            await self._report(Level.error, f"{op}: {'; '.join(errors[:MAX_ERRORS])}{more}")
+        await self._report_all(op, errors)
 
     # ------------------------------------------------------------------ sending
 
-    async def _report(self, level: Level, text: str) -> None:
+    async def _report_all(self, op: str, errors: list[str]) -> None:
+        if errors:
+            more = f"; and {len(errors) - MAX_ERRORS} more" if len(errors) > MAX_ERRORS else ""
+            await self._report(f"{op}: {'; '.join(errors[:MAX_ERRORS])}{more}")
+
+    async def _report(self, error: str) -> None:
         with suppress(WebSocketDisconnect, TimeoutError, RuntimeError):
-            await self._send(protocol.status(level, text))
+            await self._send(protocol.status(Level.error, error))
+
+    async def _send_parameters(self, parameters: list[Json]) -> None:
+        await self._send(protocol.parameter_values(parameters))
 
     async def _send(self, message: bytes) -> None:
         await self._connection.send({"type": "websocket.send", "text": message.decode()})
@@ -228,4 +296,15 @@ class Session:
 
 Operate = Callable[[Session, Json], Awaitable[None]]
 
-OPERATIONS: dict[str, Operate] = {"subscribe": Session.subscribe, "unsubscribe": Session.unsubscribe}
+# Operations that wait for one another.
+IN_ORDER: dict[str, Operate] = {
+    "subscribe": Session.subscribe,
+    "unsubscribe": Session.unsubscribe,
+    "advertise": Session.advertise,
+    "unadvertise": Session.unadvertise,
+    "subscribeParameterUpdates": Session.subscribe_parameters,
+    "unsubscribeParameterUpdates": Session.unsubscribe_parameters,
+    "subscribeConnectionGraph": Session.subscribe_connections,
+    "unsubscribeConnectionGraph": Session.unsubscribe_connections,
+}
+OTHERS: dict[str, Operate] = {"getParameters": Session.get_parameters, "setParameters": Session.set_parameters}

@@ -6,7 +6,7 @@ name, except those that only read; and none of a stopped robot, except those.
 
 import asyncio
 from collections import Counter, OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -174,31 +174,29 @@ class ServiceCalls:
         Raises:
             GatewayError: As for `ask`; or `response_too_large`.
         """
-        answer = await self.ask(
-            name, lambda kind: codec(kind.Request).parse(fields), type_name=type_name, timeout=timeout, grant=grant
-        )
+        answer = await self.ask(name, fields, type_name=type_name, timeout=timeout, grant=grant)
         return Called(answer.type, await asyncio.to_thread(self._encode, name, answer.kind, answer.response))
 
     async def ask(
         self,
         name: str,
-        read: Callable[[Any], Any],
+        fields: object,
         *,
         type_name: str | None = None,
         timeout: float = 5.0,
         grant: Grant = UNLIMITED,
     ) -> Answer:
-        """Call a service and return its response as a message. Nothing is sent unless the request can be read.
+        """Call a service and return its response as a message. Nothing is sent unless the request is valid.
 
         Args:
             name: Absolute name.
-            read: Returns the request, given the class of the service's type.
+            fields: The request, as decoded JSON or as a message.
             type_name: The type of the service, if it has several.
             timeout: Seconds to wait for the response, after the service has been found.
             grant: What the user may see of the graph.
 
         Raises:
-            NotFound, InvalidField: As for `find`; or the request is none of this type.
+            NotFound, InvalidField: As for `find`; or `fields` are not a request of this type.
             NotAllowed: As for `require_allowed`.
             Conflict: `stop_latched`: the robot is stopped.
             TooManyRequests: `too_many_calls`.
@@ -209,7 +207,7 @@ class ServiceCalls:
         service = await self.find(name, type_name, grant)
         self.require_allowed(service)
         kind = await self.load(service)
-        request = read(kind)
+        request = codec(kind.Request).parse(fields)
         self._require_released(service)
 
         def before() -> None:

@@ -5,6 +5,7 @@ As in messages, an integer beyond ±(2^53 - 1) is a decimal string, and NaN and 
 
 import difflib
 import math
+from array import array
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -146,6 +147,17 @@ def value_document(value: ParameterValue) -> Any:
     """Return a value, ready for `orjson`; None if it is not set or of an unknown type."""
     field = FIELDS[value.type] if value.type < len(FIELDS) else None
     return None if field is None else codec(ParameterValue).document(value)[field]
+
+
+def plain_value(value: ParameterValue) -> tuple[str, Any]:
+    """Return the type of a value and the value itself, as Python has it; an array of bytes as `bytes`."""
+    field = FIELDS[value.type] if value.type < len(FIELDS) else None
+    plain: Any = None if field is None else getattr(value, field)
+    if value.type == ParameterType.PARAMETER_BYTE_ARRAY:
+        plain = b"".join(plain)
+    elif isinstance(plain, array):
+        plain = plain.tolist()
+    return _type_name(value.type), plain
 
 
 def _infer(value: object) -> int:

@@ -16,14 +16,11 @@ from dock_gateway.ros.messages.interfaces import load_service
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.protocol import CallService
 from dock_gateway.rosbridge.values import adapter
+from dock_gateway.streams.commands import OWN_SERVICES, STOP
 from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
 Json = dict[str, Any]
-
-# Services of the gateway itself: the commands of `/ws` with these names.
-STOP = "stop"
-OWN_SERVICES = {f"/dock_gateway/{name}": name for name in (STOP, "release_stop")}
 
 
 class Services:

@@ -50,9 +50,10 @@ from dock_gateway.rosbridge.protocol import (
 )
 from dock_gateway.rosbridge.publications import Publications
 from dock_gateway.rosbridge.published import Payload
-from dock_gateway.rosbridge.services import OWN_SERVICES, STOP, Services
+from dock_gateway.rosbridge.services import Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
+from dock_gateway.streams.commands import OWN_SERVICES, STOP
 from dock_gateway.streams.connection import ClientConnection
 from dock_gateway.streams.events import until_one_ends
 from dock_gateway.streams.feed import end_of

@@ -35,6 +35,8 @@ Fields = dict[str, Any]
 Command = Callable[[Parts, Principal, Fields], Awaitable[Fields]]
 
 STOP = "stop"
+# Commands that other protocols have as services.
+OWN_SERVICES = {f"/dock_gateway/{name}": name for name in (STOP, "release_stop")}
 
 
 def read_command(message: object) -> tuple[str, str | None, Fields]:
