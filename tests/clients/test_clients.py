@@ -1,4 +1,4 @@
-"""The clients of rosbridge as their users install them, on a real gateway: `make test-clients`."""
+"""The clients of rosbridge and of Foxglove as their users install them, on a real gateway: `make test-clients`."""
 
 import json
 import os
@@ -16,6 +16,7 @@ from playwright.sync_api import sync_playwright
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.processes import free_port
 from tests.support.waiting import wait_until
 
 HERE = Path(__file__).parent
@@ -126,6 +127,32 @@ def test_ros_mcp(gateway: RunningGateway) -> None:
     assert seen["send_action_goal"]["result"] == {"sequence": [0, 1, 1, 2, 3]}
     assert "--publish '/cmd_vel'" in seen["publish_for_durations"]["errors"][0]
     assert gateway.http.get("/actions/fibonacci/goals").json()["goals"][0]["status"] == "succeeded"
+
+
+def test_foxglove_on_node() -> None:
+    """Foxglove's client and decoders see a docking, send its goal, set parameters and publish, as far as allowed."""
+    allowed = {"publish": "/chatter", "call_services": "/dock_simulator/*", "set_parameters": "/dock_simulator"}
+    own, other = "/dock_simulator.use_sim_time", "/docking_server.use_sim_time"
+    with ros_domain() as domain, ExitStack() as stack:
+        stack.enter_context(running_program(domain, "dock_simulator"))
+        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose"))
+        port = str(free_port())
+        gateway = stack.enter_context(running_gateway(domain, foxglove_port=port, **allowed))
+        gateway.wait_until_ready()
+        command = [shutil.which("node") or "node", HERE / "viewer.mjs", CLIENTS / "foxglove", f"ws://127.0.0.1:{port}"]
+        done = subprocess.run([*command, own, other], capture_output=True, text=True, timeout=120, check=False)
+        assert done.returncode == 0, done.stderr
+    seen = json.loads(done.stdout)
+    assert seen["failed"] == {}
+    assert {"/battery_status", "/odom", "/connect_to_charging_dock/_action/feedback", "/diagnostics"} < {
+        *seen["topics"]
+    }
+    assert seen["ended"] == {"goal_id": seen["sent"]["goal_id"], "status": "succeeded", "error": ""}
+    assert seen["battery"] == 1
+    assert "UUID" in seen["unknown"]
+    assert seen["parameters"] == [{"name": own, "value": False}]
+    assert other.partition(".")[0] in seen["refused"]
+    assert seen["chatter"] == "hello"
 
 
 def program(number: int) -> str:
