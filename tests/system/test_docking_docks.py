@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
+from std_srvs.srv import Trigger
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.goal.plan import Plan
@@ -75,6 +76,33 @@ def test_goals_go_to_a_dock_by_name(domain: int, observer: Observer, tmp_path: P
         ).descriptors
         assert docks.read_only
         assert "first one" in docks.description
+
+        def reload() -> tuple[bool, str]:
+            answer = observer.request(Trigger, "reload_docks", Trigger.Request())
+            return answer.success, answer.message
+
+        path.write_text("docks: {attic: {type: far}, home: {type: far, pose: [9, 9, 0]}}")
+        assert reload() == (True, "2 docks: attic, home")
+        assert not send_dock_goal(observer, dock="lab").accepted
+        goal = send_dock_goal(observer)
+        assert goal.accepted
+        path.write_text("docks: {cellar: {type: low}}")
+        assert reload() == (
+            False,
+            "the docks are as before: cellar.type is 'low', but must be one of dock_plugins (there: near, far)",
+        )
+        path.write_text("docks: 7")
+        assert not reload()[0]
+        values = observer.request(
+            GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=names[:3])
+        ).values
+        assert values[0].string_array_value == ["attic", "home"]
+        assert list(values[1].double_array_value) == [9.0, 9.0, 0.0]
+        assert values[2].string_value == ""
+        assert "read-only" in observer.set_parameter(SERVER, "docks", ["home"])
+        assert goal.cancel()
+        goal.result()
+        assert offsets == [-0.7, -0.7, -1.0, -1.0]
 
 
 def test_a_robot_backs_onto_a_dock_of_that_type_and_leaves_it_forwards(domain: int, observer: Observer) -> None:

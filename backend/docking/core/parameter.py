@@ -116,11 +116,13 @@ class Contents:
         values: Defaults of parameters that come later, by their names.
         unknown: The names of what else it has.
         known: Names that are similar, perhaps.
+        groups: The parameter with the names of the groups that the file is about.
     """
 
     values: Mapping[str, Value]
     unknown: tuple[str, ...] = ()
     known: tuple[str, ...] = ()
+    groups: str = ""
 
 
 @dataclass
@@ -240,15 +242,16 @@ def parameters_of(kind: type[Any], prefix: str = "") -> Iterator[Parameter]:
             yield replace(part.metadata[PARAMETER], name=prefix + _name(part))
 
 
-def named_parameters_of(kind: type[Any], values: Mapping[str, Any]) -> Iterator[Parameter]:
+def named_parameters_of(kind: type[Any], values: Mapping[str, Any], names: str = "") -> Iterator[Parameter]:
     """The parameters of the named groups of a dataclass.
 
     Args:
         kind: The dataclass.
         values: The values of its other parameters, by ROS name.
+        names: The ROS name of the parameter with the names of groups; empty for all.
     """
     for part in fields(kind):
-        if NAMES in part.metadata:
+        if NAMES in part.metadata and names in {"", part.metadata[NAMES]}:
             for name in values[part.metadata[NAMES]]:
                 for parameter in parameters_of(part.metadata[GROUP]):
                     default = parameter.default
@@ -256,7 +259,7 @@ def named_parameters_of(kind: type[Any], values: Mapping[str, Any]) -> Iterator[
                         default = type(default)(values[parameter.name])
                     yield replace(parameter, name=f"{name}.{parameter.name}", default=default)
         elif GROUP in part.metadata:
-            yield from named_parameters_of(part.metadata[GROUP], values)
+            yield from named_parameters_of(part.metadata[GROUP], values, names)
 
 
 def from_values(kind: type[T], values: Mapping[str, Any], prefix: str = "") -> T:

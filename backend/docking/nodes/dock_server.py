@@ -46,6 +46,7 @@ class DockAction(RobotAction[DockSettings]):
     success = ("CHARGING...", "Successfully connected to the charging dock!")
     ends_with_charge = True
     shows_footprint = True
+    knows_docks = True
 
     def needs(self, settings: DockSettings) -> frozenset[Sensor]:
         """Those of the controller, and the laser scan where obstacles are watched."""

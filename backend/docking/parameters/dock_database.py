@@ -125,7 +125,9 @@ def _read(content: yaml.Node | None) -> Contents:
                 values[f"{name}.{key}"] = _read_pose(keys[key]) if key == "pose" else read_text(keys[key])
             except ValueError as error:
                 raise ValueError(f"has the dock {name!r}, whose {key} {error}") from None
-    return Contents(values, tuple(unknown), ("docks", *(f"{name}.{key}" for name in named for key in sorted(KEYS))))
+    return Contents(
+        values, tuple(unknown), ("docks", *(f"{name}.{key}" for name in named for key in sorted(KEYS))), "docks"
+    )
 
 
 def _read_pose(value: yaml.Node) -> tuple[float, ...]:

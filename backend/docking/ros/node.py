@@ -25,6 +25,7 @@ from docking.ros.battery_subscriber import battery_message
 from docking.ros.clock import ClockWatch, control_time
 from docking.ros.detector import DetectorClient
 from docking.ros.dock_calibrator import DockCalibrator
+from docking.ros.dock_reloader import DockReloader
 from docking.ros.footprint import FootprintPublisher
 from docking.ros.goal_reporter import GoalReporter
 from docking.ros.navigation import NavigationClient
@@ -90,7 +91,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._calibrator = DockCalibrator(
             self, battery, self._transforms, self._active_goal, lambda: self._settings.dock_types
         )
-        declare_parameters(self, action.settings_type, self._take_over, alias=NAV2_NODE)
+        parameters = declare_parameters(self, action.settings_type, self._take_over, alias=NAV2_NODE)
+        if action.knows_docks:
+            DockReloader(self, parameters)
         self._drive = Drive(self)
         self._reporter = GoalReporter(self, action.action_name, battery, self._sensors, self._drive.publisher)
         self._server = IdentifyingActionServer(

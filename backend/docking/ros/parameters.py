@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
@@ -98,6 +98,10 @@ class _Defaults:
 
     values: dict[str, tuple[Value, str]] = field(default_factory=dict)
 
+    def copy(self) -> "_Defaults":
+        """The same, to be changed."""
+        return _Defaults(dict(self.values))
+
     def read(self, path: str, contents: Contents) -> list[str]:
         """Add what a file says; it counts least.
 
@@ -130,7 +134,128 @@ def _read_given(node: Node, kind: type[NodeSettings], alias: str) -> tuple[Meani
     return meanings, _Defaults({name: (given[name], name) for name in given.keys() - own} | meanings.values)
 
 
-def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None], alias: str = "") -> None:
+class DeclaredParameters(Generic[S]):
+    """The parameters of a node. All calls must come from the thread that spins it."""
+
+    def __init__(self, node: Node, kind: type[S], on_change: Callable[[S], None], alias: str) -> None:
+        """Declare them; see `declare_parameters`."""
+        self._node = node
+        self._kind = kind
+        self._on_change = on_change
+        self._values: dict[str, object] = {}
+        self._parameters: dict[str, Parameter] = {}
+        self._complete = False
+        meanings, self._defaults = _read_given(node, kind, alias)
+        defaults = self._defaults.copy()
+        node.add_on_set_parameters_callback(self._refuse_faults)
+        node.add_post_set_parameters_callback(self._take_over)
+        for parameter in chain(parameters_of(kind), named_parameters_of(kind, self._values)):
+            self._declare(defaults.apply(parameter))
+            if parameter.opens is not None and (path := str(self._values[parameter.name])):
+                meanings.remarks += defaults.read(path, parameter.opens(path))
+        self._complete = True
+        if fault := self._find_fault({}):
+            raise ValueError(fault)
+        _keep_notes(node, meanings)
+        on_change(self._settings)
+
+    @property
+    def _settings(self) -> S:
+        return from_values(self._kind, self._values)
+
+    def reload(self, path: str = "") -> tuple[str, ...]:
+        """Read the file with the defaults of named groups again, such as that of the docks; or another one.
+
+        Parameters that are given to the node count more than the file, as at the start. What cannot be is refused as a
+        whole.
+
+        Args:
+            path: The file; empty for the one that was read last.
+
+        Returns:
+            The names of the groups.
+
+        Raises:
+            ValueError: There is no file, or it has what cannot be, as a sentence.
+        """
+        file = next(parameter for parameter in parameters_of(self._kind) if parameter.opens is not None)
+        path = path or str(self._values[file.name])
+        if not path or file.opens is None:
+            raise ValueError(f"{file.name} is empty: there is no file to read")
+        contents = file.opens(path)
+        names = contents.groups
+        defaults = self._defaults.copy()
+        remarks = defaults.read(path, contents)
+        old = [parameter.name for parameter in named_parameters_of(self._kind, self._values, names)]
+        values = {name: value for name, value in self._values.items() if name not in old} | {file.name: path}
+        head = (parameter for parameter in parameters_of(self._kind) if parameter.name == names)
+        new = []
+        for parameter in chain(head, named_parameters_of(self._kind, values, names)):
+            new.append(defaults.apply(parameter))
+            values[parameter.name] = self._given(new[-1])
+        if fault := from_values(self._kind, values).find_conflict():
+            raise ValueError(fault)
+        self._replace([*old, names], new, file.name, path)
+        for remark in remarks:
+            self._node.get_logger().warning(remark)
+        return tuple(str(name) for name in values[names])  # type: ignore[attr-defined] # an array
+
+    def _given(self, parameter: Parameter) -> object:
+        """The value that a parameter will have: the one that is given to the node, or its default.
+
+        Raises:
+            ValueError: It is of the wrong type or not allowed.
+        """
+        value = _tuple(self._node._parameter_overrides[parameter.name].value) if self._is_given(parameter) else None  # noqa: SLF001 - see `_given_to`
+        if value is None:
+            return parameter.default
+        fault = parameter.find_misfit(value) or parameter.find_fault(value)
+        if fault is not None:
+            raise ValueError(f"{parameter.name} is {shown(value)}, but {fault}")
+        return value
+
+    def _is_given(self, parameter: Parameter) -> bool:
+        return parameter.name in self._node._parameter_overrides  # noqa: SLF001
+
+    def _replace(self, old: Iterable[str], new: Iterable[Parameter], file: str, path: str) -> None:
+        """Undeclare some parameters and declare others, all of which are fine."""
+        self._complete = False
+        for name in old:
+            self._node.describe_parameter(name).read_only = False
+            self._node.undeclare_parameter(name)
+            del self._values[name], self._parameters[name]
+        for parameter in new:
+            self._declare(parameter)
+        descriptor = self._node.describe_parameter(file)
+        descriptor.read_only = False
+        self._node.set_parameters([RosParameter(file, value=path)])
+        descriptor.read_only = True
+        self._complete = True
+        self._on_change(self._settings)
+
+    def _declare(self, parameter: Parameter) -> None:
+        self._parameters[parameter.name] = parameter
+        _declare(self._node, parameter)
+
+    def _find_fault(self, changed: dict[str, object]) -> str | None:
+        for name, value in changed.items():
+            if fault := self._parameters[name].find_fault(value):
+                return fault
+        return from_values(self._kind, {**self._values, **changed}).find_conflict() if self._complete else None
+
+    def _refuse_faults(self, changes: list[RosParameter]) -> SetParametersResult:
+        fault = self._find_fault(_values(changes, self._parameters))
+        return SetParametersResult(successful=fault is None, reason=fault or "")
+
+    def _take_over(self, changes: list[RosParameter]) -> None:
+        self._values.update(_values(changes, self._parameters))
+        if self._complete:
+            self._on_change(self._settings)
+
+
+def declare_parameters(
+    node: Node, kind: type[S], on_change: Callable[[S], None], alias: str = ""
+) -> DeclaredParameters[S]:
     """Declare all parameters of a dataclass and keep whoever uses them up to date.
 
     Args:
@@ -144,38 +269,7 @@ def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None]
             or not allowed.
         ValueError: The values cannot work together, or one cannot be honored.
     """
-    values: dict[str, object] = {}
-    parameters: dict[str, Parameter] = {}
-    declared = False
-
-    def find_fault(changed: dict[str, object]) -> str | None:
-        for name, value in changed.items():
-            if fault := parameters[name].find_fault(value):
-                return fault
-        return from_values(kind, {**values, **changed}).find_conflict() if declared else None
-
-    def refuse_faults(changes: list[RosParameter]) -> SetParametersResult:
-        fault = find_fault(_values(changes, parameters))
-        return SetParametersResult(successful=fault is None, reason=fault or "")
-
-    def take_over(changes: list[RosParameter]) -> None:
-        values.update(_values(changes, parameters))
-        if declared:
-            on_change(from_values(kind, values))
-
-    meanings, defaults = _read_given(node, kind, alias)
-    node.add_on_set_parameters_callback(refuse_faults)
-    node.add_post_set_parameters_callback(take_over)
-    for parameter in chain(parameters_of(kind), named_parameters_of(kind, values)):
-        parameters[parameter.name] = parameter
-        _declare(node, defaults.apply(parameter))
-        if parameter.opens is not None and (path := str(values[parameter.name])):
-            meanings.remarks += defaults.read(path, parameter.opens(path))
-    declared = True
-    if fault := find_fault({}):
-        raise ValueError(fault)
-    _keep_notes(node, meanings)
-    on_change(from_values(kind, values))
+    return DeclaredParameters(node, kind, on_change, alias)
 
 
 def _keep_notes(node: Node, meanings: Meanings) -> None:

@@ -27,6 +27,7 @@ class RobotAction(ABC, Generic[S]):
         success: Log lines at the end.
         ends_with_charge: Whether a message of a charging battery is looked at as soon as it comes.
         shows_footprint: Whether the robot's footprint is published.
+        knows_docks: Whether there is a file of docks, which can be read again.
     """
 
     node_name: str
@@ -38,6 +39,7 @@ class RobotAction(ABC, Generic[S]):
     success: Sequence[str]
     ends_with_charge = False
     shows_footprint = False
+    knows_docks = False
 
     @abstractmethod
     def needs(self, settings: S) -> frozenset[Sensor]:
