@@ -13,6 +13,7 @@ import socket
 import struct
 import sys
 import time
+import zlib
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -139,15 +140,17 @@ def _slow_readers(path: str, count: int) -> Flood:
     return _many(count, b"GET %s HTTP/1.1\r\n%s\r\n" % (path.encode(), HOST))
 
 
-def _slow_websockets(path: str, first: bytes = b"") -> Flood:
-    """Open streams, send `first` on each, and read none of them."""
+def _slow_websockets(
+    path: str, first: bytes = b"", then: bytes = frame(PING, b"x" * 125), headers: bytes = b""
+) -> Flood:
+    """Open streams, send `first` on each, then `then` now and then, and read none of them."""
 
     def flood(address: Address) -> None:
         _raise_limit()
-        held = [open_websocket(address, path) for _ in range(100)]
+        held = [open_websocket(address, path, headers) for _ in range(100)]
         for connection in held:
             connection.sendall(first)
-        while all(_goes_on(connection, frame(PING, b"x" * 125)) or True for connection in held):
+        while all(_goes_on(connection, then) or True for connection in held):
             time.sleep(0.1)
 
     return flood
@@ -201,6 +204,9 @@ NO_CHANNELS = b",".join(b'{"id":%d,"channelId":%d}' % (n, n) for n in range(1_00
 SUBSCRIPTIONS = _operation(b'{"op":"subscribe","subscriptions":[%s]}' % NO_CHANNELS)
 NOT_BINARY = (b"", b"\x01", b"\x01\0\0\0\0data", b"\x02" + b"\xff" * 12, b"\x02" + b"\0" * 500, b"\xff" * 20_000)
 BINARY_NONSENSE = [frame(BINARY, data) for data in NOT_BINARY]
+# The channel of the battery has the same id for each connection, as soon as it is offered.
+BATTERY = zlib.crc32(b"/battery_status sensor_msgs/msg/BatteryState")
+VIEW = _operation(b'{"op":"subscribe","subscriptions":[{"id":1,"channelId":%d}]}' % BATTERY)
 # A frame that announces 100 GB.
 ENDLESS_FRAME = struct.pack("!BBQ", FIN | TEXT, 0xFF, 100_000_000_000) + bytes(4)
 
@@ -249,7 +255,7 @@ FLOODS: dict[str, Flood] = {
     "slow readers of /rosbridge": _slow_websockets("/rosbridge", SUBSCRIBE + CALL * 100),
     "sessions of /rosbridge": _sessions("/rosbridge", SUBSCRIBE + CALL),
     "garbage on /foxglove": _foxglove(b"".join([*map(_operation, NONSENSE), *BINARY_NONSENSE]) * 10),
-    "unread subscriptions on /foxglove": _foxglove(SUBSCRIPTIONS, read=False),
+    "slow readers of /foxglove": _slow_websockets("/foxglove", VIEW + SUBSCRIPTIONS, VIEW, FOXGLOVE),
     "sessions of /foxglove": _sessions("/foxglove", SUBSCRIPTIONS, FOXGLOVE),
     "unread answers": _slow_readers("/openapi.json", 200),
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),

@@ -3,7 +3,9 @@
 import asyncio
 import zlib
 from collections.abc import Iterable, Iterator
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 from dock_gateway.core.filters import is_hidden
@@ -56,10 +58,7 @@ class Channels:
     async def update(self, seen: Seen) -> tuple[list[Channel], list[Channel]]:
         """Follow the graph; return the channels that are new, and those that are gone."""
         known = {(each.topic, each.type): each for each in self._channels.values()}
-        wanted = dict(list(self._offered(seen))[:MAX_CHANNELS])
-        schemas = await asyncio.to_thread(
-            _schemas, {kind for name, kind in wanted.items() if (name, kind) not in known}
-        )
+        wanted, schemas = await asyncio.to_thread(self._find, seen, known.keys())
         gone = [each for key, each in known.items() if wanted.get(key[0]) != key[1]]
         for channel in gone:
             del self._channels[channel.id]
@@ -70,6 +69,11 @@ class Channels:
                 self._channels[identity] = channel = Channel(identity, topic, kind, schema)
                 new.append(channel)
         return new, gone
+
+    def _find(self, seen: Seen, known: AbstractSet[tuple[str, str]]) -> tuple[dict[str, str], dict[str, str]]:
+        """Return the types of topics, and the definitions of those that are new; takes long, so it runs in a thread."""
+        wanted = dict(islice(self._offered(seen), MAX_CHANNELS))
+        return wanted, _schemas({kind for _, kind in wanted.items() - known})
 
     def _offered(self, seen: Seen) -> Iterator[tuple[str, str]]:
         """Yield the topics that the user may read, with their types."""
@@ -98,7 +102,7 @@ def _type_of(topic: Topic) -> str:
 
 
 def _schemas(types: Iterable[str]) -> dict[str, str]:
-    """Return the definitions of message types, of those that are installed; takes long, so it runs in a thread."""
+    """Return the definitions of message types, of those that are installed."""
     found = {}
     for name in types:
         try:

@@ -94,6 +94,7 @@ class GraphView:
     async def _tell(self, message: Callable[[list[Item]], bytes], items: list[Item]) -> None:
         for at in range(0, len(items), AT_ONCE):
             await self._send(message(items[at : at + AT_ONCE]))
+            await asyncio.sleep(0)  # sending may not wait, and a fleet has thousands
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     async def show_connections(self) -> None:

@@ -4,9 +4,10 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain, islice
 from typing import Any
 
-from dock_gateway.core.errors import GatewayError, NotAllowed, NotFound
+from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
@@ -19,6 +20,7 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.interfaces import load_action, load_service
+from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import OWN_SERVICES, STOP
 from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
@@ -92,6 +94,8 @@ class Services:
         self._actions = ActionCalls(parts, rights)
         self._services: dict[int, Service] = {}
         self._unusable: set[Key] = set()
+        self._seen: Seen | None = None
+        self._of_nodes: dict[Key, Draft] = {}
 
     def find(self, identity: int) -> Service | None:
         """Return a service by its id."""
@@ -112,12 +116,18 @@ class Services:
             if OWN_SERVICES.get(service.name) != STOP:  # a stop is carried out anyway
                 raise
             request = {}
-        return service.response.write(call.encoding, await service.call(request))
+        response = service.response.write(call.encoding, await service.call(request))
+        if len(response) > self._parts[Settings].max_message_bytes:
+            detail = f"the response of {service.name} has {len(response)} bytes, more than max_message_bytes"
+            raise Conflict(detail, code="response_too_large")
+        return response
 
     async def update(self, seen: Seen) -> tuple[list[Service], list[Service]]:
         """Follow the graph; return the services that are new, and those that are gone."""
         known = {(each.name, each.type): each for each in self._services.values()}
-        wanted = dict(list(self._drafts(seen))[:MAX_SERVICES])
+        if seen is not self._seen:
+            self._of_nodes, self._seen = await asyncio.to_thread(self._find, seen), seen
+        wanted = dict(islice(chain(self._of_gateway(), self._of_nodes.items()), MAX_SERVICES))
         self._unusable &= wanted.keys()
         missing = {key: draft for key, draft in wanted.items() if key not in known and key not in self._unusable}
         forms = await asyncio.to_thread(_find_forms, missing) if missing else {}
@@ -130,8 +140,8 @@ class Services:
         self._unusable |= missing.keys() - forms.keys()
         return [each for each in self._services.values() if (each.name, each.type) not in known], gone
 
-    def _drafts(self, seen: Seen) -> Iterator[tuple[Key, Draft]]:
-        """Yield what the user may call."""
+    def _of_gateway(self) -> Iterator[tuple[Key, Draft]]:
+        """Yield the gateway's own services, and the actions that the user may use."""
         role = self._rights.grant.role
         for name, command in OWN_SERVICES.items():
             if command == STOP or role.includes(Role.SUPERVISOR):
@@ -140,8 +150,6 @@ class Services:
             hidden = is_hidden(action.name) and action.verb is None
             if action.watch.state.available and not hidden and self._rights.grant.covers_action(action.name):
                 yield from self._of_action(action.name, action.type)
-        if role.includes(Role.OPERATOR):
-            yield from self._of_nodes(seen)
 
     def _own(self, name: str, command: str) -> tuple[Key, Draft]:
         async def call(request: Json) -> Json:
@@ -173,7 +181,11 @@ class Services:
             Draft(result, lambda request: actions.result(name, request)),
         )
 
-    def _of_nodes(self, seen: Seen) -> Iterator[tuple[Key, Draft]]:
+    def _find(self, seen: Seen) -> dict[Key, Draft]:
+        """Return the services of nodes that the user may call; takes long, so it runs in a thread."""
+        return dict(self._callable(seen)) if self._rights.grant.role.includes(Role.OPERATOR) else {}
+
+    def _callable(self, seen: Seen) -> Iterator[tuple[Key, Draft]]:
         calls, grant = self._parts[ServiceCalls], self._rights.grant
         for name, service in sorted(seen.services.items()):
             internal = ACTION_PART in name or is_noise(name, service.types)

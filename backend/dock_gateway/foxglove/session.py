@@ -161,7 +161,8 @@ class Session:
             op, fields = read_operation(text)
             if op in IN_ORDER:
                 async with self._in_order:
-                    await IN_ORDER[op](self, fields)
+                    if not self._closed:
+                        await IN_ORDER[op](self, fields)
             elif op in OTHERS:
                 await OTHERS[op](self, fields)
             else:
@@ -203,8 +204,7 @@ class Session:
         if (channel := self._view.channels.find(wanted.channel)) is None:
             raise NotFound(f"there is no channel {wanted.channel}", code="channel_not_found")
         await self._rights.require(Session.read_topic, {"topic": channel.topic})
-        if not self._closed:
-            await self._subscriptions.subscribe(wanted.id, channel)
+        await self._subscriptions.subscribe(wanted.id, channel)
 
     @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
     def read_topic(self) -> None:
