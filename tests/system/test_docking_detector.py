@@ -18,16 +18,19 @@ START = [f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}
 
 def test_the_detector_is_on_for_the_goal_alone(domain: int, observer: Observer) -> None:
     parameters = ("controller:=dock_pose", "detector_service_name:=dock_simulator/detector")
+    stall = ("use_stall_detection:=true", "stall_joint_names:=[left_wheel_joint]")
     with (
         dock_simulator(domain, *START, "switched_detector:=true") as simulator,
-        docking_servers(domain, *parameters, "detector_service_timeout:=20.0"),
+        docking_servers(domain, *parameters, *stall, "detector_service_timeout:=20.0"),
     ):
         here = look_at(observer)
         assert not simulator.detects
         goal = send_dock_goal(observer)
         wait_until(lambda: simulator.detects, "the detector")
         wait_until(lambda: here.wheels.moving, "a move to what it detects")
+        assert simulator.count_subscribers("joint_states") == 1
         assert goal.cancel()
+        wait_until(lambda: not simulator.count_subscribers("joint_states"), "the end of the subscription")
         wait_until(lambda: not simulator.detects, "its end")
 
         called: list[str] = []

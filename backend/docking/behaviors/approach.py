@@ -27,6 +27,8 @@ STRIDE = 0.01
 """Steps, in m, in which the rest of the way is foreseen."""
 STALLED = 0.5
 """How long the wheels must have stopped, in s."""
+PRESSES = 0.2
+"""How long their joints must have stalled, in s: also while the robot speeds up, they turn slowly and hard."""
 
 
 def sure_enough(settings: ApproachSettings) -> Spread:
@@ -69,7 +71,7 @@ class Approach:
         self._settings = settings
         self._until = until
         self._sight = KeepInSight(aim, motion, settings, lost, lost_after)
-        self._stalled = 0.0
+        self._stalled = self._presses = 0.0
         self._looked = 0.0
         self._sure = False
 
@@ -109,7 +111,9 @@ class Approach:
     def _touches(self, left: float, odometry: Odometry, dt: float) -> bool:
         stopped = odometry.velocity.linear_x < 0.25 * self._motion.v_linear_min
         self._stalled = self._stalled + dt if stopped and left < self._settings.docking_threshold else 0.0
-        return left < -self._settings.docking_overshoot or self._stalled > STALLED
+        presses = self._aim.stalled and left < self._settings.docking_threshold
+        self._presses = self._presses + dt if presses else 0.0
+        return left < -self._settings.docking_overshoot or self._stalled > STALLED or self._presses > PRESSES
 
     def _fault(self, off: Pose, left: float) -> DockingError | None:
         if left < COMMITTED and not self._is_straight(off):

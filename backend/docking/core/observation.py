@@ -5,7 +5,8 @@ All moments are seconds of the monotonic clock.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -94,6 +95,21 @@ class Scan:
 
 
 @dataclass(frozen=True, slots=True)
+class Joint:
+    """A driven joint, such as that of a wheel (sensor_msgs/JointState).
+
+    Attributes:
+        velocity: In rad/s.
+        effort: In N·m.
+        stamp: When it was measured.
+    """
+
+    velocity: float
+    effort: float
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True)
 class Observation:
     """All that is known now; None for what has never come.
 
@@ -107,6 +123,7 @@ class Observation:
         other_markers: Detections shortly before `marker`, the oldest first: two tags may be detected in one image.
         expected_dock: Where the docked robot is at the goal's dock, looking into it, in odom, by the dock's pose in the
             database; None where that is not known.
+        joints: The joints that tell whether the wheels stall, by name.
     """
 
     now: float
@@ -117,3 +134,4 @@ class Observation:
     scan: Scan | None = None
     other_markers: tuple[MarkerDetection, ...] = ()
     expected_dock: Pose | None = None
+    joints: Mapping[str, Joint] = field(default_factory=dict)

@@ -66,6 +66,11 @@ class DockTarget(ABC):
         return 0.0
 
     @property
+    def stalled(self) -> bool:
+        """Whether the joints of the wheels tell that these stall."""
+        return False
+
+    @property
     def disputed(self) -> bool:
         """Whether the last detections agree on another pose than what was known before."""
         return False

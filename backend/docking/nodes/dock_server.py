@@ -52,6 +52,7 @@ class DockAction(RobotAction[DockSettings]):
         """Those of the controller, and the laser scan where obstacles are watched."""
         needs = frozenset(map(Sensor, sensors_of(settings.controller)))
         watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
+        needs |= {Sensor.JOINTS} if settings.joints and Sensor.ODOMETRY in needs else set()
         return needs | {Sensor.SCAN} if watched else needs
 
     def make_goal(self, settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:

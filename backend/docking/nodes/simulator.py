@@ -19,7 +19,7 @@ from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
 from rclpy.time import Time
-from sensor_msgs.msg import BatteryState, LaserScan, Range
+from sensor_msgs.msg import BatteryState, JointState, LaserScan, Range
 from std_srvs.srv import SetBool, Trigger
 
 from docking.core.geometry import Pose
@@ -40,6 +40,7 @@ from docking.ros.simulator_messages import (
     RangeMessage,
     ScanMessage,
     diagnostics_message,
+    joint_message,
 )
 from docking.ros.simulator_room import SimulatorRoom
 from docking.ros.stop_listener import StopListener
@@ -113,6 +114,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._marker = publisher(PoseStamped, "detected_dock_pose")
         self._ranges = [publisher(Range, f"infrared/{receiver}") for receiver in RECEIVERS]
         self._scan = publisher(LaserScan, "scan")
+        self._joints = publisher(JointState, "joint_states")
         self._battery = publisher(BatteryState, "battery_status")
         self._dock = publisher(PoseStamped, "true_dock_pose", LATCHED)
         # Absolute, as REP-107 has it: one topic for all robots; the name of the status says which one.
@@ -236,6 +238,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             reckoned = self._stamp(reading[0])
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
             self._frames.publish(odometry.pose, simulation.odometry_origin, simulation.time, reckoned)
+        if self._joints.get_subscription_count() > 0:
+            self._joints.publish(joint_message(simulation.wheels, stamp))
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
         detections, ranges = simulation.detections, simulation.ranges
         if self.detects and detections and detections[0][0] != self._marker_told:

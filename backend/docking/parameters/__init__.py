@@ -14,6 +14,7 @@ from docking.parameters.receivers import Receivers
 from docking.parameters.recovery import RecoverySettings
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import GoalPolicy, ServerSettings, StampedCmdVel, read_topics
+from docking.parameters.stall import StallSettings
 from docking.parameters.timeouts import DockTimeouts, Timeouts, UndockTimeouts
 from docking.parameters.undock_server import UndockSettings
 
@@ -44,6 +45,7 @@ __all__ = [
     "ServerSettings",
     "Staging",
     "StagingGoal",
+    "StallSettings",
     "StampedCmdVel",
     "Timeouts",
     "UndockSettings",

@@ -10,6 +10,7 @@ from docking.core.transform import tilt
 from docking.parameters.approach import threshold_field
 from docking.parameters.charging import ChargingSettings
 from docking.parameters.detector import DetectorSettings
+from docking.parameters.stall import StallSettings
 from robot_io.transform import Transform
 
 
@@ -153,4 +154,5 @@ class DockType(Dock):
     charging: ChargingSettings = group(ChargingSettings)
     external_detection_timeout: float = detection_timeout_field()
     docking_threshold: float = threshold_field()
+    stall: StallSettings = group(StallSettings)
     detector: DetectorSettings = group(DetectorSettings)

@@ -16,6 +16,7 @@ from docking.parameters.receivers import Receivers
 from docking.parameters.recovery import RecoverySettings
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
+from docking.parameters.stall import StallSettings
 from docking.parameters.timeouts import DockTimeouts
 from robot_io.transform import Transform
 
@@ -46,6 +47,7 @@ class DockSettings(ServerSettings):
         0.6, 0.05, 4.0, "rad/s", "Angular velocity while the robot searches for the dock. Not below v_angular_min."
     )
     external_detection_timeout: float = detection_timeout_field()
+    stall: StallSettings = group(StallSettings)
     detector: DetectorSettings = group(DetectorSettings)
     dock: Dock = group(Dock)
     database: DockDatabase = group(DockDatabase)
@@ -84,6 +86,11 @@ class DockSettings(ServerSettings):
         return self.dock.tilt
 
     @property
+    def joints(self) -> tuple[str, ...]:
+        """As the parameters say."""
+        return self.stall.joints
+
+    @property
     def switched(self) -> DetectorSettings:
         """As the parameters say."""
         return self.detector
@@ -104,6 +111,7 @@ class DockSettings(ServerSettings):
             dock=dock,
             charging=dock.charging,
             external_detection_timeout=dock.external_detection_timeout,
+            stall=dock.stall,
             detector=dock.detector,
             approach=replace(self.approach, docking_threshold=dock.docking_threshold),
         )
@@ -132,6 +140,7 @@ class DockSettings(ServerSettings):
                 f"infrared_distance_max ({receivers.infrared_distance_max:g} m) must be at least 0.1 m above"
                 f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
             )
+        conflict = conflict or self._find_unnamed_joints()
         sources = {"": self.charging, **{f"{name}.": dock.charging for name, dock in self.database.types.items()}}
         for prefix, charging in sources.items() if self.controller == ControllerName.ROTATE else ():
             if charging.by_pose:
@@ -143,6 +152,13 @@ class DockSettings(ServerSettings):
         for dock in (self.dock, *self.database.types.values()):
             conflict = conflict or self._find_fault(dock)
         return conflict or find_disorder("search_speed", self.search_speed, "v_angular_min", motion.v_angular_min)
+
+    def _find_unnamed_joints(self) -> str | None:
+        stalls = {"": self.stall, **{f"{name}.": dock.stall for name, dock in self.database.types.items()}}
+        for prefix, stall in stalls.items():
+            if stall.use_stall_detection and not stall.stall_joint_names:
+                return f"{prefix}use_stall_detection is true, but {prefix}stall_joint_names is empty"
+        return None
 
     def _find_fault(self, dock: Dock) -> str | None:
         if dock.rotate_to_dock and not dock.backward:

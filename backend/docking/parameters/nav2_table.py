@@ -65,7 +65,6 @@ def _ignored(name: str, default: Value | None, text: str, *accepted: Value) -> N
 
 CHARGING_DOCK, NON_CHARGING_DOCK = "opennav_docking::SimpleChargingDock", "opennav_docking::SimpleNonChargingDock"
 OBSTACLES = "Obstacles are seen by a laser scanner, on `scan`."
-STALL = "A robot whose wheels have stopped near the docked pose counts as docked, by its odometry."
 UNDOCKED = "A robot has left its dock when it has backed out by `-staging_x_offset`."
 
 NAV2: tuple[Nav2Parameter, ...] = (
@@ -152,10 +151,9 @@ NAV2: tuple[Nav2Parameter, ...] = (
     _ignored("<type>.filter_coef", 0.1, "Detections are filtered by their noise, which is measured."),
     _mapped("<type>.use_battery_status", True, "<type>.charging_source", "`true`: `current`, `false`: `pose`"),
     *_same(0.5, "<type>.charging_threshold", text="if it is given, `charging_source` of the type is `current`"),
-    _ignored("<type>.use_stall_detection", False, STALL, False),
-    _ignored("<type>.stall_joint_names", None, STALL),
-    _ignored("<type>.stall_velocity_threshold", 1.0, STALL),
-    _ignored("<type>.stall_effort_threshold", 1.0, STALL),
+    *_same(False, "<type>.use_stall_detection", text="it counts within `docking_threshold`; odometry tells, too"),
+    *_same(None, "<type>.stall_joint_names"),
+    *_same(1.0, "<type>.stall_velocity_threshold", "<type>.stall_effort_threshold"),
     *_same("", "<type>.detector_service_name", text="`std_srvs/srv/SetBool` is called, too"),
     *_same(5.0, "<type>.detector_service_timeout"),
     _ignored("<type>.subscribe_toggle", False, "detected_dock_pose is subscribed to while a goal runs.", True, False),

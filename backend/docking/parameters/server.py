@@ -116,6 +116,11 @@ class ServerSettings(NodeSettings):
         return ()
 
     @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints that tell whether the wheels stall."""
+        return ()
+
+    @property
     def switched(self) -> DetectorSettings:
         """How the detector of the marker is switched on and off."""
         return DetectorSettings()

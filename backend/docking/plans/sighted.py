@@ -15,6 +15,7 @@ from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import Spread
+from docking.estimation.stall import stalls
 from docking.goal.behavior import Behavior
 from docking.goal.plan import DockTarget
 from docking.parameters import DockSettings
@@ -43,6 +44,8 @@ class SightedPlan(DockTarget):
         self.dock = settings.dock
         self.approach = settings.approach
         self.recovery = settings.recovery
+        self._stall = settings.stall
+        self._stalled = False
         self._search_speed = settings.search_speed
         self._detection_timeout = settings.external_detection_timeout
         self._where = settings.search
@@ -61,8 +64,14 @@ class SightedPlan(DockTarget):
     def observe(self, observation: Observation) -> None:
         """Keep up with the robot."""
         self._in_database = observation.expected_dock or self._in_database
+        self._stalled = stalls(observation, self._stall)
         if observation.odometry is not None:
             self._robot = observation.odometry.pose
+
+    @property
+    def stalled(self) -> bool:
+        """Whether the joints of the wheels tell that these stall."""
+        return self._stalled
 
     @property
     def expected(self) -> Pose | None:

@@ -216,6 +216,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         needs = self._action.needs(settings)
         self._sensors.scanner = self._settings.collision.mount
         self._sensors.marker_tilt = settings.marker_tilt
+        self._sensors.joint_names = frozenset(settings.joints)
         self._sensors.place = settings.place if Sensor.ODOMETRY in needs else None
         self._transforms.switch(on=self._action.uses_frames(settings), prefix=self._settings.frame_prefix)
         self._sensors.listen_to(needs)

@@ -12,11 +12,11 @@ from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import LaserScan, Range
+from sensor_msgs.msg import JointState, LaserScan, Range
 
 from docking.core.battery import BatteryReading, received_at
 from docking.core.geometry import Pose
-from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Scan, Velocity
+from docking.core.observation import InfraredReading, Joint, MarkerDetection, Observation, Odometry, Scan, Velocity
 from docking.core.transform import pose_of, spatial
 from docking.estimation.scan import place
 from docking.estimation.track import Track
@@ -44,6 +44,7 @@ class Sensor(enum.Enum):
     MARKER = "marker"
     INFRARED = "infrared"
     SCAN = "scan"
+    JOINTS = "joints"
 
 
 class Sensors:
@@ -54,6 +55,7 @@ class Sensors:
         scanner: Where the laser scanner is, in base_link; None where tf says it.
         faults: The fault of the last message on each topic that has one, as sentences.
         place: Where the database has the goal's dock; None where it does not.
+        joint_names: The joints that tell whether the wheels stall.
         marker_tilt: The marker's frame, x into the dock and z up, as seen from that of its detections.
     """
 
@@ -69,6 +71,7 @@ class Sensors:
         self.scanner: Pose | None = Pose()
         self.faults: dict[str, str] = {}
         self.place: DockPlace | None = None
+        self.joint_names: frozenset[str] = frozenset()
         self.marker_tilt = Transform()
         self._node = node
         self._transforms = transforms
@@ -80,6 +83,7 @@ class Sensors:
         self._unrelated_since: float | None = None  # markers come, and cannot be placed
         self._doubt = ""  # why not
         self._scan: Scan | None = None
+        self._joints: dict[str, Joint] = {}
         self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
 
     def listen_to(self, sensors: frozenset[Sensor]) -> None:
@@ -102,6 +106,8 @@ class Sensors:
             return [self._subscription(PoseStamped, MARKER_TOPIC, self._take_marker)]
         if sensor is Sensor.SCAN:
             return [self._subscription(LaserScan, "scan", self._take_scan)]
+        if sensor is Sensor.JOINTS:
+            return [self._subscription(JointState, "joint_states", self._take_joints)]
         return [self._subscription(Range, f"infrared/{name}", partial(self._take_range, name)) for name in RECEIVERS]
 
     def _subscription(self, message_type: type, topic: str, take: Callable[[Any, float], None]) -> Subscription:
@@ -131,6 +137,8 @@ class Sensors:
             self._markers, self._unrelated_since = [], None
         elif sensor is Sensor.SCAN:
             self._scan = None
+        elif sensor is Sensor.JOINTS:
+            self._joints = {}
         else:
             self._ranges.clear()
 
@@ -227,6 +235,15 @@ class Sensors:
             points = place(points, odometry.pose)
         self._scan = Scan(points, min(odometry.stamp, received))
 
+    def _take_joints(self, message: JointState, received: float) -> None:
+        """Of several nodes, each may publish some of the joints."""
+        for index, name in enumerate(message.name):
+            if name not in self.joint_names:
+                continue
+            if index >= min(len(message.velocity), len(message.effort)):
+                raise ValueError(f"has no velocity or no effort of the joint {name!r}")
+            self._joints[name] = Joint(message.velocity[index], message.effort[index], received)
+
     def _take_range(self, receiver: str, message: Range, received: float) -> None:
         measured = message.range
         if math.isnan(measured):
@@ -258,6 +275,7 @@ class Sensors:
             self._scan,
             other_markers=tuple(markers[:-1]),
             expected_dock=self._expect_dock(),
+            joints=dict(self._joints),
         )
 
     def _expect_dock(self) -> Pose | None:

@@ -7,7 +7,7 @@ import numpy as np
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import OccupancyGrid, Odometry
-from sensor_msgs.msg import BatteryState, LaserScan, Range
+from sensor_msgs.msg import BatteryState, JointState, LaserScan, Range
 
 from docking.core.geometry import Pose, quaternion_of
 from docking.core.observation import Velocity
@@ -48,6 +48,14 @@ class OdometryMessage:
         message.twist.twist.linear.x = velocity.linear_x
         message.twist.twist.angular.z = velocity.angular_z
         return message
+
+
+def joint_message(wheels: Mapping[str, tuple[float, float]], stamp: Time) -> JointState:
+    """A sensor_msgs/JointState of the wheels: velocities in rad/s and efforts in N·m, by name."""
+    velocities, efforts = zip(*wheels.values(), strict=True)
+    message = JointState(name=list(wheels), velocity=velocities, effort=efforts)
+    message.header.stamp = stamp
+    return message
 
 
 class RangeMessage:

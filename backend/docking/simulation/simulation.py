@@ -16,6 +16,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import (
     STANDSTILL,
     InfraredReading,
+    Joint,
     MarkerDetection,
     Observation,
     Odometry,
@@ -44,6 +45,11 @@ INSTANT = 1e-6
 """A negligible time, in s."""
 STEP = 0.02
 """The longest step, in s, that the model is meant for."""
+LEFT_WHEEL, RIGHT_WHEEL = "left_wheel_joint", "right_wheel_joint"
+WHEEL_RADIUS = 0.033
+"""In m."""
+ROLLING, PRESSING = 0.2, 2.5
+"""Effort of a wheel's joint, in N·m, while the robot drives, and while something keeps it from that."""
 BATTERY_RATE = 10.0
 """Measurements of the battery a second."""
 
@@ -224,6 +230,17 @@ class Simulation:
         return self.robot.pose.compose(self.odometry.pose.inverse())
 
     @property
+    def wheels(self) -> dict[str, tuple[float, float]]:
+        """The velocity of each wheel's joint, in rad/s, and its effort, in N·m."""
+        robot = self.robot
+        half = 0.5 * self.settings.robot.wheel_separation * robot.angular
+        speeds = {LEFT_WHEEL: robot.linear - half, RIGHT_WHEEL: robot.linear + half}
+        effort = PRESSING if robot.stalled else ROLLING
+        return {
+            name: (speed / WHEEL_RADIUS, effort if robot.stalled or speed else 0.0) for name, speed in speeds.items()
+        }
+
+    @property
     def odometry_velocity(self) -> Velocity:
         """As the wheels seem to turn, in base_link; 0 if odometry has no velocity."""
         return self.odometry.velocity(self.robot.velocity) if self.settings.odometry.twist else STANDSTILL
@@ -245,6 +262,7 @@ class Simulation:
             marker=markers[-1] if markers else None,
             other_markers=tuple(markers[:-1]),
             scan=self._observe_scan(offset),
+            joints={name: Joint(*wheel, now) for name, wheel in self.wheels.items()},
             infrared=None if ranges is None else replace(ranges[1], stamp=ranges[1].stamp + offset),
         )
 

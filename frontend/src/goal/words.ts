@@ -113,6 +113,7 @@ const ADVICE: Record<string, string> = {
   preempted: "A newer goal replaced it: see the list of goals.",
   pushed_off: "Something moved the robot off its dock: dock again.",
   scan_lost: "Check the laser scanner: there are no messages on scan.",
+  send_goal_failure: "See whether the docking server behind this one runs, then send the goal again.",
   shutting_down: "Start the action server again, then dock again.",
   unknown: "See the log of the docking server.",
   stop_latched: "Release the stop, then send the goal again.",

@@ -1,4 +1,4 @@
-"""nav2's docking server (opennav_docking, Jazzy): `DockRobot` and `UndockRobot`.
+"""nav2's docking server (opennav_docking, from Jazzy to its main branch): `DockRobot` and `UndockRobot`.
 
 It accepts every goal while it is active, and checks it afterwards: an unknown dock is an aborted goal. A goal that
 arrives while another one runs replaces it. The result has an error code, which is 0 if the server gave up for another
@@ -41,11 +41,17 @@ STAGES = {
 Errors = Mapping[int, tuple[str, str]]
 UNKNOWN = ("unknown", "an unexpected error in the docking server; its log says more")
 TIMEOUT = ("timeout", "the goal took longer than it may")
+# nav2's server itself never sends these two; what passes goals on to it does, such as a behavior tree.
+PASSED_ON: Errors = {
+    1: ("goal_rejected", "the docking server's goal was passed on, and rejected"),
+    2: ("send_goal_failure", "the docking server's goal could not be passed on"),
+}
 DOCK_ERRORS: Errors = {
     0: (
         NO_REASON,
         "the docking server gave up without an error code, as it does when a newer goal replaces this one",
     ),
+    **PASSED_ON,
     901: ("dock_not_in_db", "the docking server has no dock of that name in its database"),
     902: ("dock_not_valid", "the docking server has no plugin for the type of this dock"),
     903: ("failed_to_stage", "the staging pose in front of the dock was not reached"),
@@ -60,6 +66,7 @@ UNDOCK_ERRORS: Errors = {
         NO_REASON,
         "the docking server gave up without an error code, as it does when the robot is not on a dock",
     ),
+    **PASSED_ON,
     902: (
         "dock_not_valid",
         "the docking server does not know the type of the dock that the robot is on; name it with dock_type",

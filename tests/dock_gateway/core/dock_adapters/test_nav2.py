@@ -75,7 +75,7 @@ def test_outcomes() -> None:
         found = {number: outcome(adapter, S.ABORTED, error_code=number) for number in errors}
         assert found == {number: (S.ABORTED, code) for number, (code, _) in errors.items()}
     assert outcome(UNDOCK, S.ABORTED, success=True) == (S.ABORTED, "goal_aborted"), "as for a robot off its dock"
-    assert outcome(DOCK, S.ABORTED, error_code=1) == (S.ABORTED, "unknown")
+    assert outcome(DOCK, S.ABORTED, error_code=3) == (S.ABORTED, "unknown")
 
 
 def test_the_result_has_the_retries_and_the_servers_own_words() -> None:
