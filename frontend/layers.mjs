@@ -13,7 +13,7 @@ const LAYERS = [
   // What features share: all robots, who uses the page, one goal in words.
   ...["fleet", "access", "goal", "stop", "alerts", "approvals"],
   // Features.
-  ...["battery", "docking", "scene", "simulator", "automation", "actions", "goals", "operations"],
+  ...["battery", "docking", "scene", "cameras", "simulator", "automation", "actions", "goals", "operations"],
   ...["statistics", "audit", "notifications", "graph"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],

@@ -283,3 +283,22 @@ def test_a_phone(page: Page, gateway: RunningGateway) -> None:
     open_tab(page, "Developer")
     expect(page.get_by_role("region", name="Simulator", exact=True)).to_be_visible()
     expect_no_sideways_scrolling(page)
+
+
+def test_the_camera_is_read_while_it_is_in_sight(page: Page, gateway: RunningGateway) -> None:
+    def readers() -> list[str]:
+        topic = gateway.http.get("/graph/topics/camera/image_raw/compressed").raise_for_status().json()
+        return [each["node"] for each in topic["subscribers"]]
+
+    card = page.get_by_role("region", name="Camera", exact=True)
+    expect(card.get_by_text("Switch it on to see what the robot sees.")).to_be_visible()
+    assert readers() == []
+    card.get_by_role("switch", name="Show").check()
+    expect(card.get_by_text(re.compile(r"Hz · .* old · \d+ . \d+"))).to_be_visible()
+    seen = card.get_by_role("img").evaluate(
+        "(it) => new Set(it.getContext('2d').getImageData(0, 0, it.width, it.height).data).size"
+    )
+    assert seen > 20  # shades
+    assert readers() == ["/dock_gateway"]
+    open_tab(page, "Developer")
+    wait_until(lambda: not readers(), "nobody looks")

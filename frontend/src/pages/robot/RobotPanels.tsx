@@ -3,6 +3,7 @@ import { Skeleton, Stack, Tabs } from "@mantine/core";
 import { memo, Suspense, useEffect, useState } from "react";
 import { createGoalsApi } from "../../api/goals";
 import { BatteryCard, BatteryPlotsCard } from "../../battery/BatteryCard";
+import { CameraCard } from "../../cameras/CameraCard";
 import { DockingCard } from "../../docking/DockingCard";
 import { useFleet } from "../../fleet/context";
 import { DEVELOPER, OPERATE } from "../../fleet/names";
@@ -32,7 +33,10 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
       <Tabs.Panel value={OPERATE}>
         <Stack gap="md">
           <div className={classes.grid}>
-            <DockingCard />
+            <div className={classes.column}>
+              <DockingCard />
+              <CameraCard />
+            </div>
             <SceneCard />
           </div>
           <BatteryCard />
