@@ -204,7 +204,9 @@ async def _open(
             lambda found: robots.topics.update(found.topics),
             graph_watch.update,
             recordings.update,
-            _following(Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)),
+            _following(
+                Departures(robots, actions, interlock, forget_after=settings.forget_robot_after, leave=recordings.leave)
+            ),
         )
     )
     tasks.spawn(take_over_unfinished(actions, history))

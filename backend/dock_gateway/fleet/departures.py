@@ -1,6 +1,7 @@
 """Tracks which robots have left the ROS graph, and removes those that have been away for long."""
 
 import logging
+from collections.abc import Awaitable, Callable
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.goals.registry import ActionRegistry
@@ -22,11 +23,20 @@ class Departures:
         actions: The actions, with the robots' goals.
         interlock: The latched stops.
         forget_after: Seconds of absence before a robot is removed; 0 means never.
+        leave: Called with each robot before it is removed, to leave its topics: afterwards this gateway is not known as
+            one there, and its subscriptions would count as the robot's.
     """
 
     def __init__(
-        self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock, *, forget_after: float
+        self,
+        robots: RobotRegistry,
+        actions: ActionRegistry,
+        interlock: Interlock,
+        *,
+        forget_after: float,
+        leave: Callable[[str], Awaitable[None]],
     ) -> None:
+        self._leave = leave
         self._robots = robots
         self._actions = actions
         self._interlock = interlock
@@ -55,6 +65,7 @@ class Departures:
                 if await self._is_overdue(robot, scan, seconds):
                     log.info("robot %s left the ROS graph", robot.namespace)
                     self._seen.pop(robot.namespace, None)
+                    await self._leave(robot.namespace)
                     self._robots.forget(robot.namespace)
                     self._actions.docking.forget(robot.namespace)
             except GatewayError:  # the others would fail too

@@ -113,6 +113,7 @@ class Recorder:
         self._running: dict[str, _Running] = {}
         self._scan = Scan()
         self._changed = asyncio.Event()
+        self._choosing = asyncio.Lock()
         self._closing = asyncio.Event()
         self._tasks = Tasks("recording")
         self._tasks.spawn(self._follow_topics())
@@ -130,9 +131,16 @@ class Recorder:
             await self._changed.wait()
             self._changed.clear()
             try:
-                await self._choose_topics()
+                async with self._choosing:
+                    await self._choose_topics()
             except Exception:
                 log.exception("while choosing the topics to record")
+
+    async def leave(self, robot: str) -> None:
+        """Leave the topics of a robot that is about to be removed."""
+        async with self._choosing:
+            if (ear := self._ears.pop(robot, None)) is not None:
+                await self._listen(ear, {})
 
     async def _choose_topics(self) -> None:
         """Subscribe to what is to be heard of the robots, and leave the rest."""

@@ -42,13 +42,22 @@ class Recordings:
         if self._recorder is not None:
             self._recorder.update(scan)
 
+    async def leave(self, robot: str) -> None:
+        """Leave the topics of a robot that is about to be removed."""
+        if self._recorder is not None:
+            await self._recorder.leave(robot)
+
+    def is_running(self, goal_id: str) -> bool:
+        """Return whether a goal is being recorded."""
+        return self._recorder is not None and self._recorder.is_running(goal_id)
+
     async def find(self, goal: Goal) -> Recording:
         """Return the recording of a goal.
 
         Raises:
             NotFound: There is none (`recording_not_found`); the detail says why.
         """
-        running = self._recorder is not None and self._recorder.is_running(goal.goal_id)
+        running = self.is_running(goal.goal_id)
         if running or (found := await asyncio.to_thread(self._store.find, goal.goal_id)) is None:
             raise NotFound(self._why_none(goal, running=running), code="recording_not_found")
         return found

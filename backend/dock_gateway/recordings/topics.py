@@ -8,6 +8,7 @@ from dock_gateway.settings import Settings
 
 CAMERA = "sensor_msgs/msg/CompressedImage"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
+STOP = "std_msgs/msg/Bool"
 GOAL_STATES = "action_msgs/msg/GoalStatusArray"
 # Those in a robot's namespace that are recorded, whatever they are called.
 TYPES = frozenset(
@@ -64,17 +65,22 @@ def recorded_topics(
         return {settings.resolve(name, robot) for name in names}
 
     stops = resolved((settings.stop_topic, *settings.stop_topics))
-    named = {settings.battery_of(robot), settings.resolve(settings.diagnostics_topic, robot), *SHARED, *stops}
-    named |= resolved((settings.cmd_vel_topic, *settings.record_topics))
+    named = {settings.battery_of(robot), settings.resolve(settings.diagnostics_topic, robot), *SHARED}
+    named |= resolved((settings.cmd_vel_topic,))
+    more = resolved(settings.record_topics)
     found = {}
     for name, types in topics.items():
-        if name in named or (not TYPES.isdisjoint(types) and owner(name) == robot):
-            kind = next((kind for kind in types if kind in TYPES), types[0]) if types else ""
+        if len(types) != 1:  # a mistake, of which we shall be no part
+            continue
+        kind = types[0]
+        by_type = kind in TYPES and (name in named or owner(name) == robot)
+        if by_type or name in more or (name in stops and kind == STOP):
             found[name] = Wanted(kind, lasting=name in stops or name.endswith("/tf_static"))
     for name, types in actions.items():
-        if types and owner(name) == robot:
+        if len(types) == 1 and owner(name) == robot:
             prefix = f"{name}{ACTION_PART}"
             found[f"{prefix}{FEEDBACK}"] = Wanted(f"{types[0]}{FEEDBACK_TYPE}")
             found[f"{prefix}{STATUS}"] = Wanted(GOAL_STATES)
+    named |= stops | more
     first = sorted(found, key=lambda name: (name not in named and ACTION_PART not in name, name))[:MAX_TOPICS]
     return {name: found[name] for name in first}

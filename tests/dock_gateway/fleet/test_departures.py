@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import AsyncMock
 
 import pytest
 
@@ -59,7 +60,7 @@ def parts() -> Parts:
 
 
 def departures_of(parts: Any, forget_after: float = AFTER) -> Departures:
-    return Departures(parts, parts, parts, forget_after=forget_after)
+    return Departures(parts, parts, parts, forget_after=forget_after, leave=AsyncMock())
 
 
 async def test_a_robot_that_is_away_for_long_is_forgotten_and_the_configured_one_never(parts: Parts) -> None:

@@ -16,6 +16,8 @@ TOPICS = {
     "/robot1/stop_latched": [BOOL],
     "/robot2/scan": [SCAN],
     "/rosout": ["rcl_interfaces/msg/Log"],
+    "/robot1/battery_status": ["std_msgs/msg/String"],
+    "/robot1/odom": ["nav_msgs/msg/Odometry", "std_msgs/msg/String"],
 }
 
 
