@@ -82,7 +82,11 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
             wait_for_recording(again, interrupted)
             messages = download(again, f"/goals/{interrupted}/recording.mcap", tmp_path)
             assert UUID(interrupted).bytes in {each.goal_id.uuid.tobytes() for each in messages[FEEDBACK]}
-            assert again.http.get(f"/goals/{goal_id}/recording").json() == {"size": size, "why_none": None}
+            assert again.http.get(f"/goals/{goal_id}/recording").json() == {
+                "size": size,
+                "why_none": None,
+                "running": False,
+            }
 
 
 def check_download(gateway: RunningGateway, goal_id: str, size: int) -> None:

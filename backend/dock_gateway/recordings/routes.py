@@ -86,8 +86,9 @@ async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     except NotFound as error:
         if error.code != "recording_not_found":
             raise
-        return json_response({"size": None, "why_none": error.detail})
-    return json_response({"size": found.size, "why_none": None})
+        running = recordings.is_running(goal_id)
+        return json_response({"size": None, "why_none": error.detail, "running": running})
+    return json_response({"size": found.size, "why_none": None, "running": False})
 
 
 @router.get(

@@ -4,7 +4,8 @@ from dock_gateway.http.schema import Schema
 
 
 class GoalRecording(Schema):
-    """Whether a goal has a recording at this gateway: its size in bytes, or `why_none`."""
+    """Whether a goal has a recording at this gateway: its size in bytes, or `why_none`, or it is still `running`."""
 
     size: int | None
     why_none: str | None
+    running: bool

@@ -3319,13 +3319,15 @@ export interface components {
         };
         /**
          * GoalRecording
-         * @description Whether a goal has a recording at this gateway: its size in bytes, or `why_none`.
+         * @description Whether a goal has a recording at this gateway: its size in bytes, or `why_none`, or it is still `running`.
          */
         GoalRecording: {
             /** Size */
             size: number | null;
             /** Why None */
             why_none: string | null;
+            /** Running */
+            running: boolean;
         };
         /**
          * GoalState

@@ -29,6 +29,9 @@ export function createGoalsApi(http: Http) {
         }),
       ),
     goal: (goalId: string): Promise<AnyGoal> => settle(http.GET("/goals/{goal_id}", one(goalId))),
+    /** Whether there is a recording of a goal, or why there is none. */
+    recording: (goalId: string): Promise<GoalRecording> =>
+      settle(http.GET("/goals/{goal_id}/recording", one(goalId))),
     cancel: (goalId: string): Promise<AnyGoal> => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
     /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
     history: (goalId: string, after: string | null): Promise<GoalHistory> =>
@@ -68,6 +71,13 @@ async function* historyOf(http: Http, goalId: string, type: "pose" | "status"): 
 export type GoalsApi = ReturnType<typeof createGoalsApi>;
 
 export type ExportFormat = "csv" | "json";
+
+export type GoalRecording = components["schemas"]["GoalRecording"];
+
+/** Where the recording of a goal is downloaded. */
+export function recordingUrl(goalId: string): string {
+  return `/goals/${encodeURIComponent(goalId)}/recording.mcap`;
+}
 
 /** Where the goals that a list is narrowed to are downloaded. */
 export function goalsExportUrl(query: GoalQuery, format: ExportFormat): string {

@@ -24,6 +24,7 @@ import { goalsPath } from "./filter";
 import { NamedMessage } from "./GoalMessages";
 import { goalPath } from "./GoalsTable";
 import classes from "./goalPage.module.css";
+import { RecordingButton } from "./RecordingButton";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
@@ -151,6 +152,7 @@ function GoalCommands({ goal }: { goal: AnyGoal }) {
         </ReasonButton>
         <CopyButton value={window.location.href} what="to this goal" label="Copy link" />
         <Downloads what="this goal" url={(format) => goalExportUrl(goal.goal_id, format)} />
+        <RecordingButton goal={goal} />
       </div>
       <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
       <CommandErrorAlert command="Sending it again" error={again.error} onClose={again.reset} />

@@ -1,0 +1,37 @@
+import { type AnyGoal, isTerminal } from "@dock-gateway/client";
+import { Button } from "@mantine/core";
+import { recordingUrl } from "../api/goals";
+import { ReasonButton } from "../ui/ReasonButton";
+import { useAnswer } from "../ui/requests";
+import { useWatched } from "./useGoalWatch";
+
+/** How often it is asked whether a recording is complete (ms). */
+const AGAIN_MS = 1000;
+
+/** Downloads what was heard of the robot while a goal ran; without a recording it says why there is none. */
+export function RecordingButton({ goal }: { goal: AnyGoal }) {
+  const { api } = useWatched();
+  const { data } = useAnswer({
+    queryKey: ["recording", goal.goal_id, goal.finished_at],
+    queryFn: () => api.recording(goal.goal_id),
+    refetchInterval: ({ state }) => (isTerminal(goal.status) && state.data?.running ? AGAIN_MS : false),
+  });
+  if (data === undefined) return null;
+  if (data.size === null) {
+    return (
+      <ReasonButton variant="default" size="compact-sm" reason={data.why_none ?? "There is none."}>
+        Recording
+      </ReasonButton>
+    );
+  }
+  return (
+    <Button component="a" href={recordingUrl(goal.goal_id)} download variant="default" size="compact-sm">
+      Recording, {sizeText(data.size)}
+    </Button>
+  );
+}
+
+/** `12 kB`, `3.4 MB`. */
+export function sizeText(bytes: number): string {
+  return bytes < 1_000_000 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1_000_000).toFixed(1)} MB`;
+}
