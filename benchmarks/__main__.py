@@ -11,6 +11,7 @@ from typing import Any
 import orjson
 import uvloop
 
+from benchmarks.cameras import cameras
 from benchmarks.cases import FAILURES, acceptance, fan_out, highest_rate, latency
 from benchmarks.figures import Results
 from benchmarks.machine import describe, wait_until_quiet
@@ -31,7 +32,7 @@ from benchmarks.topics import topics
 
 Case = Callable[[Results, Sequence[Any], Options], Awaitable[None]]
 
-RUNNING: dict[str, Case] = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate, "h": topics}
+RUNNING: dict[str, Case] = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate, "h": topics, "i": cameras}
 
 
 def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gateway]:
@@ -87,6 +88,9 @@ async def _run(options: Options, results: Results) -> None:
         with ExitStack() as stack:
             systems = [*_gateways(stack, options), *_peers(stack, options, results, (Rosbridge, RosbridgeSuite))]
             await _run_together(options, results, systems, "h")
+    if "i" in options.cases:
+        with ExitStack() as stack:
+            await _run_together(options, results, _gateways(stack, options), "i")
 
 
 async def _run_together(options: Options, results: Results, systems: Sequence[System], of: str) -> None:
