@@ -110,7 +110,7 @@ def _to_walls(scanner: Pose, cos: Distances, sin: Distances, floor: Box) -> Dist
 def _cross(scanner: Pose, cos: Distances, sin: Distances, boxes: Sequence[Box]) -> tuple[Distances, Distances]:
     """Where each ray enters and leaves each box: it is in a box where it is between both pairs of sides."""
     x_min, y_min, x_max, y_max = np.array([(box.x_min, box.y_min, box.x_max, box.y_max) for box in boxes]).T[:, :, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         by_x = (x_min - scanner.x) / cos, (x_max - scanner.x) / cos
         by_y = (y_min - scanner.y) / sin, (y_max - scanner.y) / sin
     enters = np.maximum(np.minimum(*by_x), np.minimum(*by_y))
