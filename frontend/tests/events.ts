@@ -266,6 +266,7 @@ export function cmdVel(x: number, turn: number, seconds = 1): EventOf<"cmd_vel">
 export const emptyScene: Scene = {
   frame: "world",
   robot: { x: -1.5, y: 0.4, theta: -0.3 },
+  odom: null,
   dock: { x: 0, y: 0, theta: 0 },
   docked: null,
   staging: null,

@@ -1,8 +1,10 @@
 import type { GoalCounts, GoalGroup, Statistics } from "@dock-gateway/client";
 import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
+import type { DockingTrend } from "../src/api/history";
 import { goalsLink, percent } from "../src/statistics/cells";
 import { durationMarks, errorMarks, rateMarks, roundTicks } from "../src/statistics/plots";
+import { sparkline, trendWords } from "../src/statistics/trend";
 import { statisticsView, toQuery } from "../src/statistics/view";
 import { dayOf } from "../src/ui/time";
 import { zoneName } from "../src/ui/zone";
@@ -48,10 +50,11 @@ const DAYS = statistics([
 ]);
 
 /** A gateway that answers with what a test gives; null is an outage. */
-function answering(answer: (query: URLSearchParams) => Statistics | null) {
+function answering(answer: (query: URLSearchParams) => Statistics | null, trends: DockingTrend[] = []) {
   const asked: string[] = [];
   vi.stubGlobal("fetch", async (request: Request) => {
     const { pathname, searchParams } = new URL(request.url);
+    if (pathname === "/statistics/docking-time") return Response.json({ robots: trends });
     if (pathname !== "/statistics") return Response.json({}, { status: 404 });
     asked.push(searchParams.toString());
     const found = answer(searchParams);
@@ -203,6 +206,54 @@ describe("the page", () => {
     const before = asked.length;
     store.onConnection({ kind: "snapshot" });
     await waitFor(() => expect(asked.length).toBeGreaterThan(before));
+  });
+});
+
+describe("the trend of the docking time", () => {
+  const week = (succeeded: number, median_s: number | null) => ({
+    succeeded,
+    median_s,
+    goals_path: "/goals?a=b",
+  });
+  const trend: DockingTrend = {
+    robot: "/robot1",
+    now: week(14, 31.2),
+    before: week(18, 22.3),
+    change: 0.399,
+    days: [22, null, 24, 30],
+  };
+
+  it("is said where the gateway says that it is clear", () => {
+    expect(trendWords(trend)).toBe(
+      "Docking takes 40 % longer than last week (median 31 s, before 22 s, 14 and 18 goals).",
+    );
+    expect(trendWords({ ...trend, change: -0.25 })).toMatch(/^Docking takes 25 % less time than last week/);
+    expect(trendWords({ ...trend, change: null })).toBe(
+      "Docking takes 31 s (median of 14 goals in the last 7 days).",
+    );
+    expect(trendWords({ ...trend, change: null, now: week(0, null) })).toMatch(/^No docking/);
+  });
+
+  it("is drawn from 0 s on, with gaps", () => {
+    const runs = sparkline(trend.days, { width: 36, height: 36, room: 3 });
+    expect(runs.map((run) => run.map(({ x, y }) => [x, Math.round(y)]))).toEqual([
+      [[3, 11]],
+      [
+        [23, 9],
+        [33, 3],
+      ],
+    ]);
+    expect(sparkline([null, null], { width: 36, height: 36, room: 3 })).toEqual([]);
+  });
+
+  it("is on the page with its goals", async () => {
+    answering(() => DAYS, [trend, { ...trend, robot: "/robot2", change: null }]);
+    open();
+    const [first, second] = rows(await table("Docking time, by week"));
+    expect(text(first as HTMLElement)).toBe("/robot131 s of 1422 s of 1840 % longer");
+    expect(text(second as HTMLElement)).toMatch(/Not clear$/);
+    const link = within(first as HTMLElement).getByRole("link", { name: "31 s: succeeded docking goals" });
+    expect(link.getAttribute("href")).toBe("/ui/goals?a=b&status=succeeded");
   });
 });
 

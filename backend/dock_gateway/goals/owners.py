@@ -46,6 +46,10 @@ class Owners:
 
         return owner
 
+    def docks(self, robot: str) -> frozenset[str]:
+        """Return the names of all actions that dock a robot or may have done so."""
+        return self._docking.all_names(robot, "dock")
+
     async def choose_actions(self, grant: Grant, group: str | None) -> frozenset[str] | None:
         """Return the actions that a grant covers, and whose robots are in a group now; None if that is every action.
 

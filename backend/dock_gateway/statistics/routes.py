@@ -1,4 +1,4 @@
-"""`/statistics`: how goals ended, by day, robot or action."""
+"""`/statistics`: how goals ended, by day, robot or action, and how long docking takes."""
 
 import asyncio
 from collections.abc import Callable
@@ -32,7 +32,8 @@ from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import EARLIEST, SinceQuery, UntilQuery
 from dock_gateway.http.requests import json_response, known_query
 from dock_gateway.settings import Settings
-from dock_gateway.statistics.schema import Statistics
+from dock_gateway.statistics.schema import DockingTimes, Statistics
+from dock_gateway.statistics.trends import find_trends, two_weeks
 from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.statistics import Span, Tallies, Tally, merged
 
@@ -121,6 +122,35 @@ async def statistics(
         groups = group(wanted, found[0], owners.among(found[0]) if by == "robot" else str)
     document = await asyncio.to_thread(describe, wanted, groups)
     return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
+
+
+@router.get(
+    "/statistics/docking-time",
+    response_model=DockingTimes,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query("robot", "group"))],
+)
+@operation(Role.VIEWER, Scope.LISTED)
+async def docking_time(
+    settings: Part[Settings],
+    history: Part[History],
+    owners: Part[Owners],
+    grant: TheGrant,
+    *,
+    robot: NamespaceQuery = None,
+    group: GroupQuery = None,
+) -> Response:
+    """Return how long docking takes each robot: the last seven days, compared with the seven before."""
+    spans = two_weeks(utc_now())
+    since, until = spans[0][0], spans[-1][1]
+    wanted = await read_goal_filter(
+        settings=settings, owners=owners, grant=grant, robot=robot, since=since, until=until, group=group
+    )
+    found = await history.tally(wanted, spans, by_action=True)
+    owner = owners.among({name for tallies in found for name in tallies})
+    trends = find_trends(wanted, found, owner, owners.docks)
+    robots = await asyncio.to_thread(lambda: [trend.describe(spans, _path) for trend in trends])
+    return json_response({"since": since, "until": until, "robots": robots})
 
 
 def read_zone(name: str) -> ZoneInfo:

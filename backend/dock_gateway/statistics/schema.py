@@ -92,3 +92,76 @@ class Statistics(Schema):
     tz: str
     total: GoalCounts
     groups: list[GoalGroup]
+
+
+class DockingTime(Schema):
+    """The goals that docked a robot in seven days: how many, their median duration in seconds, and where they are."""
+
+    succeeded: int
+    median_s: float | None
+    goals_path: str
+
+
+class DockingTrend(Schema):
+    """How long docking takes a robot.
+
+    `change` is the change of the median as a share of what it was before: 0.4 if docking takes 40 % longer. It is null
+    unless each of the two weeks has at least 8 succeeded goals, the change is 10 % or more, and each median is outside
+    of the middle half of the other week's durations. `days` are the medians of the fourteen days, oldest first; null
+    for a day without a succeeded goal.
+    """
+
+    robot: str
+    now: DockingTime
+    before: DockingTime
+    change: float | None
+    days: list[float | None]
+
+
+_DOCKED: dict[str, JsonValue] = {"succeeded": 14, "median_s": 31.204, "goals_path": f"/goals?{_ACTION}&{_SPAN}"}
+
+
+class DockingTimes(Schema):
+    """The trends of the robots that have docked in the last fourteen days, sorted by name.
+
+    `since` to `until` are the fourteen days; `now` are the last seven of them, `before` the seven before.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "since": "2026-11-08T00:00:00Z",
+                    "until": "2026-11-22T00:00:00Z",
+                    "robots": [
+                        {
+                            "robot": "/robot1",
+                            "now": _DOCKED,
+                            "before": {**_DOCKED, "succeeded": 18, "median_s": 22.288},
+                            "change": 0.4,
+                            "days": [
+                                22.288,
+                                None,
+                                21.9,
+                                22.4,
+                                22.3,
+                                None,
+                                22.1,
+                                30.8,
+                                31.2,
+                                None,
+                                31.4,
+                                30.9,
+                                31.6,
+                                31.2,
+                            ],
+                        }
+                    ],
+                }
+            ]
+        }
+    )
+
+    since: datetime
+    until: datetime
+    robots: list[DockingTrend]

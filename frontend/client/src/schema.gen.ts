@@ -588,6 +588,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/statistics/docking-time": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Docking Time
+         * @description Return how long docking takes each robot: the last seven days, compared with the seven before.
+         */
+        get: operations["docking_time"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/actions": {
         parameters: {
             query?: never;
@@ -2933,6 +2953,93 @@ export interface components {
         DockingServers: {
             dock: components["schemas"]["ActionServer"];
             undock: components["schemas"]["ActionServer"];
+        };
+        /**
+         * DockingTime
+         * @description The goals that docked a robot in seven days: how many, their median duration in seconds, and where they are.
+         */
+        DockingTime: {
+            /** Succeeded */
+            succeeded: number;
+            /** Median S */
+            median_s: number | null;
+            /** Goals Path */
+            goals_path: string;
+        };
+        /**
+         * DockingTimes
+         * @description The trends of the robots that have docked in the last fourteen days, sorted by name.
+         *
+         *     `since` to `until` are the fourteen days; `now` are the last seven of them, `before` the seven before.
+         * @example {
+         *       "robots": [
+         *         {
+         *           "before": {
+         *             "goals_path": "/goals?action=/robot1/connect_to_charging_dock&since=2026-11-21T00:00:00Z&until=2026-11-22T00:00:00Z",
+         *             "median_s": 22.288,
+         *             "succeeded": 18
+         *           },
+         *           "change": 0.4,
+         *           "days": [
+         *             22.288,
+         *             null,
+         *             21.9,
+         *             22.4,
+         *             22.3,
+         *             null,
+         *             22.1,
+         *             30.8,
+         *             31.2,
+         *             null,
+         *             31.4,
+         *             30.9,
+         *             31.6,
+         *             31.2
+         *           ],
+         *           "now": {
+         *             "goals_path": "/goals?action=/robot1/connect_to_charging_dock&since=2026-11-21T00:00:00Z&until=2026-11-22T00:00:00Z",
+         *             "median_s": 31.204,
+         *             "succeeded": 14
+         *           },
+         *           "robot": "/robot1"
+         *         }
+         *       ],
+         *       "since": "2026-11-08T00:00:00Z",
+         *       "until": "2026-11-22T00:00:00Z"
+         *     }
+         */
+        DockingTimes: {
+            /**
+             * Since
+             * Format: date-time
+             */
+            since: string;
+            /**
+             * Until
+             * Format: date-time
+             */
+            until: string;
+            /** Robots */
+            robots: components["schemas"]["DockingTrend"][];
+        };
+        /**
+         * DockingTrend
+         * @description How long docking takes a robot.
+         *
+         *     `change` is the change of the median as a share of what it was before: 0.4 if docking takes 40 % longer. It is null
+         *     unless each of the two weeks has at least 8 succeeded goals, the change is 10 % or more, and each median is outside
+         *     of the middle half of the other week's durations. `days` are the medians of the fourteen days, oldest first; null
+         *     for a day without a succeeded goal.
+         */
+        DockingTrend: {
+            /** Robot */
+            robot: string;
+            now: components["schemas"]["DockingTime"];
+            before: components["schemas"]["DockingTime"];
+            /** Change */
+            change: number | null;
+            /** Days */
+            days: (number | null)[];
         };
         /**
          * DroppedEvent
@@ -8122,6 +8229,67 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Statistics"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    docking_time: {
+        parameters: {
+            query?: {
+                /** @description Only goals on actions in this namespace or below */
+                robot?: string | null;
+                /** @description Only goals on actions of the robots that are in this group now */
+                group?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DockingTimes"];
                 };
             };
             /** @description Unauthorized */

@@ -80,3 +80,23 @@ export function batteryHistory(
     }),
   );
 }
+
+/** How long docking takes a robot, in the last seven days and in the seven before. */
+export type DockingTrend = components["schemas"]["DockingTrend"];
+
+type DockingTimeQuery = NonNullable<paths["/statistics/docking-time"]["get"]["parameters"]["query"]>;
+
+/** The trends of the robots that have docked in the last fourteen days, by name. */
+export async function dockingTimes(
+  http: Http,
+  query: DockingTimeQuery,
+  signal: AbortSignal,
+): Promise<DockingTrend[]> {
+  const { robots = [] } = await settle(
+    http.GET("/statistics/docking-time", {
+      params: { query },
+      signal: AbortSignal.any([signal, AbortSignal.timeout(STATISTICS_TIMEOUT_MS)]),
+    }),
+  );
+  return robots;
+}

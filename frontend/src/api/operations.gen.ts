@@ -60,6 +60,7 @@ export const OPERATIONS = {
   "GET /services/{service}": { role: "viewer", everyRobot: false },
   "GET /simulator": { role: "viewer", everyRobot: false },
   "GET /statistics": { role: "viewer", everyRobot: false },
+  "GET /statistics/docking-time": { role: "viewer", everyRobot: false },
   "GET /stop": { role: "viewer", everyRobot: false },
   "GET /tokens": { role: "admin", everyRobot: true },
   "GET /topics/{topic}": { role: "viewer", everyRobot: false },

@@ -20,6 +20,7 @@ import { sentence } from "../ui/text";
 import { useZone, zoneName } from "../ui/zone";
 import { CountLink, DurationLink, ENDS, RateLink, tenths } from "./cells";
 import { DayPlots } from "./DayPlots";
+import { DockingTimes } from "./DockingTrend";
 import { ErrorTable, GroupTable } from "./GroupTable";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping, isTooLong, MAX_DAYS, statisticsView, toQuery, type View } from "./view";
@@ -68,6 +69,7 @@ function Shown({ statistics, view }: { statistics: Statistics; view: View }) {
       <Section title="Errors">
         <ErrorTable total={statistics.total} />
       </Section>
+      <DockingTimes view={view} />
     </>
   );
 }

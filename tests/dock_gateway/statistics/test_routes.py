@@ -178,6 +178,37 @@ def test_a_robot_with_a_label_has_the_goals_below_it(busy: Client) -> None:
     assert [(group["key"], group["ended"]) for group in found["groups"]] == [("/robot7", 1)]
 
 
+def record_weeks(client: Client, robot: str, now: list[float], before: list[float]) -> None:
+    for days_ago, durations in ((1, now), (10, before)):
+        for took in durations:
+            at = datetime.now(UTC) - timedelta(days=days_ago)
+            client.record(at.isoformat(), took=took, action=f"{robot}/connect_to_charging_dock")
+
+
+def test_docking_takes_longer_than_the_week_before(client: Client) -> None:
+    """It is only said where there are enough goals, and the medians are apart."""
+    week = [20.0, 21.0, 22.0, 22.0, 22.0, 23.0, 24.0, 25.0]
+    record_weeks(client, "/slow", [took * 1.5 for took in week], week)
+    record_weeks(client, "/few", [took * 1.5 for took in week[:7]], week)
+    record_weeks(client, "/same", [took * 1.08 for took in week], week)
+    record_weeks(client, "/wide", [15.0] * 4 + [45.0] * 4, week)
+    client.record(datetime.now(UTC).isoformat(), action="/slow/arm/pick", took=1.0)
+    client.group("/few", "hall 1")
+    found = {each["robot"]: each for each in client.get("/statistics/docking-time")["robots"]}
+    assert {robot: each["change"] for robot, each in found.items()} == {
+        "/slow": 0.5,
+        "/few": None,
+        "/same": None,
+        "/wide": None,
+    }
+    slow = found["/slow"]
+    assert (slow["now"]["median_s"], slow["before"]["median_s"], slow["now"]["succeeded"]) == (33.0, 22.0, 8)
+    assert [median for median in slow["days"] if median is not None] == [22.0, 33.0]
+    assert len(client.get(f"{slow['now']['goals_path']}&status=succeeded")["goals"]) == 8
+    assert [each["robot"] for each in client.get("/statistics/docking-time?group=hall+1")["robots"]] == ["/few"]
+    assert client.get("/statistics/docking-time?robot=/none")["robots"] == []
+
+
 @pytest.mark.parametrize("by", ["day", "robot", "action"])
 @pytest.mark.parametrize(
     "more",

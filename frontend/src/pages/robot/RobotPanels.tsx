@@ -5,10 +5,11 @@ import { createGoalsApi } from "../../api/goals";
 import { BatteryCard, BatteryPlotsCard } from "../../battery/BatteryCard";
 import { CameraCard } from "../../cameras/CameraCard";
 import { DockingCard } from "../../docking/DockingCard";
-import { useFleet } from "../../fleet/context";
-import { DEVELOPER, OPERATE } from "../../fleet/names";
+import { useFleet, useFleetPart } from "../../fleet/context";
+import { DEVELOPER, defaultRobot, OPERATE } from "../../fleet/names";
 import { GoalsCard } from "../../goals/GoalsTable";
 import { SceneCard } from "../../scene/SceneCard";
+import { DockingTimeCard } from "../../statistics/DockingTrend";
 import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
@@ -26,6 +27,8 @@ interface RobotPanelsProps {
 export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsProps) {
   // The snapshot fills most panels: shown before it, they would change their heights at once.
   const connecting = useTopicPart("connection", ({ phase }) => phase === "connecting");
+  const { robot } = useServices();
+  const name = useFleetPart("robots", (robots) => robot ?? defaultRobot(robots));
   if (connecting) return <PanelsSkeleton />;
   return (
     <>
@@ -41,6 +44,7 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
           </div>
           <BatteryCard />
           <BatteryPlotsCard />
+          <DockingTimeCard robot={name} />
           <GoalsCard />
         </Stack>
       </Tabs.Panel>
