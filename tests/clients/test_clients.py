@@ -156,10 +156,10 @@ def test_foxglove_on_node() -> None:
 
 
 def program(number: int) -> str:
-    """A program of docs/clients.md that uses roslib or roslibpy."""
+    """A program of docs/clients.md that uses roslib, roslibpy or Foxglove's client."""
     page = (ROOT / "docs/clients.md").read_text()
     blocks = re.findall(r"^```(?:python|javascript)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    return [block for block in blocks if "/rosbridge" in block][number]
+    return [block for block in blocks if "/rosbridge" in block or "/foxglove" in block][number]
 
 
 @pytest.mark.parametrize(
@@ -168,6 +168,7 @@ def program(number: int) -> str:
         (0, "python", "program.py", "[0, 1, 1, 2, 3, 5]"),
         (1, "2.1.0", "program.mjs", "[0,1,1,2,3,5]"),
         (2, "1.4.1", "program.cjs", "/talker0/scan"),
+        (3, "foxglove", "program.cjs", "[0,1,1,2,3,5]"),
     ],
 )
 def test_the_programs_of_the_documentation(

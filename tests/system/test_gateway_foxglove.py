@@ -356,7 +356,7 @@ def test_a_port_of_its_own_subprotocols_tokens_and_tickets(shared_domain: int, t
                 hidden = everything.channel(SCAN)["id"]
             client.send("subscribe", subscriptions=[{"id": 2, "channelId": hidden}])
             client.error(f"there is no channel {hidden}")
-            client.service("/dock_gateway/stop")
+            client.service("/fibonacci/get_result")
             assert [name for name in client.services if name.startswith("/fibonacci")] == ["/fibonacci/get_result"]
             client.send("setParameters", parameters=[{"name": PARAMETER, "value": True}])
             client.error("needs the role")

@@ -22,7 +22,7 @@ SCHEMA_ENCODING = "ros2msg"
 # Characters of a name, an id or an encoding.
 MAX_NAME = 1000
 # Parameters of one operation, and those of whose changes a client is told.
-MAX_PARAMETERS = 1000
+MAX_PARAMETERS = 5000
 
 Id = Annotated[int, Field(ge=0, lt=2**32, strict=True)]
 Name = Annotated[str, Field(min_length=1, max_length=MAX_NAME)]

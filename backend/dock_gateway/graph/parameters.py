@@ -2,13 +2,21 @@
 
 import asyncio
 from collections import OrderedDict
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.allow_list import AllowList
-from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound, ServerTimeout, TooManyRequests
+from dock_gateway.core.errors import (
+    Conflict,
+    FieldError,
+    GatewayError,
+    InvalidField,
+    NotFound,
+    ServerTimeout,
+    TooManyRequests,
+)
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.graph.names import not_found
 from dock_gateway.ros.bridge import Bridge
@@ -19,6 +27,8 @@ from dock_gateway.settings import Settings
 
 # Nodes whose parameters are read or set at the same time.
 MAX_NODES = 8
+# Nodes that are read at the same time for all who read many: not all of those above, so that others are not refused.
+MANY_AT_ONCE = 4
 # Nodes whose services are kept for the next request: more than are in use.
 MAX_PORTS = 16
 # Parameters that are set at once, and errors that are reported.
@@ -54,6 +64,7 @@ class Parameters:
         self._listed = AllowList("set_parameters", settings.set_parameters, "the gateway sets no parameters of")
         self._within = settings.accept_timeout
         self._busy = 0
+        self._many = asyncio.Semaphore(MANY_AT_ONCE)
         self._ports: OrderedDict[str, ParameterPort] = OrderedDict()
 
     def require_allowed(self, node: str) -> None:
@@ -79,6 +90,23 @@ class Parameters:
         """
         async with self._port(node, grant) as port:
             return [*(await _read(port)).values()]
+
+    async def read_many(self, nodes: Iterable[str], grant: Grant = UNLIMITED) -> dict[str, list[Parameter]]:
+        """Return the parameters of nodes, by node; those that do not answer have none.
+
+        Args:
+            nodes: Full names of the nodes.
+            grant: What the user may see of the graph.
+        """
+
+        async def read(node: str) -> tuple[str, list[Parameter]]:
+            try:
+                async with self._many:
+                    return node, await self.read(node, grant)
+            except GatewayError:
+                return node, []
+
+        return dict(await asyncio.gather(*map(read, nodes)))
 
     async def change(
         self, node: str, values: Mapping[str, object], *, at_once: bool = True, grant: Grant = UNLIMITED

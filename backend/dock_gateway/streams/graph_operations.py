@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import Iterable
 
-from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import Role
 from dock_gateway.graph.parameters import Change, Parameters
 from dock_gateway.http.operation import Audit, Scope, operation
@@ -11,8 +10,8 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.ros.parameter_values import Parameter
 from dock_gateway.streams.rights import Do, Json, Rights
 
-# Nodes that are asked for all their parameters, and how many of them at a time.
-MAX_NODES, NODES_AT_ONCE = 50, 4
+# Nodes that are asked for all their parameters.
+MAX_NODES = 50
 
 
 class GraphOperations:
@@ -26,6 +25,7 @@ class GraphOperations:
     def __init__(self, parts: Parts, rights: Rights) -> None:
         self._parameters = parts[Parameters]
         self._rights = rights
+        self._reading_many = asyncio.Lock()
 
     @operation(Role.OPERATOR, Scope.SERVICE)
     async def call_service(self, service: str, do: Do) -> Json:
@@ -93,15 +93,7 @@ class GraphOperations:
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     async def get_params(self, nodes: Iterable[str]) -> dict[str, list[Parameter]]:
-        """Return the parameters of many nodes, by node; those that do not answer are left out, and those too many."""
+        """Return the parameters of many nodes, by node; those that do not answer have none. One such call at a time."""
         await self._rights.require(GraphOperations.get_params, {})
-        at_once = asyncio.Semaphore(NODES_AT_ONCE)
-
-        async def read(node: str) -> tuple[str, list[Parameter]]:
-            try:
-                async with at_once:
-                    return node, await self._parameters.read(node, self._rights.grant)
-            except GatewayError:
-                return node, []
-
-        return dict(await asyncio.gather(*map(read, sorted(nodes)[:MAX_NODES])))
+        async with self._reading_many:
+            return await self._parameters.read_many(sorted(nodes)[:MAX_NODES], self._rights.grant)
