@@ -21,6 +21,7 @@ import "../src/pages/robot/RobotSelect";
 import type { Services } from "../src/store/context";
 import { SceneBuffer } from "../src/store/sceneBuffer";
 import { Store } from "../src/store/store";
+import { Surroundings } from "../src/store/surroundings";
 import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, undockGoal } from "./events";
 
 /** A gateway that does what it is told, and remembers. */
@@ -48,6 +49,7 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
       available: false,
       service: "/calibrate_dock",
     })),
+    mapImage: vi.fn<Gateway["mapImage"]>(async () => new Blob()),
     calibrate: vi.fn<Gateway["calibrate"]>(async () => ({ parameters: [], yaml: "" })),
     ...change,
   };
@@ -77,7 +79,14 @@ export function robotServices(
 ) {
   const store = new BothStores();
   const scene = new SceneBuffer();
-  const services: Services = { robot: null, gateway, store: store.robot, series: new BatterySeries(), scene };
+  const services: Services = {
+    robot: null,
+    gateway,
+    store: store.robot,
+    series: new BatterySeries(),
+    scene,
+    around: new Surroundings(),
+  };
   const fleet: FleetServices = {
     http: createHttp("http://gateway:8000"),
     gateway,

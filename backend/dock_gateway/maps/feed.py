@@ -49,6 +49,11 @@ class MapFeed:
         return self._problem or self._whole.hint or none_yet
 
     @property
+    def there(self) -> bool:
+        """Whether the topic is published at all."""
+        return self._whole.there
+
+    @property
     def settled(self) -> bool:
         """Whether there is a map, or it is known why there is none."""
         return self.grid is not None or (self._problem or self._whole.hint) is not None

@@ -24,11 +24,13 @@ class TopicReader:
 
     Attributes:
         hint: Why there is nothing to read; None if there is.
+        there: Whether it is published at all.
     """
 
     def __init__(self, relays: Relays, graph: GraphCache, topic: str, type_name: str, outlet: Outlet) -> None:
         self.topic = topic
         self.hint: str | None = None
+        self.there = False
         self._relays = relays
         self._graph = graph
         self._type = type_name
@@ -40,6 +42,7 @@ class TopicReader:
         if self._joined:
             return
         types = await published_types(self._graph, self.topic)
+        self.there = bool(types)
         if types and self._type not in types:
             self._doubt(types[0])
             return

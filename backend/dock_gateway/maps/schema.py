@@ -35,7 +35,7 @@ class RobotMap(Schema):
     """The map of a robot.
 
     Attributes:
-        topic: The topic that it is read from; null if none is known yet.
+        topic: The topic that it is read from; null if none is published.
         map: The newest good map; null if there is none.
         odom: Where the robot's odometry begins in the map's frame, by `tf`; null if the frames are not related.
         hint: What is missing, or why the newest message is not used, in a sentence; null if all is well.

@@ -149,7 +149,7 @@ class Surroundings:
                     f"The map's frame '{feed.grid.frame}' has no transform to the robot's '{self._odom}': {error}."
                 )
         return {
-            "topic": feed.topic,
+            "topic": feed.topic if feed.there else None,
             "map": None if feed.grid is None else feed.grid.document(),
             "odom": None if odom is None else odom.document(),
             "hint": hint,
@@ -159,7 +159,7 @@ class Surroundings:
         """Return what the laser sees, for JSON; None if nothing is new."""
         message = self._scan.take()
         if message is None:
-            return None if self.scan_reader.hint is None else _nothing(self.scan_reader.hint)
+            return _nothing(self.scan_reader.hint) if self.scan_reader.there and self.scan_reader.hint else None
 
         def read(scan: Any, frame: str, stamp: float) -> dict[str, Any]:
             try:

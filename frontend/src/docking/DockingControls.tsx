@@ -1,7 +1,6 @@
 import type { ActionServer, Verb } from "@dock-gateway/client";
 import { Group, NativeSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { useQuery } from "@tanstack/react-query";
 import { useId, useState } from "react";
 import { CHARGING, FULL } from "../battery/words";
 import { useNaming } from "../fleet/context";
@@ -13,6 +12,7 @@ import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import classes from "./docking.module.css";
+import { useDockList } from "./docks";
 import { takesBatteryGoal, whyNotSend } from "./families";
 import { MoveDialog, useAsking } from "./MoveDialog";
 
@@ -140,8 +140,6 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   );
 }
 
-const REFETCH_MS = 30_000;
-
 interface Docks {
   /** The names of all docks, the default one first; none where the docking server knows no docks by name. */
   all: string[];
@@ -154,15 +152,8 @@ interface Docks {
 
 /** The docks of a robot, and the one that is chosen: the default one unless the user has chosen another. */
 function useDocks(server: ActionServer | null): Docks {
-  const { gateway, robot } = useServices();
-  const live = useLive();
   const [wanted, choose] = useState<string | null>(null);
-  const { data } = useQuery({
-    queryKey: ["docks", robot, server?.action_name],
-    queryFn: gateway.docks,
-    refetchInterval: REFETCH_MS,
-    enabled: live && server?.available === true,
-  });
+  const data = useDockList(server);
   const names = data?.docks.map((dock) => dock.dock_id) ?? [];
   const standard = data?.default ?? null;
   const first = names.find((name) => name === standard) ?? names[0];

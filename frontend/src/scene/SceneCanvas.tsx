@@ -1,12 +1,17 @@
 import type { Pose } from "@dock-gateway/client";
-import { type ReactNode, useCallback, useEffect, useRef, useState } from "react";
+import { type ReactNode, useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
+import type { MapColors } from "../api/client";
+import { distance, type Point, place } from "../store/geometry";
+import type { Surroundings } from "../store/surroundings";
 import { Tool } from "../ui/Tool";
+import { Around, type KnownDock, type NamedDock } from "./around";
 import { Camera } from "./camera";
 import { Gestures } from "./gestures";
 import { Painter, type SceneSource } from "./painter";
 import { type Means, usePicture } from "./picture";
 import classes from "./scene.module.css";
-import { keepScale, keptScale } from "./view";
+import { DOCK_BOX } from "./shapes";
+import { keepScale, keptScale, toScreen } from "./view";
 
 interface SceneCanvasProps {
   scene: SceneSource;
@@ -16,15 +21,43 @@ interface SceneCanvasProps {
   describedBy: string;
   /** Called where the robot was put somewhere; the picture shows it there until the promise is settled. */
   onPlace: (pose: Pose) => Promise<void>;
+  /** What is around the robot; nothing of it without. */
+  around?: AroundMeans | undefined;
+  /** Called where a place was pressed. */
+  onPick?: ((pick: Pick) => void) | undefined;
   /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
   onGhost: (pose: Pose | null) => void;
+  /** Above the picture, such as a menu at a place of it. */
+  children?: ReactNode;
+}
+
+/** Where the things around a robot come from. */
+export interface AroundMeans {
+  data: Surroundings;
+  loadMap: (colors: MapColors) => Promise<Blob>;
+  docks: readonly KnownDock[];
+  /** The robot waits for what its laser sees. */
+  blocked: boolean;
+}
+
+/** A place that was pressed. */
+export interface Pick {
+  /** On the canvas (CSS pixels). */
+  at: Point;
+  /** In the frame of the scene. */
+  point: Point;
+  /** The docks there; of a place without one, none. */
+  dock: NamedDock | null;
 }
 
 /** The robot and its dock from above. Draws outside of React. */
-export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }: SceneCanvasProps) {
+export function SceneCanvas(props: SceneCanvasProps) {
+  const { scene, placeable, describedBy, around, onPlace, onGhost, onPick } = props;
   const [following, setFollowing] = useState(() => keptScale() !== null);
-  const handlers = useRef({ onPlace, onGhost, placeable });
-  handlers.current = { onPlace, onGhost, placeable };
+  const handlers = useRef({ onPlace, onGhost, onPick, placeable, around });
+  handlers.current = { onPlace, onGhost, onPick, placeable, around };
+  const [data, loadMap] = [around?.data, around?.loadMap];
+  const hasMap = useHasMap(data);
   const [camera] = useState(() => {
     const created = new Camera();
     created.follow(keptScale());
@@ -34,26 +67,41 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
     };
     return created;
   });
+  const aroundRef = useRef<Around | null>(null);
   const create = useCallback(
-    ({ canvas, colors, reducedMotion }: Means) => {
-      const picture = new Painter(canvas, camera, scene, colors, reducedMotion);
+    ({ canvas, colors, mapColors, reducedMotion }: Means) => {
+      const seen = data && loadMap ? new Around(data, loadMap, mapColors) : null;
+      const picture = new Painter(canvas, camera, scene, colors, reducedMotion, seen);
+      seen?.know(handlers.current.around?.docks ?? [], handlers.current.around?.blocked ?? false);
+      aroundRef.current = seen;
       picture.handle = handlers.current.placeable;
-      const place = (pose: Pose) => {
+      const put = (pose: Pose) => {
         handlers.current.onPlace(pose).finally(() => {
           if (picture.ghost === pose) picture.showGhost(null);
         });
       };
       return {
         picture,
-        gestures: new Gestures(canvas, picture, place, (pose) => handlers.current.onGhost(pose)),
+        gestures: new Gestures(
+          canvas,
+          picture,
+          put,
+          (pose) => handlers.current.onGhost(pose),
+          (at) => handlers.current.onPick?.({ at, point: picture.toWorld(at), dock: dockAt(picture, at) }),
+        ),
       };
     },
-    [camera, scene],
+    [camera, scene, data, loadMap],
   );
   const { boxRef, canvasRef, pictureRef } = usePicture(create);
   useEffect(() => {
     if (pictureRef.current !== null) pictureRef.current.handle = placeable;
   }, [pictureRef, placeable]);
+
+  const [docks, blocked] = [around?.docks, around?.blocked];
+  useEffect(() => {
+    if (docks !== undefined && blocked !== undefined) aroundRef.current?.know(docks, blocked);
+  }, [docks, blocked]);
 
   return (
     <div className={classes.frame} ref={boxRef}>
@@ -67,10 +115,19 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
         tabIndex={0}
         data-testid="scene"
       />
+      {onPick !== undefined && <div className={classes.middle} aria-hidden="true" />}
+      {props.children}
       <MapTools
         onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
         onShowAll={() => pictureRef.current?.showAll()}
       >
+        {hasMap && (
+          <Tool
+            name="Whole map"
+            onClick={() => pictureRef.current?.showMap()}
+            path="m3 5.5 6-2.2 6 2.2 6-2.2v15.2l-6 2.2-6-2.2-6 2.2V5.5Zm5 .3-3 1.1v11l3-1.1v-11Zm2 0v11l4 1.4v-11l-4-1.4Zm6 1.4v11l3-1.1v-11l-3 1.1Z"
+          />
+        )}
         <Tool
           name="Follow the robot"
           pressed={following}
@@ -80,6 +137,29 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
       </MapTools>
     </div>
   );
+}
+
+/** Whether there is a map that can be related to where the robot is. */
+function useHasMap(data: Surroundings | undefined): boolean {
+  return useSyncExternalStore(
+    useCallback((listener) => data?.subscribe(listener) ?? (() => {}), [data]),
+    () => data?.map?.map != null && data.map.odom !== null,
+  );
+}
+
+/** So near a dock is meant, in CSS pixels. */
+const REACH_PX = 22;
+
+function dockAt(picture: Painter, at: Point): NamedDock | null {
+  const { view, size, seen } = picture;
+  const near = seen.docks.map((dock) => ({ dock, away: distance(toScreen(view, size, middleOf(dock)), at) }));
+  const reach = Math.max(REACH_PX, 0.2 * view.scale);
+  return near.filter(({ away }) => away <= reach).sort((a, b) => a.away - b.away)[0]?.dock ?? null;
+}
+
+/** Of the box behind its face. */
+function middleOf({ pose }: NamedDock): Point {
+  return place(pose, { x: (DOCK_BOX.front + DOCK_BOX.back) / 2, y: 0 });
 }
 
 const ZOOM_STEP = 1.4;

@@ -1,25 +1,40 @@
 import type { Pose, Scene, Twist } from "@dock-gateway/client";
+import { isTerminal } from "@dock-gateway/client";
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
-import { useId, useState } from "react";
+import { useId, useMemo, useState } from "react";
 import { useForbidden } from "../api/session";
 import { useAtTime } from "../clock/clock";
+import { useDockList } from "../docking/docks";
 import { FreshnessBadge } from "../fleet/badges";
-import { type Freshness, useFreshness, useScene, useServices, useTopicPart } from "../store/context";
+import { currentGoal } from "../goal/words";
+import {
+  type Freshness,
+  useAround,
+  useFreshness,
+  useScene,
+  useServices,
+  useTopic,
+  useTopicPart,
+} from "../store/context";
 import type { CmdVel } from "../store/state";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
+import type { Surroundings } from "../store/surroundings";
 import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { lowerFirst } from "../ui/text";
 import { formatDuration } from "../ui/time";
 import { SCENE_COLORS } from "./colors";
-import { SceneCanvas } from "./SceneCanvas";
+import { MapMenu } from "./MapMenu";
+import { type AroundMeans, type Pick, SceneCanvas } from "./SceneCanvas";
 import classes from "./scene.module.css";
 import { describePose, describeScene } from "./words";
 
 /** The robot and its dock from above, in a picture and in words. */
 export function SceneCard() {
   const { gateway, scene } = useServices();
+  const around = useAroundMeans();
+  const [pick, setPick] = useState<Pick | null>(null);
   const freshness = useFreshness("scene");
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
   const known = useScene((scene) => scene !== null);
@@ -38,15 +53,20 @@ export function SceneCard() {
         <Stack gap="xs">
           <SceneCanvas
             scene={scene}
+            around={around}
             placeable={placeable}
             describedBy={wordsId}
+            onPick={setPick}
             onGhost={setGhost}
             onPlace={async (pose) => {
               setGhost(null);
               // What went wrong is shown below.
               await place.mutateAsync(pose).catch(() => {});
             }}
-          />
+          >
+            <MapMenu pick={pick} onClose={() => setPick(null)} />
+          </SceneCanvas>
+          <MapNote />
           <Text size="sm" id={wordsId} data-testid="scene-words" className={`tabular ${classes.text}`}>
             {freshness !== "live" && "This is how it was last seen. "}
             <Words />
@@ -60,6 +80,35 @@ export function SceneCard() {
       )}
       <VelocityLine />
     </Section>
+  );
+}
+
+/** What is around the robot, as its picture needs it. */
+function useAroundMeans(): AroundMeans {
+  const { gateway, around } = useServices();
+  const docks = useDockList(useTopic("actionServer"))?.docks ?? NO_DOCKS;
+  const goal = currentGoal(useTopic("courses"));
+  const blocked = goal !== null && !isTerminal(goal.status) && goal.stage === WAITING;
+  return useMemo(
+    () => ({ data: around, loadMap: gateway.mapImage, docks, blocked }),
+    [around, gateway, docks, blocked],
+  );
+}
+
+const NO_DOCKS: [] = [];
+/** The stage in which a docking server waits for an obstacle to go away. */
+const WAITING = "WAIT_FOR_CLEARANCE";
+
+/** What is wrong with map or scan, in a sentence. Robots without them have none. */
+function MapNote() {
+  const hint = useAround(({ map, scan, path }) => {
+    const hints = [map?.topic === null ? null : map?.hint, scan?.hint, path?.hint];
+    return hints.filter((each) => each != null).join(" ");
+  });
+  return hint === "" ? null : (
+    <Text size="sm" role="status" data-testid="map-note">
+      {hint}
+    </Text>
   );
 }
 
@@ -97,7 +146,9 @@ function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
 }
 
 /** What is in a scene besides robot and dock. */
-const SHOWN: Record<string, (scene: Scene) => boolean> = {
+const SHOWN: Record<string, (scene: Scene, around: Surroundings) => boolean> = {
+  "laser scan": (_, { scan }) => scan !== null && scan.points.length > 0,
+  path: (_, { path }) => path !== null && path.points.length > 0,
   trail: () => true,
   "contact zone": ({ dock, docked }) => dock !== null || docked !== null,
   "staging pose": ({ staging }) => staging !== null,
@@ -108,13 +159,16 @@ const SHOWN: Record<string, (scene: Scene) => boolean> = {
 /** What the colours mean of what is there. */
 function Legend() {
   const colors = SCENE_COLORS[useComputedColorScheme("light")];
+  const { around } = useServices();
   const names = useScene((scene) =>
     Object.entries(SHOWN)
-      .flatMap(([name, isShown]) => (scene !== null && isShown(scene) ? [name] : []))
+      .flatMap(([name, isShown]) => (scene !== null && isShown(scene, around) ? [name] : []))
       .join(","),
   );
   const swatches: Record<string, { color: string; round?: true }> = {
     trail: { color: colors.trail },
+    "laser scan": { color: colors.scan, round: true },
+    path: { color: colors.path },
     "contact zone": { color: colors.contact, round: true },
     "staging pose": { color: colors.staging },
     "marker as detected": { color: colors.marker, round: true },

@@ -65,6 +65,11 @@ export class Camera {
     this.#chosenByHand = false;
   }
 
+  /** Shows all the points, and stays there. */
+  frame(points: readonly Point[]): void {
+    this.#choose(fitTo(points, this.#inside));
+  }
+
   /** Keeps the robot in the middle at this scale, until somebody pans or all is to be shown; no longer for null. */
   follow(scale: number | null): void {
     this.#chosenByHand = false;

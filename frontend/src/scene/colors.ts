@@ -1,3 +1,5 @@
+import type { MapColors } from "../api/client";
+
 export interface SceneColors {
   grid: string;
   axis: string;
@@ -15,7 +17,18 @@ export interface SceneColors {
   marker: string;
   beam: string;
   ghost: string;
+  scan: string;
+  obstacle: string;
+  path: string;
+  /** Around texts. */
+  halo: string;
 }
+
+/** The colours of a map's cells. */
+export const MAP_COLORS: Record<"light" | "dark", MapColors> = {
+  light: { free: "ffffff00", occupied: "495057", unknown: "dee2e6a6" },
+  dark: { free: "24242400", occupied: "adb5bd", unknown: "101113a6" },
+};
 
 export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
   light: {
@@ -34,6 +47,10 @@ export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
     marker: "#c2255c",
     beam: "#f08c00",
     ghost: "#1864ab",
+    scan: "#e8590c",
+    obstacle: "#c92a2a",
+    path: "#0b7285",
+    halo: "#ffffffd9",
   },
   dark: {
     grid: "#303030",
@@ -51,5 +68,9 @@ export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
     marker: "#ff8fb1",
     beam: "#ffc078",
     ghost: "#a5d8ff",
+    scan: "#ff922b",
+    obstacle: "#ff6b6b",
+    path: "#3bc9db",
+    halo: "#242424d9",
   },
 };

@@ -5,6 +5,8 @@ import { type Size, toScreen, type View } from "./view";
 
 /** What is meant to be touched may be missed by this much, in CSS pixels. */
 const REACH_PX = 22;
+/** A pointer that moves by less is pressed, not moved (CSS pixels). */
+const PRESS_PX = 4;
 const STEP_M = 0.05;
 const TURN_RAD = toRadians(5);
 const PAN_PX = 40;
@@ -35,6 +37,8 @@ type Drag =
 /** What pointer and keyboard do to the picture, and to the robot where it can be placed. */
 export class Gestures {
   #drag: Drag | null = null;
+  /** Where the pointer went down that has not moved since; null for none. */
+  #pressed: Point | null = null;
   readonly #pointers = new Map<number, Point>();
 
   constructor(
@@ -44,6 +48,8 @@ export class Gestures {
     private readonly onPlace: (pose: Pose) => void = () => {},
     /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
     private readonly onGhost: (pose: Pose | null) => void = () => {},
+    /** Called where a place was pressed, without moving anything: with Enter, that in the middle. */
+    private readonly onPick: (place: Point) => void = () => {},
   ) {
     canvas.addEventListener("pointerdown", this.#down);
     canvas.addEventListener("pointermove", this.#move);
@@ -72,8 +78,10 @@ export class Gestures {
     if (this.#pointers.size > 1) {
       this.stage.showGhost(null);
       this.#drag = null;
+      this.#pressed = null;
       return;
     }
+    this.#pressed = place;
     this.#drag = this.#dragAt(place);
     this.canvas.style.cursor = this.#drag.kind === "pan" ? "move" : "grabbing";
   };
@@ -84,14 +92,19 @@ export class Gestures {
       this.canvas.style.cursor = this.#dragAt(place).kind === "pan" ? "" : "grab";
       return;
     }
+    if (this.#pressed !== null) {
+      if (distance(this.#pressed, place) < PRESS_PX) return;
+      this.#pressed = null;
+    }
     if (this.#pointers.size > 1) this.#pinch(event.pointerId, place);
     else if (this.#drag !== null) this.#drag = this.#continue(this.#drag, place);
     this.#pointers.set(event.pointerId, place);
   };
 
   readonly #up = (event: PointerEvent): void => {
-    const drag = this.#drag;
+    const [drag, pressed] = [this.#drag, this.#pressed];
     this.#forget(event);
+    if (pressed !== null && drag?.kind === "pan") this.onPick(pressed);
     if (drag === null || drag.kind === "pan" || this.stage.ghost === null) return;
     this.onPlace(this.stage.ghost);
   };
@@ -104,6 +117,7 @@ export class Gestures {
   #forget(event: PointerEvent): void {
     this.#pointers.delete(event.pointerId);
     this.#drag = null;
+    this.#pressed = null;
     this.canvas.style.cursor = "";
   }
 
@@ -177,8 +191,11 @@ export class Gestures {
     if (key === "+" || key === "=") this.stage.zoomBy(ZOOM_STEP);
     else if (key === "-") this.stage.zoomBy(1 / ZOOM_STEP);
     else if (key === "0") this.stage.showAll();
-    else if (key === "Enter" && ghost !== null) this.onPlace(ghost);
-    else if (key === "Escape" && ghost !== null) {
+    else if (key === "Enter") {
+      const { width, height } = this.stage.size;
+      if (ghost === null) this.onPick({ x: width / 2, y: height / 2 });
+      else this.onPlace(ghost);
+    } else if (key === "Escape" && ghost !== null) {
       this.stage.showGhost(null);
       this.onGhost(null);
     } else return false;

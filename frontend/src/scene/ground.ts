@@ -1,5 +1,6 @@
 import type { Point } from "../store/geometry";
 import type { SceneColors } from "./colors";
+import type { DrawnMap } from "./mapImage";
 import { gridStep, type Size, toScreen, toWorld, type View } from "./view";
 
 /** What part of the plane is drawn, and how. */
@@ -14,6 +15,7 @@ interface Surface extends Drawing {
   /** Where the robot has been, oldest first: an array that grows, or another one. */
   trail: readonly Point[];
   robot: Point;
+  map: DrawnMap | null;
 }
 
 /**
@@ -52,11 +54,11 @@ export class Ground {
     this.#canvas.width = width;
     this.#canvas.height = height;
     ground.setTransform(width / surface.size.width, 0, 0, height / surface.size.height, 0, 0);
-    drawGrid(ground, surface);
+    drawGrid(ground, surface, surface.map);
     return ground;
   }
 
-  #stays({ view, size, colors, trail }: Surface, width: number, height: number): boolean {
+  #stays({ view, size, colors, trail, map }: Surface, width: number, height: number): boolean {
     const drawn = this.#drawn;
     return (
       drawn !== null &&
@@ -65,7 +67,8 @@ export class Ground {
       drawn.view === view &&
       drawn.size === size &&
       drawn.colors === colors &&
-      drawn.trail === trail
+      drawn.trail === trail &&
+      drawn.map === map
     );
   }
 }
@@ -73,15 +76,22 @@ export class Ground {
 /** So far from a corner no metres are written (CSS pixels): there are those of the other axis, and the scale. */
 const CORNER_PX = 28;
 
-/** Lines at round distances, with their metres: those of x along the top, those of y along the left. */
-export function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: Drawing): void {
+/** Lines at round distances, a map above them, and their metres: those of x along the top, those of y along the left. */
+export function drawGrid(ctx: CanvasRenderingContext2D, drawing: Drawing, map: DrawnMap | null = null): void {
+  const { view, size, colors } = drawing;
   const step = gridStep(view.scale, 44);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const metres = (value: number) => value.toFixed(decimals).replace("-", "\u2212");
-  ctx.font = "11px system-ui, sans-serif";
-  ctx.fillStyle = colors.metres;
   const { x: left, y: top } = toWorld(view, size, { x: 0, y: 0 });
   const { x: right, y: bottom } = toWorld(view, size, { x: size.width, y: size.height });
+  const columns = steps(left, right, step).map((column) => ({
+    column,
+    x: Math.round(toScreen(view, size, { x: column * step, y: 0 }).x) + 0.5,
+  }));
+  const rows = steps(bottom, top, step).map((row) => ({
+    row,
+    y: Math.round(toScreen(view, size, { x: 0, y: row * step }).y) + 0.5,
+  }));
   ctx.lineWidth = 1;
   const line = (axis: boolean, x1: number, y1: number, x2: number, y2: number) => {
     ctx.strokeStyle = axis ? colors.axis : colors.grid;
@@ -90,21 +100,44 @@ export function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: 
     ctx.lineTo(x2, y2);
     ctx.stroke();
   };
+  for (const { column, x } of columns) line(column === 0, x, 0, x, size.height);
+  for (const { row, y } of rows) line(row === 0, 0, y, size.width, y);
+  map?.image.draw(ctx, view, size, map);
+  ctx.font = "11px system-ui, sans-serif";
   ctx.textAlign = "center";
   ctx.textBaseline = "top";
-  for (let column = Math.ceil(left / step); column * step <= right; column += 1) {
-    const x = Math.round(toScreen(view, size, { x: column * step, y: 0 }).x) + 0.5;
-    line(column === 0, x, 0, x, size.height);
-    if (x > CORNER_PX && x < size.width - CORNER_PX) ctx.fillText(metres(column * step), x, 4);
-  }
+  for (const { column, x } of columns)
+    if (x > CORNER_PX && x < size.width - CORNER_PX)
+      write(ctx, drawing, metres(column * step), x, 4, colors.metres);
   ctx.textAlign = "left";
-  ctx.fillText("m", 4, 4);
+  write(ctx, drawing, "m", 4, 4, colors.metres);
   ctx.textBaseline = "middle";
-  for (let row = Math.ceil(bottom / step); row * step <= top; row += 1) {
-    const y = Math.round(toScreen(view, size, { x: 0, y: row * step }).y) + 0.5;
-    line(row === 0, 0, y, size.width, y);
-    if (y > CORNER_PX && y < size.height - 2 * CORNER_PX) ctx.fillText(metres(row * step), 4, y);
-  }
+  for (const { row, y } of rows)
+    if (y > CORNER_PX && y < size.height - 2 * CORNER_PX)
+      write(ctx, drawing, metres(row * step), 4, y, colors.metres);
+}
+
+/** The multiples of a step from one value to another, as numbers of steps. */
+function steps(from: number, to: number, step: number): number[] {
+  const first = Math.ceil(from / step);
+  return Array.from({ length: Math.max(0, Math.floor(to / step) - first + 1) }, (_, index) => first + index);
+}
+
+/** Writes a text that can be read on any ground. */
+export function write(
+  ctx: CanvasRenderingContext2D,
+  { colors }: Pick<Drawing, "colors">,
+  text: string,
+  x: number,
+  y: number,
+  color: string,
+): void {
+  ctx.strokeStyle = colors.halo;
+  ctx.lineWidth = 3;
+  ctx.lineJoin = "round";
+  ctx.strokeText(text, x, y);
+  ctx.fillStyle = color;
+  ctx.fillText(text, x, y);
 }
 
 function drawLine(

@@ -2,9 +2,11 @@ import type { Pose } from "@dock-gateway/client";
 import { atBeat, BEAT_MS } from "../clock/beat";
 import { distance, normalizeAngle, type Point } from "../store/geometry";
 import type { SceneBuffer } from "../store/sceneBuffer";
+import { type Around, type Seen, UNSEEN } from "./around";
 import { type Camera, STILL_PX } from "./camera";
 import type { SceneColors } from "./colors";
 import { Ground } from "./ground";
+import type { DrawnMap } from "./mapImage";
 import { Picture } from "./picture";
 import { draw } from "./renderer";
 import { footprintOf, pointsOf, shapesOf } from "./shapes";
@@ -28,6 +30,7 @@ interface Drawn {
   trail: readonly Point[];
   /** Something of it fades. */
   fading: boolean;
+  map: DrawnMap | null;
   /** The scene without the robot. */
   rest: object;
 }
@@ -35,6 +38,7 @@ interface Drawn {
 function looksTheSame(before: Drawn, after: Drawn): boolean {
   if (before.fading || after.fading || before.view !== after.view || before.trail !== after.trail)
     return false;
+  if (before.map !== after.map) return false;
   const turned = Math.abs(normalizeAngle(after.robot.theta - before.robot.theta)) * after.radius;
   const moved = Math.max(distance(before.robot, after.robot), turned) * after.view.scale;
   return moved < STILL_PX && JSON.stringify(before.rest) === JSON.stringify(after.rest);
@@ -54,6 +58,7 @@ export class Painter extends Picture {
   /** What is on the canvas; null where that is to be redrawn in any case. */
   #drawn: Drawn | null = null;
   readonly #ground = new Ground();
+  #seen: Seen = UNSEEN;
   readonly #unsubscribe: () => void;
 
   constructor(
@@ -62,9 +67,11 @@ export class Painter extends Picture {
     private readonly buffer: SceneSource,
     private readonly colors: SceneColors,
     private readonly reducedMotion: boolean,
+    private readonly around: Around | null = null,
   ) {
     super(camera);
     this.#unsubscribe = buffer.subscribe(this.#hear);
+    if (around !== null) around.onChange = this.#hear;
   }
 
   get ghost(): Pose | null {
@@ -74,6 +81,19 @@ export class Painter extends Picture {
   /** The robot as it is drawn now. */
   get robot(): Pose | null {
     return this.reducedMotion ? (this.buffer.latest?.robot ?? null) : this.buffer.robotAt(performance.now());
+  }
+
+  /** What is around the robot, as it is drawn now. */
+  get seen(): Seen {
+    return this.#seen;
+  }
+
+  /** Shows the whole map. */
+  showMap(): void {
+    const { latest } = this.buffer;
+    const corners = latest === null ? [] : (this.around?.cornersIn(latest) ?? []);
+    if (corners.length > 0) this.camera.frame(corners);
+    this.invalidate();
   }
 
   get radius(): number {
@@ -108,6 +128,7 @@ export class Painter extends Picture {
 
   destroy(): void {
     this.#unsubscribe();
+    this.around?.destroy();
     this.#rest();
   }
 
@@ -142,13 +163,16 @@ export class Painter extends Picture {
     this.camera.glide(now - this.#drawnAt, this.reducedMotion);
     this.#drawnAt = now;
     const detections = this.buffer.detectionsAt(now);
+    const around = this.around?.seenIn(scene, robot, now) ?? UNSEEN;
+    this.#seen = around;
     const drawn = {
       view: this.view,
       robot,
       radius: this.radius,
       trail: this.buffer.trail.points,
       fading: detections.length > 0,
-      rest: { ...scene, robot: null },
+      map: around.map,
+      rest: { ...scene, robot: null, ...around, map: null },
     };
     if (this.#drawn === null || !looksTheSame(this.#drawn, drawn)) {
       this.#drawn = drawn;
@@ -163,6 +187,7 @@ export class Painter extends Picture {
         trail: drawn.trail,
         detections,
         infrared: scene.infrared,
+        around,
         ghost: this.#ghost,
         handle: this.#handle,
         now,

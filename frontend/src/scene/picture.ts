@@ -1,10 +1,11 @@
 import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
 import { type RefCallback, type RefObject, useEffect, useRef } from "react";
+import type { MapColors } from "../api/client";
 import type { Point } from "../store/geometry";
 import { watchSight } from "../ui/sight";
 import type { Camera } from "./camera";
-import { SCENE_COLORS, type SceneColors } from "./colors";
+import { MAP_COLORS, SCENE_COLORS, type SceneColors } from "./colors";
 import type { Gestures } from "./gestures";
 import type { Size, View } from "./view";
 
@@ -70,6 +71,7 @@ export abstract class Picture {
 export interface Means {
   canvas: HTMLCanvasElement;
   colors: SceneColors;
+  mapColors: MapColors;
   reducedMotion: boolean;
 }
 
@@ -99,7 +101,12 @@ export function usePicture<P extends Picture>(
   useEffect(() => {
     const canvas = canvasRef.current;
     if (canvas === null) return;
-    const { picture, gestures } = create({ canvas, colors: SCENE_COLORS[scheme], reducedMotion });
+    const { picture, gestures } = create({
+      canvas,
+      colors: SCENE_COLORS[scheme],
+      mapColors: MAP_COLORS[scheme],
+      reducedMotion,
+    });
     pictureRef.current = picture;
     picture.resize(size.current);
     const unwatch = watchSight(canvas, (inSight) => {

@@ -1,7 +1,9 @@
 import type { Footprint, Infrared, Pose } from "@dock-gateway/client";
 import { compose, type Point } from "../store/geometry";
 import { type Detection, FADE_MS } from "../store/sceneBuffer";
-import type { Drawing, Ground } from "./ground";
+import { type Seen, sameDock } from "./around";
+import { drawPath, drawScan } from "./aroundRenderer";
+import { type Drawing, type Ground, write } from "./ground";
 import {
   arrowRadius,
   CONTACT_RADIUS_M,
@@ -24,6 +26,7 @@ interface Picture extends Drawing {
   trail: readonly Point[];
   detections: readonly Detection[];
   infrared: Infrared | null;
+  around: Seen;
   /** Where the robot is about to be placed. */
   ghost: Pose | null;
   /** Whether the robot can be dragged, so that a handle to turn it by is shown. */
@@ -45,11 +48,15 @@ export function handlePlace(view: View, size: Size, robot: Pose, radius: number)
 
 /** Draws one picture on its ground. The context's unit is the CSS pixel. */
 export function draw(ctx: CanvasRenderingContext2D, ground: Ground, picture: Picture): void {
-  const { shapes, robot, ghost } = picture;
-  ground.draw(ctx, picture);
+  const { shapes, robot, ghost, around } = picture;
+  ground.draw(ctx, { ...picture, map: around.map });
+  drawPath(ctx, picture, around);
   if (shapes.staging !== null) drawStaging(ctx, picture, shapes.staging);
   if (shapes.docked !== null) drawContactZone(ctx, picture, shapes.docked);
-  if (shapes.dock !== null) drawDock(ctx, picture, shapes.dock);
+  const own = shapes.dock && sameDock(shapes.dock, around.docks);
+  for (const dock of around.docks) if (dock !== own) drawDock(ctx, picture, dock.pose, dock.name);
+  if (shapes.dock !== null) drawDock(ctx, picture, shapes.dock, own?.name);
+  drawScan(ctx, picture, robot, around);
   drawBeams(ctx, picture, robot);
   drawRobot(ctx, picture, robot, ghost === null ? 1 : 0.35);
   drawDetections(ctx, picture);
@@ -102,7 +109,8 @@ function drawContactZone(ctx: CanvasRenderingContext2D, picture: Picture, docked
   ctx.restore();
 }
 
-export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: Pose): void {
+/** @param name Shown at any size; a dock without a name is only labelled from near. */
+export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: Pose, name?: string): void {
   const { colors, view } = picture;
   const { front, back, half } = DOCK_BOX;
   box(ctx, picture, dock, front, back, half);
@@ -124,7 +132,8 @@ export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: 
   ctx.strokeStyle = colors.marker;
   ctx.lineWidth = Math.max(2, 0.015 * view.scale);
   ctx.stroke();
-  label(ctx, picture, compose(dock, { x: (front + back) / 2, y: -half, theta: 0 }), "dock", colors.text);
+  const below = compose(dock, { x: (front + back) / 2, y: -half, theta: 0 });
+  label(ctx, picture, below, name ?? "dock", colors.text, name === undefined ? LABELLED : 0);
 }
 
 function drawBeams(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose): void {
@@ -232,14 +241,15 @@ export function drawScaleBar(
   ctx.strokeStyle = colors.text;
   ctx.lineWidth = 1.5;
   ctx.stroke();
-  ctx.fillStyle = colors.text;
   ctx.font = FONT;
   ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
-  ctx.fillText(formatLength(metres), x, y - 7);
-  ctx.fillText(`frame ${frame}`, x + length + 12, y + 2);
+  write(ctx, { colors }, formatLength(metres), x, y - 7, colors.text);
+  write(ctx, { colors }, `frame ${frame}`, x + length + 12, y + 2, colors.text);
 }
 
+/** Farther away (CSS pixels a metre), there is no room for labels. */
+const LABELLED = 60;
 const FONT = "12px system-ui, sans-serif";
 
 function label(
@@ -248,14 +258,14 @@ function label(
   below: Point,
   text: string,
   color: string,
+  least = LABELLED,
 ): void {
-  if (picture.view.scale < 60) return;
+  if (picture.view.scale < least) return;
   const { x, y } = toScreen(picture.view, picture.size, below);
   ctx.font = FONT;
   ctx.textAlign = "center";
   ctx.textBaseline = "top";
-  ctx.fillStyle = color;
-  ctx.fillText(text, x, y + 6);
+  write(ctx, picture, text, x, y + 6, color);
 }
 
 /** The outline of the robot at a pose. */

@@ -30,7 +30,7 @@ function edgeDistance(from: Point, to: Point): number {
 export const DOCK_BOX = { front: -0.04, back: 0.16, half: 0.15 };
 
 /** base_link of a docked robot, in the marker's frame: what nav2's docking has by default. */
-const DOCKED_IN_MARKER: Pose = { x: -0.2, y: 0, theta: 0 };
+export const DOCKED_IN_MARKER: Pose = { x: -0.2, y: 0, theta: 0 };
 
 /** So close to the docked pose the robot touches the contacts (m). */
 export const CONTACT_RADIUS_M = 0.02;

@@ -14,7 +14,8 @@ export interface Size {
   height: number;
 }
 
-const MIN_SCALE = 12;
+/** A map of 200 m fits into a picture. */
+const MIN_SCALE = 2;
 export const MAX_SCALE = 1500;
 
 /** Space around what is to be seen, in metres: a robot's size and a little more. */

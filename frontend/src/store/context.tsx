@@ -7,6 +7,7 @@ import type { BatterySeries } from "./batterySeries";
 import type { SceneBuffer } from "./sceneBuffer";
 import type { Store, Topic, Topics } from "./store";
 import { RENDER_INTERVAL_MS } from "./streamStore";
+import type { Surroundings } from "./surroundings";
 
 /** What there is for one robot. */
 export interface Services {
@@ -16,6 +17,7 @@ export interface Services {
   store: Store;
   series: BatterySeries;
   scene: SceneBuffer;
+  around: Surroundings;
 }
 
 const ServicesContext = createContext<Services | null>(null);
@@ -61,6 +63,14 @@ const INTERVAL_MS = 400;
 export function useScene<Part extends string | number | boolean>(read: (scene: Scene | null) => Part): Part {
   const { scene: buffer } = useServices();
   return useAtTime(() => read(buffer.latest), INTERVAL_MS);
+}
+
+/** What words read off what is around the robot, re-rendered where it is another. */
+export function useAround<Part extends string | number | boolean>(
+  read: (around: Surroundings) => Part,
+): Part {
+  const { around } = useServices();
+  return useAtTime(() => read(around), INTERVAL_MS);
 }
 
 /**

@@ -22,6 +22,20 @@ export function compose(outer: Pose, inner: Pose): Pose {
   };
 }
 
+/** Where the frame that `pose` is given in lies in the frame of `pose`. */
+export function inverse({ x, y, theta }: Pose): Pose {
+  const cos = Math.cos(theta);
+  const sin = Math.sin(theta);
+  return { x: -cos * x - sin * y, y: sin * x - cos * y, theta: -theta };
+}
+
+/** A point that is given in the frame of `pose`, in the frame that `pose` is given in. */
+export function place({ x, y, theta }: Pose, point: Point): Point {
+  const cos = Math.cos(theta);
+  const sin = Math.sin(theta);
+  return { x: x + cos * point.x - sin * point.y, y: y + sin * point.x + cos * point.y };
+}
+
 export function distance(from: Point, to: Point): number {
   return Math.hypot(to.x - from.x, to.y - from.y);
 }

@@ -5,6 +5,7 @@ import { BatterySeries, believed } from "./batterySeries";
 import type { Services } from "./context";
 import { SceneBuffer } from "./sceneBuffer";
 import { Store } from "./store";
+import { Surroundings } from "./surroundings";
 
 export interface OpenRobot {
   services: Services;
@@ -20,6 +21,11 @@ export function openRobot(location: StreamLocation, http: Http, robot: string | 
   });
   const scene = new SceneBuffer();
   store.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));
-  const close = openStream(streamUrl(location, { include: "battery,cmd_vel,system,scene", robot }), store);
-  return { services: { robot, gateway: createGateway(http, robot), store, series, scene }, close };
+  const around = new Surroundings();
+  store.onAround((event) => around.push(event, performance.now()));
+  const close = openStream(
+    streamUrl(location, { include: "battery,cmd_vel,system,scene,map,scan,path", robot }),
+    store,
+  );
+  return { services: { robot, gateway: createGateway(http, robot), store, series, scene, around }, close };
 }
