@@ -87,7 +87,10 @@ export function SceneCanvas(props: SceneCanvasProps) {
           picture,
           put,
           (pose) => handlers.current.onGhost(pose),
-          (at) => handlers.current.onPick?.({ at, point: picture.toWorld(at), dock: dockAt(picture, at) }),
+          handlers.current.onPick === undefined
+            ? null
+            : (at) =>
+                handlers.current.onPick?.({ at, point: picture.toWorld(at), dock: dockAt(picture, at) }),
         ),
       };
     },

@@ -49,7 +49,7 @@ export class Gestures {
     /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
     private readonly onGhost: (pose: Pose | null) => void = () => {},
     /** Called where a place was pressed, without moving anything: with Enter, that in the middle. */
-    private readonly onPick: (place: Point) => void = () => {},
+    private readonly onPick: ((place: Point) => void) | null = null,
   ) {
     canvas.addEventListener("pointerdown", this.#down);
     canvas.addEventListener("pointermove", this.#move);
@@ -104,7 +104,7 @@ export class Gestures {
   readonly #up = (event: PointerEvent): void => {
     const [drag, pressed] = [this.#drag, this.#pressed];
     this.#forget(event);
-    if (pressed !== null && drag?.kind === "pan") this.onPick(pressed);
+    if (pressed !== null && drag?.kind === "pan") this.onPick?.(pressed);
     if (drag === null || drag.kind === "pan" || this.stage.ghost === null) return;
     this.onPlace(this.stage.ghost);
   };
@@ -191,10 +191,10 @@ export class Gestures {
     if (key === "+" || key === "=") this.stage.zoomBy(ZOOM_STEP);
     else if (key === "-") this.stage.zoomBy(1 / ZOOM_STEP);
     else if (key === "0") this.stage.showAll();
-    else if (key === "Enter") {
+    else if (key === "Enter" && ghost !== null) this.onPlace(ghost);
+    else if (key === "Enter" && this.onPick !== null) {
       const { width, height } = this.stage.size;
-      if (ghost === null) this.onPick({ x: width / 2, y: height / 2 });
-      else this.onPlace(ghost);
+      this.onPick({ x: width / 2, y: height / 2 });
     } else if (key === "Escape" && ghost !== null) {
       this.stage.showGhost(null);
       this.onGhost(null);
