@@ -1,8 +1,7 @@
 import { type ActionInfo, isTerminal, type Pose } from "@dock-gateway/client";
-import { Anchor, Menu, Stack, Text } from "@mantine/core";
+import { Menu, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
-import { Link } from "react-router";
 import { createActionsApi } from "../api/actions";
 import { whyForbidden } from "../api/session";
 import { whyNotSend } from "../docking/families";
@@ -53,9 +52,12 @@ export function MapMenu({ pick, onClose }: MapMenuProps) {
         position="bottom-start"
         zIndex={250}
         returnFocus
+        withInitialFocusPlaceholder={false}
       >
         <Menu.Target>
-          <span
+          <button
+            type="button"
+            aria-label="This place of the map"
             className={classes.pick}
             style={pick === null ? undefined : { left: pick.at.x, top: pick.at.y }}
             tabIndex={-1}
@@ -108,16 +110,14 @@ export function MapMenu({ pick, onClose }: MapMenuProps) {
 
 function Entry({ name, reason, onClick }: { name: string; reason: string | null; onClick: () => void }) {
   return (
-    <>
-      <Menu.Item disabled={reason !== null} onClick={onClick}>
-        {name}
-      </Menu.Item>
+    <Menu.Item disabled={reason !== null} onClick={onClick}>
+      {name}
       {reason !== null && (
-        <Text size="xs" c="dimmed" px="sm" pb={4} maw={260}>
+        <Text size="xs" maw={260} component="div">
           {reason}
         </Text>
       )}
-    </>
+    </Menu.Item>
   );
 }
 
@@ -187,15 +187,13 @@ function DriveDialog({ navigator: { action, reason }, target, onClose }: DriveDi
   const { robot } = useServices();
   const naming = useNaming();
   const send = useCommand(async ({ frame, pose }: Target) => {
-    const goal = await createActionsApi(http).send(action.action_name, JSON.stringify(poseGoal(frame, pose)));
+    await createActionsApi(http).send(action.action_name, JSON.stringify(poseGoal(frame, pose)));
     notifications.show({
       role: "status",
       title: "Drive here: accepted",
-      message: (
-        <Anchor component={Link} to={`/goals/${goal.goal_id}`} size="sm">
-          The goal, as it goes on
-        </Anchor>
-      ),
+      message: "Goals has it, with its feedback.",
+      autoClose: 6000,
+      closeButtonProps: { "aria-label": "Dismiss" },
     });
     onClose();
   });
