@@ -35,6 +35,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         stack.enter_context(running_program(domain, "docking_server", *DOCKS))
         gateway = stack.enter_context(running_gateway(domain))
         gateway.wait_until_ready()
+        wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
         wait_until(lambda: len(gateway.http.get("/docks").json().get("docks", ())) == 2, "the docks")
         yield gateway
         gateway.stop_once()
