@@ -52,6 +52,7 @@ class Cameras:
         self._relays = relays
         self._first = first
         self._watches: dict[str, Watch] = {}
+        self._logged: dict[str, str] = {}
         self._changing = asyncio.Lock()
         self._leaving = Tasks("leaving a camera")
 
@@ -152,7 +153,7 @@ class Cameras:
     async def _open(self, camera: Camera) -> Watch:
         if len(self._watches) >= MAX_WATCHED:
             raise TooManyRequests(f"{MAX_WATCHED} cameras are already being watched")
-        watch = Watch(camera, self._settings.camera_quality)
+        watch = Watch(camera, self._settings.camera_quality, self._logged)
         await self._relays.join(camera.topic, None, watch)
         self._watches[camera.topic] = watch
         return watch

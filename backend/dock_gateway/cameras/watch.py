@@ -61,6 +61,7 @@ class Watch:
     Args:
         camera: The camera.
         quality: Of the JPEGs that are encoded.
+        logged: By topic, why its pictures cannot be shown, as the log has it.
 
     Attributes:
         camera: The camera.
@@ -70,13 +71,13 @@ class Watch:
         hint: Why the last picture cannot be shown; None if it can.
     """
 
-    def __init__(self, camera: Camera, quality: int) -> None:
+    def __init__(self, camera: Camera, quality: int, logged: dict[str, str]) -> None:
         self.camera = camera
         self.viewers: set[Subscriber] = set()
         self.count = 0
         self.newest: Shot | None = None
         self.hint: str | None = None
-        self._logged: str | None = None
+        self._logged = logged
         self._quality = quality
 
     async def offer(self, message: Received) -> None:
@@ -90,13 +91,15 @@ class Watch:
         """Return the newest picture, at most so wide; None if it cannot be shown, as `hint` says."""
         if self.newest is None:
             return None
+        topic = self.camera.topic
         try:
             picture = await self.newest.picture(max_width)
         except Unreadable as error:
             self.hint = str(error)
-            if self._logged != self.hint:
-                self._logged = self.hint
-                log.warning("%s cannot be shown: %s", self.camera.topic, self.hint)
+            if self._logged.get(topic) != self.hint:  # once, however often viewers come again
+                self._logged[topic] = self.hint
+                log.warning("%s cannot be shown: %s", topic, self.hint)
             return None
         self.hint = None
+        self._logged.pop(topic, None)
         return picture
