@@ -334,6 +334,7 @@ def subscription(identity: int, channel: object) -> str:
     return orjson.dumps({"op": "subscribe", "subscriptions": [{"id": identity, "channelId": channel}]}).decode()
 
 
+@pytest.mark.usefixtures("gateway")  # its nodes
 def test_a_port_of_its_own_subprotocols_tokens_and_tickets(shared_domain: int, tmp_path: Path) -> None:
     site, port = Site(tmp_path), free_port()
     token = site.token("viewer", "viewer", "--topic", "/talker0/b*")
