@@ -35,6 +35,7 @@ setup(
             "disconnect_from_charging_dock_client = docking.programs:main",
             "docking_server = docking.programs:main",
             "dock_simulator = docking.programs:main",
+            "docking_replay = docking.programs:main",
             "fibonacci_action_server = docking.programs:main",
             "fibonacci_action_client = docking.programs:main",
         ],

@@ -284,7 +284,7 @@ def _record(
     store = RecordingStore(settings.recordings_folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
     if settings.record == "none":
         return Recordings(store, None)
-    recorder = _closed_by(stack, Recorder(settings, relays, robots, store))
+    recorder = _closed_by(stack, Recorder(settings, robots.topics.bridge, relays, robots, store))
     actions.on_sent.append(recorder.follow)
     actions.on_change.append(recorder.follow)
     actions.on_end.append(recorder.end)

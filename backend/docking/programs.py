@@ -17,6 +17,7 @@ MODULES = {
     "disconnect_from_charging_dock_client": "docking.clients.undock",
     "docking_server": "docking.nodes.docking_server",
     "dock_simulator": "docking.nodes.simulator",
+    "docking_replay": "docking.nodes.replay",
     "fibonacci_action_server": "docking.tutorial.fibonacci_server",
     "fibonacci_action_client": "docking.tutorial.fibonacci_client",
 }

@@ -14,7 +14,7 @@ ROS = {"rclpy", "action_msgs", "action_tutorials_interfaces", "diagnostic_msgs",
 # Our own modules that import ROS.
 ROS_PARTS = {"docking.ros"} | {f"robot_io.{path.stem}" for path in Path(robot_io.__file__).parent.glob("*.py")}
 ROS_PARTS -= {"robot_io.__init__", "robot_io.velocity_types", "robot_io.stop_votes"}
-ROS_PARTS -= {"robot_io.laser", "robot_io.transform", "robot_io.transform_tree"}
+ROS_PARTS -= {"robot_io.laser", "robot_io.recording", "robot_io.transform", "robot_io.transform_tree"}
 ROS_PARTS -= {"robot_io.docking_messages", "robot_io.installation", "robot_io.ros_variables", "robot_io.startup"}
 ROS |= {"rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "unique_identifier_msgs"}
 

@@ -238,6 +238,7 @@ def test_a_frozen_time_changes_nothing(domain: int, observer: Observer) -> None:
         "disconnect_from_charging_dock_client",
         "docking_server",
         "dock_simulator",
+        "docking_replay",
         "fibonacci_action_server",
         "fibonacci_action_client",
     ],

@@ -22,6 +22,7 @@ COMMANDS = {
     "user": "user",
     "token": "token",
     "audit": "audit",
+    "replay": "replay",
     "openapi": "serve",
     "asyncapi": "serve",
 }

@@ -3,19 +3,18 @@
 import asyncio
 import contextlib
 import os
-import shutil
 import signal
 import ssl
 import subprocess
 import sys
 import time
 from collections.abc import Mapping, MutableMapping, Sequence
-from pathlib import Path
 
 import click
 import httpx2
 
 from dock_gateway.cli.options import option_name, read_settings, settings_options
+from dock_gateway.cli.programs import find_program
 from dock_gateway.cli.start import check_start
 from dock_gateway.client.connection import tls_context
 from dock_gateway.doctor.machine import own_url
@@ -86,14 +85,6 @@ def _end(parts: Sequence[Part], timeout: float) -> None:
             click.echo(f"dock-gateway: {part.name} does not exit and is killed", err=True)
             part.process.kill()
             part.process.wait()
-
-
-def _find(name: str) -> str:
-    installed = Path(sys.executable).parent / name
-    found = str(installed) if installed.exists() else shutil.which(name)
-    if found is None:
-        raise click.ClickException(f"{name} is not installed")
-    return found
 
 
 async def _announce(url: str) -> None:
@@ -174,7 +165,7 @@ def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str
     commands = {}
     for part, (program, arguments) in programs.items():
         ros_args = (*arguments, *remap)
-        commands[part] = [_find(program), *(("--ros-args", *ros_args) if ros_args else ())]
+        commands[part] = [find_program(program), *(("--ros-args", *ros_args) if ros_args else ())]
     return commands
 
 

@@ -1,27 +1,19 @@
-"""MCAP files: written in small pieces that can be read after a crash, and read again.
+"""MCAP files: written in small pieces that can be read after a crash.
 
 `mcap` is imported with the first file: it takes 9 MB.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from dock_gateway.core.graph import FEEDBACK_TYPE
-from dock_gateway.recordings.ring import Sample
 from dock_gateway.ros.messages.full_definition import full_definition
 from dock_gateway.ros.messages.interfaces import load_message
+from robot_io.recording import EVENT, TYPE, Sample
 
-# The topic of the gateway's own events, and their type; they are JSON.
-EVENTS = "/dock_gateway/events"
-EVENT = "dock_gateway/Event"
 EVENT_SCHEMA = b'{"title":"dock_gateway/Event","type":"object"}'
 METADATA = "dock_gateway"
-# The key in a channel's metadata with the name of its type in ROS.
-TYPE = "ros_type"
-# A record of more bytes is damage.
-MAX_RECORD = 500_000_000
 
 
 class McapFile:
@@ -93,30 +85,6 @@ def ros_schema(kind: str) -> tuple[str, str, bytes]:
         text = text.replace(f"{package}/{action}_", f"{package}/{action}")
         kind = kind.replace(name, name.replace("_", ""))
     return kind, "ros2msg", text.encode()
-
-
-def read(path: Path) -> Iterator[Sample]:
-    """Yield the messages of a file, as far as it can be read: it may end anywhere.
-
-    Raises:
-        OSError: There is no such file.
-    """
-    from mcap.records import Channel, Message, Schema  # noqa: PLC0415 - see above
-    from mcap.stream_reader import StreamReader  # noqa: PLC0415
-
-    channels: dict[int, Channel] = {}
-    schemas: dict[int, Schema] = {}
-    with path.open("rb") as file, suppress(Exception):  # whatever half a record brings about
-        for record in StreamReader(file, validate_crcs=True, record_size_limit=MAX_RECORD).records:
-            match record:
-                case Schema():
-                    schemas[record.id] = record
-                case Channel():
-                    channels[record.id] = record
-                case Message():
-                    channel = channels[record.channel_id]
-                    kind = channel.metadata.get(TYPE, schemas[channel.schema_id].name)
-                    yield Sample(channel.topic, kind, record.data, record.publish_time, record.log_time)
 
 
 def read_last(path: Path, kind: str) -> Sample | None:

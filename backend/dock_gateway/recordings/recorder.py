@@ -13,13 +13,15 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.graph.relay import Received
 from dock_gateway.graph.relays import Relays
-from dock_gateway.recordings.mcap_file import EVENT, EVENTS
-from dock_gateway.recordings.ring import Ring, Sample
+from dock_gateway.recordings.ring import Ring
+from dock_gateway.recordings.server_parameters import read_parameters
 from dock_gateway.recordings.store import OpenRecording, RecordingStore
 from dock_gateway.recordings.topics import CAMERA, Wanted, recorded_topics
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
+from robot_io.recording import EVENT, EVENTS, Sample
 
 log = logging.getLogger(__name__)
 
@@ -99,13 +101,17 @@ class Recorder:
 
     Args:
         settings: What is recorded, and how much of it is kept.
+        bridge: The bridge to the ROS thread.
         relays: The topics.
         robots: The robots.
         store: Keeps the files.
     """
 
-    def __init__(self, settings: Settings, relays: Relays, robots: RobotRegistry, store: RecordingStore) -> None:
+    def __init__(
+        self, settings: Settings, bridge: Bridge, relays: Relays, robots: RobotRegistry, store: RecordingStore
+    ) -> None:
         self._settings = settings
+        self._bridge = bridge
         self._relays = relays
         self._robots = robots
         self._store = store
@@ -199,6 +205,7 @@ class Recorder:
             running = _Running(goal, robot.namespace, self._ear(robot.namespace))
             self._running[goal.goal_id] = running
             self._changed.set()
+            self._tasks.spawn(self._note_parameters(running))
         running.ends_at = None
         self._note_state(running)
 
@@ -208,6 +215,12 @@ class Recorder:
         if running is not None and running.ends_at is None:
             running.ends_at = time.monotonic() + AFTER
             self._note_state(running)
+
+    async def _note_parameters(self, running: _Running) -> None:
+        """Keep the parameters of the goal's server: by them its decisions can be replayed."""
+        goal = running.goal
+        if (parameters := await read_parameters(self._bridge, goal.action_name)) is not None:
+            running.ear.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
 
     @staticmethod
     def _note_state(running: _Running) -> None:

@@ -7,14 +7,14 @@ from io import BytesIO
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import Grant
-from dock_gateway.recordings.mcap_file import EVENTS, McapFile, read
+from dock_gateway.recordings.mcap_file import McapFile
 from dock_gateway.recordings.recorder import Recorder
-from dock_gateway.recordings.ring import Sample
 from dock_gateway.recordings.store import Recording, RecordingStore
 from dock_gateway.recordings.topics import CAMERA
 from dock_gateway.ros.graph import Scan
 from dock_gateway.ros.raw_port import EchoType
 from dock_gateway.storage import Incident
+from robot_io.recording import EVENTS, Sample, read
 
 OFF = "Recordings are switched off (`--record none`)."
 PICTURES = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}

@@ -6,20 +6,12 @@ from collections.abc import Callable
 from itertools import takewhile
 from typing import NamedTuple
 
+from robot_io.recording import Sample
+
 # Bytes that a message takes in memory besides its data.
 OVERHEAD = 250
 # The newest messages of a topic whose messages hold until the next one. Each publisher of transforms has its own.
 LASTING = 50
-
-
-class Sample(NamedTuple):
-    """A message: its topic, its type, its bytes, and when it was sent and received, in ns since 1970."""
-
-    topic: str
-    kind: str
-    data: bytes
-    source_ns: int
-    received_ns: int
 
 
 class _Entry(NamedTuple):

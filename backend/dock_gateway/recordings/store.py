@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.recordings.mcap_file import McapFile, read, read_last
-from dock_gateway.recordings.ring import Sample
+from dock_gateway.recordings.mcap_file import McapFile, read_last
 from dock_gateway.recordings.topics import CAMERA
 from dock_gateway.storage import Incident
+from robot_io.recording import Sample, read
 
 log = logging.getLogger(__name__)
 

@@ -102,7 +102,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             action.action_name,
             execute_callback=self._execute,
             goal_callback=self._decide,
-            handle_accepted_callback=self._accept,
+            handle_accepted_callback=self.accept,
             cancel_callback=self._cancel,
         )
         self._stops = StopListener(self, self._obey_stop)
@@ -144,6 +144,11 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     def own_name(self) -> str:
         """The name of the node unless it is renamed."""
         return self._action.node_name
+
+    @property
+    def action_type(self) -> Any:
+        """The type of the action."""
+        return self._action.action_type
 
     @property
     def settings(self) -> S:
@@ -194,7 +199,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._reporter.reject(rejection, self._server.deciding_on, running=self._running is not None)
         return GoalResponse.REJECT
 
-    def _accept(self, handle: ServerGoalHandle) -> None:
+    def accept(self, handle: ServerGoalHandle) -> None:
+        """Begin with a goal that was let in."""
         goal_id = goal_id_text(handle.goal_id)
         running = self._active_goal.running
         if running is not None:

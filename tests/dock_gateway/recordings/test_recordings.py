@@ -11,11 +11,10 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
-from dock_gateway.recordings.mcap_file import EVENT, EVENTS, read
 from dock_gateway.recordings.recordings import OFF, Recordings
-from dock_gateway.recordings.ring import Sample
 from dock_gateway.recordings.store import Recording, RecordingStore
 from dock_gateway.recordings.topics import CAMERA
+from robot_io.recording import EVENT, EVENTS, Sample, read
 
 JPEG = b"\xff\xd8\xff\xe0picture"
 CAMERAS = ("/robot1/front/compressed", "/robot2/front/compressed")

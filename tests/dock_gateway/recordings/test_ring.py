@@ -3,7 +3,8 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.recordings.ring import LASTING, OVERHEAD, Ring, Sample
+from dock_gateway.recordings.ring import LASTING, OVERHEAD, Ring
+from robot_io.recording import Sample
 
 SECONDS, BYTES = 30.0, 10_000
 

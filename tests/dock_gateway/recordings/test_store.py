@@ -9,9 +9,9 @@ import pytest
 from geometry_msgs.msg import Twist
 from rclpy.serialization import serialize_message
 
-from dock_gateway.recordings.mcap_file import EVENT, EVENTS, read, read_last
-from dock_gateway.recordings.ring import Sample
+from dock_gateway.recordings.mcap_file import read_last
 from dock_gateway.recordings.store import NoRoomError, RecordingStore
+from robot_io.recording import EVENT, EVENTS, Sample, read
 
 DAY = 86_400
 TWIST = serialize_message(Twist())

@@ -1,0 +1,112 @@
+"""The program `docking_replay`: what the docking server of today would decide on the sensors of a recorded goal."""
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import Any
+
+import yaml
+
+from docking.nodes.dock_server import DockAction
+from docking.nodes.undock_server import UndockAction
+from docking.replay.comparison import differences
+from docking.replay.course import Course
+from docking.replay.recorded_goal import RecordedGoal, read_goal
+from docking.ros.process import ros_context, run_process
+from docking.ros.replay import Replay
+from docking.ros.robot_action import RobotAction
+
+USAGE = "usage: docking_replay FILE.mcap [--ros-args …]"
+EXIT_DIFFERENT = 1
+"""Exit code: it would decide otherwise."""
+ACTIONS: dict[str, type[RobotAction[Any]]] = {
+    "action_tutorials_interfaces/action/ConnectToChargingDock": DockAction,
+    "action_tutorials_interfaces/action/DisconnectFromChargingDock": UndockAction,
+}
+GUESSED = {
+    "battery_status": "sensor_msgs/msg/BatteryState",
+    "odom": "nav_msgs/msg/Odometry",
+    "scan": "sensor_msgs/msg/LaserScan",
+}
+"""Topics that may have another name, and their types."""
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Replay a recording.
+
+    Returns:
+        0 if the goal takes the recorded course, 1 if it does not, 2 if it cannot be replayed.
+    """
+    # Nobody may hear the velocities that are commanded here.
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
+    os.environ.pop("ROS_STATIC_PEERS", None)
+    return run_process(_replay, sys.argv[1:] if args is None else args)
+
+
+def _replay(args: Sequence[str] | None) -> int:
+    files, ros_args = _split(args or ())
+    if len(files) != 1 or files[0].startswith("-"):
+        raise ValueError(USAGE)
+    goal = read_goal(Path(files[0]))
+    if (action := ACTIONS.get(goal.action_type)) is None:
+        raise ValueError(f"{goal.action_type} is not an action of our docking server: only its goals can be replayed")
+    with NamedTemporaryFile("w", suffix=".yaml") as file:
+        yaml.safe_dump({"/**": {"ros__parameters": goal.parameters}}, file)
+        file.flush()
+        given = ["--params-file", file.name] if goal.parameters else []
+        with ros_context(["replay", "--ros-args", *given, *_arguments(goal), *ros_args]) as context:
+            replay = Replay(goal, action(), context)
+            try:
+                replay.run()
+            finally:
+                replay.close()
+    return _tell(goal, replay)
+
+
+def _split(args: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the program's own arguments, and those of ROS."""
+    own = list(args)
+    with suppress(ValueError):
+        at = own.index("--ros-args")
+        return own[:at], own[at + 1 :]
+    return own, []
+
+
+def _arguments(goal: RecordedGoal) -> list[str]:
+    """Return the ROS arguments that make a server for the recorded robot."""
+    topics, robot = goal.topics(), goal.robot.rstrip("/")
+    remaps = [f"__ns:={goal.robot}"]
+    for name, kind in GUESSED.items():
+        of_kind = [topic for topic, each in topics.items() if each == kind]
+        if f"{robot}/{name}" not in topics and len(of_kind) == 1:
+            remaps.append(f"{name}:={of_kind[0]}")
+    remaps += [f"{name}:=/{name}" for name in ("tf", "tf_static") if robot and f"{robot}/{name}" not in topics]
+    arguments = [argument for remap in remaps for argument in ("-r", remap)]
+    return [*arguments, "-p", "use_sim_time:=true", "--log-level", "error"]
+
+
+def _tell(goal: RecordedGoal, replay: Replay) -> int:
+    """Print the comparison; return the exit code."""
+    say = partial(print, flush=True)
+    say(f"goal {goal.goal_id} on {goal.action}: {_course(replay.recorded)}")
+    say(f"replayed with {len(goal.samples):,} messages of {len(goal.topics())} topics: {_course(replay.replayed)}")
+    found = differences(replay.recorded, replay.replayed)
+    for sentence in found:
+        say(sentence)
+    if not found:
+        say("it takes the same course")
+    return EXIT_DIFFERENT if found else 0
+
+
+def _course(course: Course) -> str:
+    stages = ", ".join(f"{stage} at {at:.1f} s" for at, stage in course.stages)
+    end = f"{course.end} {course.error_code}".strip() or "no end"
+    return f"{stages or 'no stage'}; {end} at {course.ended_at:.1f} s"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
