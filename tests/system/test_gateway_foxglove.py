@@ -207,6 +207,17 @@ def test_a_goal_by_services(gateway: RunningGateway, client: Client) -> None:
         assert reason in client.failure(name, request, "json")
 
 
+def test_calls_beyond_the_limit_fail_and_a_cancel_passes(client: Client) -> None:
+    goal = client.ask("/fibonacci/send_goal", order=LONG)
+    request = orjson.dumps({"goal_id": goal["goal_id"]})
+    for call in range(100, 165):  # each waits for the end of the goal
+        client.begin("/fibonacci/get_result", request, "json", call)
+    assert "64 operations" in client.until("serviceCallFailure", callId=164)["message"]
+    client.begin("/fibonacci/cancel_goal", request, "json", 1)
+    while client.until("response")["callId"] != 163:
+        pass
+
+
 def test_a_stop_holds_and_is_carried_out_whatever_its_request_is(gateway: RunningGateway, client: Client) -> None:
     goal = client.ask("/fibonacci/send_goal", order=LONG)
     assert b"latched" in client.call("/dock_gateway/stop", b"\xff\xff")

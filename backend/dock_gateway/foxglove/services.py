@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import chain, islice
+from itertools import islice
 from typing import Any
 
 from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound
@@ -25,7 +25,7 @@ from dock_gateway.streams.commands import OWN_SERVICES, STOP
 from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
-# Services that a client is offered.
+# Services of nodes that a client is offered.
 MAX_SERVICES = 5000
 # Seconds that a service of a ROS node may take: a client cannot say.
 TIMEOUT = 30.0
@@ -127,7 +127,7 @@ class Services:
         known = {(each.name, each.type): each for each in self._services.values()}
         if seen is not self._seen:
             self._of_nodes, self._seen = await asyncio.to_thread(self._find, seen), seen
-        wanted = dict(islice(chain(self._of_gateway(), self._of_nodes.items()), MAX_SERVICES))
+        wanted = dict(islice(self._of_nodes.items(), MAX_SERVICES)) | dict(self._of_gateway())
         self._unusable &= wanted.keys()
         missing = {key: draft for key, draft in wanted.items() if key not in known and key not in self._unusable}
         forms = await asyncio.to_thread(_find_forms, missing) if missing else {}

@@ -140,16 +140,16 @@ class Session:
             what="operations",
         )
 
-    async def _refuse(self, error: TooManyRequests) -> None:
-        await self._report(error.detail)
+    async def _refuse(self, received: Message, error: TooManyRequests) -> None:
+        if (call := _call_in(received)) is None:
+            await self._report(error.detail)
+        else:
+            await self._send(protocol.service_call_failure(call, error.detail))
 
     def _is_urgent(self, received: Message) -> bool:
         """Whether a message stops something."""
-        try:
-            message = read_binary(received.get("bytes") or b"")
-        except GatewayError:
-            return False
-        service = self._services.find(message.service) if isinstance(message, Call) else None
+        call = _call_in(received)
+        service = None if call is None else self._services.find(call.service)
         return service is not None and service.urgent
 
     async def _handle(self, received: Message) -> None:
@@ -292,6 +292,15 @@ class Session:
 
     async def _send_bytes(self, message: bytes) -> None:
         await self._connection.send({"type": "websocket.send", "bytes": message})
+
+
+def _call_in(received: Message) -> Call | None:
+    """Return the call of a service that a message is."""
+    try:
+        message = read_binary(received.get("bytes") or b"")
+    except GatewayError:
+        return None
+    return message if isinstance(message, Call) else None
 
 
 Operate = Callable[[Session, Json], Awaitable[None]]

@@ -147,7 +147,7 @@ class Session:
             what="operations",
         )
 
-    async def _refuse(self, error: TooManyRequests) -> None:
+    async def _refuse(self, _: Message, error: TooManyRequests) -> None:
         await self._report(Level.error, error.detail, None)
 
     async def _handle(self, received: Message) -> None:

@@ -13,7 +13,7 @@ from dock_gateway.core.errors import TooManyRequests
 async def carry_out_all(
     websocket: WebSocket,
     handle: Callable[[Message], Coroutine[Any, Any, None]],
-    refuse: Callable[[TooManyRequests], Awaitable[None]],
+    refuse: Callable[[Message, TooManyRequests], Awaitable[None]],
     is_urgent: Callable[[Message], bool],
     *,
     most: int,
@@ -37,7 +37,7 @@ async def carry_out_all(
         if received["type"] == "websocket.disconnect":
             return
         if len(tasks) >= most and not is_urgent(received):
-            await refuse(TooManyRequests(f"{most} {what} are already in progress"))
+            await refuse(received, TooManyRequests(f"{most} {what} are already in progress"))
             continue
         while len(tasks) >= most + most_urgent:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)

@@ -128,7 +128,7 @@ class Session:
         await carry_out_all(
             self._websocket,
             self.handle,
-            partial(self._answer_error, None),
+            lambda _, error: self._answer_error(None, error),
             _is_stop,
             most=self._max_commands,
             most_urgent=self._max_stops,
