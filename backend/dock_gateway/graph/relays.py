@@ -82,7 +82,7 @@ class Relays:
         self._relays[topic] = relay
         if limit is not None:
             self._of_clients.add(topic)
-        log.info("subscribed to %s", topic)
+        log.debug("subscribed to %s", topic)
         return relay
 
     async def _close_unused(self, topic: str) -> None:
@@ -91,7 +91,7 @@ class Relays:
             del self._relays[topic]
             self._of_clients.discard(topic)
             await relay.close()
-            log.info("unsubscribed from %s", topic)
+            log.debug("unsubscribed from %s", topic)
 
     async def close(self) -> None:
         """End every subscription."""
