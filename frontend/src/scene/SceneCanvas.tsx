@@ -27,6 +27,8 @@ interface SceneCanvasProps {
   onPick?: ((pick: Pick) => void) | undefined;
   /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
   onGhost: (pose: Pose | null) => void;
+  /** Only to be looked at, from a distance: the whole map, without buttons. */
+  wall?: boolean;
   /** Above the picture, such as a menu at a place of it. */
   children?: ReactNode;
 }
@@ -52,7 +54,7 @@ export interface Pick {
 
 /** The robot and its dock from above. Draws outside of React. */
 export function SceneCanvas(props: SceneCanvasProps) {
-  const { scene, placeable, describedBy, around, onPlace, onGhost, onPick } = props;
+  const { scene, placeable, describedBy, around, wall = false, onPlace, onGhost, onPick } = props;
   const [following, setFollowing] = useState(() => keptScale() !== null);
   const handlers = useRef({ onPlace, onGhost, onPick, placeable, around });
   handlers.current = { onPlace, onGhost, onPick, placeable, around };
@@ -60,6 +62,7 @@ export function SceneCanvas(props: SceneCanvasProps) {
   const hasMap = useHasMap(data);
   const [camera] = useState(() => {
     const created = new Camera();
+    if (wall) return created;
     created.follow(keptScale());
     created.onFollow = (scale) => {
       keepScale(scale);
@@ -74,6 +77,7 @@ export function SceneCanvas(props: SceneCanvasProps) {
       const picture = new Painter(canvas, camera, scene, colors, reducedMotion, seen);
       seen?.know(handlers.current.around?.docks ?? [], handlers.current.around?.blocked ?? false);
       aroundRef.current = seen;
+      if (seen !== null) seen.whole = wall;
       picture.handle = handlers.current.placeable;
       const put = (pose: Pose) => {
         handlers.current.onPlace(pose).finally(() => {
@@ -94,7 +98,7 @@ export function SceneCanvas(props: SceneCanvasProps) {
         ),
       };
     },
-    [camera, scene, data, loadMap],
+    [camera, scene, data, loadMap, wall],
   );
   const { boxRef, canvasRef, pictureRef } = usePicture(create);
   useEffect(() => {
@@ -120,24 +124,20 @@ export function SceneCanvas(props: SceneCanvasProps) {
       />
       {onPick !== undefined && <div className={classes.middle} aria-hidden="true" />}
       {props.children}
-      <MapTools
-        onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
-        onShowAll={() => pictureRef.current?.showAll()}
-      >
-        {hasMap && (
+      {!wall && (
+        <MapTools
+          onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
+          onShowAll={() => pictureRef.current?.showAll()}
+        >
+          {hasMap && <WholeMapTool onClick={() => pictureRef.current?.showMap()} />}
           <Tool
-            name="Whole map"
-            onClick={() => pictureRef.current?.showMap()}
-            path="m3 5.5 6-2.2 6 2.2 6-2.2v15.2l-6 2.2-6-2.2-6 2.2V5.5Zm5 .3-3 1.1v11l3-1.1v-11Zm2 0v11l4 1.4v-11l-4-1.4Zm6 1.4v11l3-1.1v-11l-3 1.1Z"
+            name="Follow the robot"
+            pressed={following}
+            onClick={() => (following ? pictureRef.current?.showAll() : pictureRef.current?.follow())}
+            path="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z"
           />
-        )}
-        <Tool
-          name="Follow the robot"
-          pressed={following}
-          onClick={() => (following ? pictureRef.current?.showAll() : pictureRef.current?.follow())}
-          path="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z"
-        />
-      </MapTools>
+        </MapTools>
+      )}
     </div>
   );
 }
@@ -187,5 +187,16 @@ export function MapTools({ onZoom, onShowAll, children }: MapToolsProps) {
         path="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z"
       />
     </div>
+  );
+}
+
+/** Shows all of a map. */
+export function WholeMapTool({ onClick }: { onClick: () => void }) {
+  return (
+    <Tool
+      name="Whole map"
+      onClick={onClick}
+      path="m3 5.5 6-2.2 6 2.2 6-2.2v15.2l-6 2.2-6-2.2-6 2.2V5.5Zm5 .3-3 1.1v11l3-1.1v-11Zm2 0v11l4 1.4v-11l-4-1.4Zm6 1.4v11l3-1.1v-11l-3 1.1Z"
+    />
   );
 }

@@ -84,7 +84,7 @@ export function SceneCard() {
 }
 
 /** What is around the robot, as its picture needs it. */
-function useAroundMeans(): AroundMeans {
+export function useAroundMeans(): AroundMeans {
   const { gateway, around } = useServices();
   const docks = useDockList(useTopic("actionServer"))?.docks ?? NO_DOCKS;
   const goal = currentGoal(useTopic("courses"));

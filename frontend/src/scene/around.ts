@@ -35,6 +35,8 @@ const SAME_DOCK_M = 0.3;
 export class Around {
   #docks: readonly KnownDock[] = [];
   #blocked = false;
+  /** Whether the view shows the whole map, and not only the robot and its dock. */
+  whole = false;
   /** Called where the picture is to be drawn again. */
   onChange: () => void = () => {};
   readonly #image: MapImage;

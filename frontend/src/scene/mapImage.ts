@@ -82,8 +82,12 @@ export class MapImage {
 
   /** Where the map lies in the frame of a scene; null without a picture, or where the two are not related. */
   placeIn(scene: Scene, map: RobotMap | null): DrawnMap | null {
+    return this.placeAt(frameIn(scene, map, "map"));
+  }
+
+  /** As `placeIn`. @param frame The map's frame, in the one that is drawn. */
+  placeAt(frame: Pose | null): DrawnMap | null {
     const grid = this.#shown;
-    const frame = frameIn(scene, map, "map");
     if (grid === null || frame === null) return null;
     const corner = compose(frame, grid.origin);
     const before = this.#drawn;

@@ -147,7 +147,9 @@ export class Painter extends Picture {
 
   protected points(): Point[] {
     const { latest } = this.buffer;
-    return latest === null ? [] : pointsOf(latest.robot, shapesOf(latest), footprintOf(latest));
+    if (latest === null) return [];
+    const corners = this.around?.whole === true ? this.around.cornersIn(latest) : [];
+    return [...pointsOf(latest.robot, shapesOf(latest), footprintOf(latest)), ...corners];
   }
 
   readonly #paint = (): void => {

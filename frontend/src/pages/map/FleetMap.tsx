@@ -1,11 +1,12 @@
-import { memo, useCallback, useEffect, useRef, useState } from "react";
+import { memo, useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
-import { useNaming } from "../../fleet/context";
+import type { MapColors } from "../../api/client";
+import { useFleet, useNaming } from "../../fleet/context";
 import { robotPath } from "../../fleet/names";
 import { Camera } from "../../scene/camera";
 import { Gestures } from "../../scene/gestures";
 import { type Means, usePicture } from "../../scene/picture";
-import { MapTools } from "../../scene/SceneCanvas";
+import { MapTools, WholeMapTool } from "../../scene/SceneCanvas";
 import type { Mark, Placed } from "./MapPage";
 import classes from "./map.module.css";
 import type { FleetScenes } from "./stage";
@@ -14,14 +15,19 @@ import { FleetStage, INSET_PX } from "./stage";
 /** The robots from above, each a link to its page. Moved outside of React. */
 export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: readonly Placed[] }) {
   const naming = useNaming();
+  const { gatewayOf } = useFleet();
+  const hasMap = useSyncExternalStore(scenes.subscribe, () => scenes.ground !== null);
   const elements = useRef(new Map<string, HTMLElement>());
   const [camera] = useState(() => new Camera(INSET_PX));
   const create = useCallback(
-    ({ canvas, colors, reducedMotion }: Means) => {
-      const picture = new FleetStage(canvas, camera, elements.current, scenes, colors, reducedMotion);
+    ({ canvas, colors, mapColors, reducedMotion }: Means) => {
+      const load = (robot: string, wanted: MapColors) => gatewayOf(robot).mapImage(wanted);
+      const map = { colors: mapColors, load };
+      const robots = elements.current;
+      const picture = new FleetStage(canvas, camera, robots, scenes, colors, reducedMotion, map);
       return { picture, gestures: new Gestures(canvas, picture) };
     },
-    [camera, scenes],
+    [camera, scenes, gatewayOf],
   );
   const { boxRef, canvasRef, pictureRef } = usePicture(create);
   // Those that are new are put in their places.
@@ -60,7 +66,9 @@ export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: read
       <MapTools
         onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
         onShowAll={() => pictureRef.current?.showAll()}
-      />
+      >
+        {hasMap && <WholeMapTool onClick={() => pictureRef.current?.showMap()} />}
+      </MapTools>
     </div>
   );
 }

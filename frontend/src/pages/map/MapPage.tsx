@@ -50,7 +50,7 @@ export default function MapPage() {
 function useFleetScenes(): FleetScenes {
   const [scenes] = useState(() => new FleetScenes());
   useEffect(
-    () => openStream(streamUrl(window.location, { include: "scenes", feedback: "false" }), scenes),
+    () => openStream(streamUrl(window.location, { include: "scenes,maps", feedback: "false" }), scenes),
     [scenes],
   );
   return scenes;
@@ -70,8 +70,9 @@ function NoRobots() {
     <Stack gap={4} className={classes.empty}>
       <Text fw={600}>No robot on this map</Text>
       <Text size="sm" c="dimmed">
-        Robots share a map if their poses are in one frame, as those of simulated robots are. Odometry alone
-        has a frame for each robot: it is on the robot's own page.
+        Robots share a map if their poses are in one frame, as those of simulated robots are, or on one map,
+        where localization publishes that. Odometry alone has a frame for each robot: it is on the robot's own
+        page.
       </Text>
     </Stack>
   );

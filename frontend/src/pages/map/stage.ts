@@ -1,21 +1,31 @@
-import type { Footprint, GatewayEvent, Scene, StreamHandlers } from "@dock-gateway/client";
+import type { Footprint, GatewayEvent, Pose, RobotMap, Scene, StreamHandlers } from "@dock-gateway/client";
+import type { MapColors } from "../../api/client";
 import type { Camera } from "../../scene/camera";
 import type { SceneColors } from "../../scene/colors";
 import type { Stage } from "../../scene/gestures";
 import { drawGrid } from "../../scene/ground";
+import { cornersOf, type DrawnMap, MapImage } from "../../scene/mapImage";
 import { Picture } from "../../scene/picture";
 import { drawDock, drawScaleBar } from "../../scene/renderer";
 import { around, arrowRadius, footprintOf } from "../../scene/shapes";
 import { canvasContext, toScreen } from "../../scene/view";
-import type { Point } from "../../store/geometry";
+import { compose, type Point } from "../../store/geometry";
+import { frameIn } from "../../store/surroundings";
 
-/** The frame that robots share. */
+/** The frame that robots share, where one of them tells it; else that of their map. */
 const FRAME = "world";
+const ORIGIN: Pose = { x: 0, y: 0, theta: 0 };
 
 /** A robot can be seen and pressed from far away, too (px). */
 const LEAST_PX = 24;
 /** Names have room beside their robots (px). */
 export const INSET_PX = 36;
+
+/** What a map is drawn with. */
+interface MapMeans {
+  colors: MapColors;
+  load: (robot: string, colors: MapColors) => Promise<Blob>;
+}
 
 /** Draws the ground and the docks on a canvas, and puts the robots, which are elements above it, in their places. */
 export class FleetStage extends Picture implements Stage {
@@ -24,6 +34,7 @@ export class FleetStage extends Picture implements Stage {
   readonly ghost = null;
   readonly handle = false;
   readonly #unsubscribe: () => void;
+  readonly #image: MapImage;
   #frame: number | undefined;
   #drawnAt = 0;
 
@@ -35,8 +46,14 @@ export class FleetStage extends Picture implements Stage {
     private readonly scenes: FleetScenes,
     private readonly colors: SceneColors,
     private readonly reducedMotion: boolean,
+    map: MapMeans,
   ) {
     super(camera);
+    this.#image = new MapImage(
+      map.colors,
+      (colors) => map.load(scenes.ground?.robot ?? "/", colors),
+      () => this.invalidate(),
+    );
     this.#unsubscribe = scenes.subscribe(this.invalidate);
     this.invalidate();
   }
@@ -49,11 +66,25 @@ export class FleetStage extends Picture implements Stage {
 
   destroy(): void {
     this.#unsubscribe();
+    this.#image.close();
     if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
   }
 
   #shared() {
     return Object.entries(this.scenes.latest).filter(([, { frame }]) => frame === FRAME);
+  }
+
+  #map(): DrawnMap | null {
+    const { ground } = this.scenes;
+    this.#image.show(ground?.map.map ?? null);
+    return this.#image.placeAt(ground?.at ?? null);
+  }
+
+  /** Shows the whole map. */
+  showMap(): void {
+    const map = this.#map();
+    if (map !== null) this.camera.frame(cornersOf(map));
+    this.invalidate();
   }
 
   protected points(): Point[] {
@@ -70,9 +101,9 @@ export class FleetStage extends Picture implements Stage {
     this.camera.aim(this.points(), null);
     this.camera.glide(now - this.#drawnAt, this.reducedMotion);
     this.#drawnAt = now;
-    const picture = { view: this.view, size: this.size, colors: this.colors, frame: FRAME };
+    const picture = { view: this.view, size: this.size, colors: this.colors, frame: this.scenes.frame };
     context.clearRect(0, 0, this.size.width, this.size.height);
-    drawGrid(context, picture);
+    drawGrid(context, picture, this.#map());
     const shared = this.#shared();
     const docks = new Map(shared.flatMap(([, { dock }]) => (dock ? [[JSON.stringify(dock), dock]] : [])));
     for (const dock of docks.values()) drawDock(context, picture, dock);
@@ -110,23 +141,73 @@ function outlineOf({ radius, points }: Footprint): string {
 /** By robot, the frame that its pose is given in. */
 export type Frames = ReadonlyMap<string, Scene["frame"]>;
 
-/** The scenes of all robots as they come. */
+/** The map below all robots. */
+interface GroundMap {
+  /** One whose map it is. */
+  robot: string;
+  map: RobotMap;
+  /** Where its frame lies in the one that robots share. */
+  at: Pose;
+}
+
+/**
+ * The scenes of all robots as they come. A robot without a frame that it shares is placed by its map, if that is the map
+ * of the others: its scene is then as if it were in their frame.
+ */
 export class FleetScenes implements StreamHandlers {
   latest: Readonly<Record<string, Scene>> = {};
+  ground: GroundMap | null = null;
   /** When the latest came (ms, on the clock of `performance.now()`). */
   arrivedAt = Number.NEGATIVE_INFINITY;
   /** The same map until a robot appears, disappears or changes its frame; null before the first event. */
   frames: Frames | null = null;
+  #told: Readonly<Record<string, Scene>> = {};
+  #maps: Readonly<Record<string, RobotMap>> = {};
   readonly #listeners = new Set<() => void>();
 
+  /** The name of the frame that is drawn. */
+  get frame(): string {
+    const shared = Object.values(this.#told).some(({ frame }) => frame === FRAME);
+    return shared || this.ground === null ? FRAME : (this.ground.map.map?.frame ?? "map");
+  }
+
   readonly onEvent = (event: GatewayEvent): void => {
-    if (event.type !== "scenes") return;
-    this.latest = event.scenes;
-    this.arrivedAt = performance.now();
-    const frames = new Map(Object.entries(event.scenes).map(([robot, { frame }]) => [robot, frame]));
+    if (event.type === "maps") this.#maps = event.maps;
+    else if (event.type === "scenes") {
+      this.#told = event.scenes;
+      this.arrivedAt = performance.now();
+    } else return;
+    this.ground = this.#findGround();
+    this.latest = Object.fromEntries(
+      Object.entries(this.#told).map(([robot, scene]) => [robot, this.#share(robot, scene)]),
+    );
+    if (event.type === "maps" && this.frames === null) return;
+    const frames = new Map(Object.entries(this.latest).map(([robot, { frame }]) => [robot, frame]));
     if (this.frames === null || !isSame(this.frames, frames)) this.frames = frames;
     for (const listener of this.#listeners) listener();
   };
+
+  #findGround(): GroundMap | null {
+    const known = Object.entries(this.#told).flatMap(([robot, scene]) => {
+      const map = this.#maps[robot];
+      return map?.map == null ? [] : [{ robot, scene, map }];
+    });
+    for (const { robot, scene, map } of known) {
+      const at = scene.frame === FRAME ? frameIn(scene, map, "map") : null;
+      if (at !== null) return { robot, map, at };
+    }
+    if (Object.values(this.#told).some(({ frame }) => frame === FRAME)) return null;
+    const first = known.find(({ map }) => map.odom !== null);
+    return first === undefined ? null : { robot: first.robot, map: first.map, at: ORIGIN };
+  }
+
+  #share(robot: string, scene: Scene): Scene {
+    const map = this.#maps[robot];
+    const { ground } = this;
+    if (scene.frame === FRAME || map?.odom == null || ground === null) return scene;
+    if (map.topic !== ground.map.topic) return scene;
+    return { ...scene, frame: FRAME, robot: compose(ground.at, compose(map.odom, scene.robot)) };
+  }
 
   /** The connection is that of all pages. */
   readonly onConnection = (): void => {};

@@ -30,7 +30,7 @@ export default function RobotPage() {
 }
 
 /** Gives what is inside one robot: its commands and what is known of it, read along while this is shown. */
-function RobotScope({ robot, children }: { robot: string | null; children: ReactNode }) {
+export function RobotScope({ robot, children }: { robot: string | null; children: ReactNode }) {
   const { openRobot } = useFleet();
   const [services, setServices] = useState<Services | null>(null);
 

@@ -10,6 +10,7 @@ import { usePageTitle } from "../../ui/Section";
 import { listed, overviewView } from "../overview/list";
 import { Clock, State, WallAlerts } from "./head";
 import { gridFor, Tile } from "./Tile";
+import { WallMap } from "./WallMap";
 import classes from "./wall.module.css";
 
 /** How long each page of robots is shown. */
@@ -38,6 +39,7 @@ export default function WallPage() {
     const view = { ...overviewView.initial, group, sort: "name" as const };
     return listed([...robots.values()].filter(isThere), view, attentions);
   }, [robots, group, attentions]);
+  const [only] = shown;
   const { ref, width, height } = useElementSize();
   const grid = gridFor(shown.length, width, height);
   const page = usePage(grid.pages);
@@ -60,21 +62,24 @@ export default function WallPage() {
       </header>
       <State />
       <WallAlerts alerts={alerts} group={group} />
-      <ul
-        ref={ref}
-        className={classes.tiles}
-        style={{
-          gridTemplateColumns: `repeat(${grid.columns}, minmax(0, 1fr))`,
-          gridTemplateRows: `repeat(${grid.rows}, minmax(0, 1fr))`,
-        }}
-      >
-        {shown.slice(page * each, (page + 1) * each).map((robot) => (
-          <Tile key={robot.name} robot={robot} attention={attentions.get(robot.name) ?? 0} live={live} />
-        ))}
-        {shown.length === 0 && live && (
-          <li className={classes.none}>{group === null ? "No robot yet" : `No robot is in ${group}`}</li>
-        )}
-      </ul>
+      <div className={classes.content}>
+        <ul
+          ref={ref}
+          className={classes.tiles}
+          style={{
+            gridTemplateColumns: `repeat(${grid.columns}, minmax(0, 1fr))`,
+            gridTemplateRows: `repeat(${grid.rows}, minmax(0, 1fr))`,
+          }}
+        >
+          {shown.slice(page * each, (page + 1) * each).map((robot) => (
+            <Tile key={robot.name} robot={robot} attention={attentions.get(robot.name) ?? 0} live={live} />
+          ))}
+          {shown.length === 0 && live && (
+            <li className={classes.none}>{group === null ? "No robot yet" : `No robot is in ${group}`}</li>
+          )}
+        </ul>
+        {only !== undefined && shown.length === 1 && <WallMap robot={only.name} />}
+      </div>
     </main>
   );
 }

@@ -1,0 +1,42 @@
+import { useId } from "react";
+import { SceneCanvas } from "../../scene/SceneCanvas";
+import { useAroundMeans } from "../../scene/SceneCard";
+import { describeScene } from "../../scene/words";
+import { useScene, useServices } from "../../store/context";
+import { RobotScope } from "../robot/RobotPage";
+import classes from "./wall.module.css";
+
+/** The map of the only robot there is, large; nothing before its pose is known. */
+export function WallMap({ robot }: { robot: string }) {
+  return (
+    <RobotScope key={robot} robot={robot}>
+      <Picture />
+    </RobotScope>
+  );
+}
+
+async function leave(): Promise<void> {}
+
+function Picture() {
+  const { scene } = useServices();
+  const around = useAroundMeans();
+  const words = useScene((scene) => (scene === null ? "" : describeScene(scene, null)));
+  const wordsId = useId();
+  if (words === "") return null;
+  return (
+    <div className={classes.map} data-testid="wall-map">
+      <SceneCanvas
+        scene={scene}
+        around={around}
+        placeable={false}
+        wall
+        describedBy={wordsId}
+        onPlace={leave}
+        onGhost={leave}
+      />
+      <span id={wordsId} hidden>
+        {words}
+      </span>
+    </div>
+  );
+}
