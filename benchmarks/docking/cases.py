@@ -9,6 +9,7 @@ from typing import Any
 from docking.core.geometry import Pose, normalize_angle
 from docking.parameters import ControllerName
 from docking.simulation.dock import DOCKED
+from docking.simulation.faults import Fault
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
 
@@ -64,6 +65,7 @@ class Case:
         region: Where the robot starts; None: in the usual region of the controller.
         known: Whether the database has the dock's pose, with an error of up to 10 cm each way and 5 degrees.
         search_radius: The parameter, in m.
+        recovers: Whether the robot presses again without a charge, and goes back to its staging pose in the end.
     """
 
     name: str
@@ -74,6 +76,7 @@ class Case:
     region: Region | None = None
     known: bool = False
     search_radius: float = 0.0
+    recovers: bool = False
 
 
 def _set(part: str, **values: Any) -> Change:
@@ -136,6 +139,11 @@ def _push_often(random: Random) -> Disturbance:
             simulation.push(Pose(random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(-0.1, 0.1)))
 
     return push
+
+
+def _dirty(_random: Random) -> Disturbance:
+    """No current flows at the first contact."""
+    return lambda simulation: simulation.set_fault(Fault.DIRTY_CONTACTS, True)
 
 
 def _push_once(random: Random) -> Disturbance:
@@ -218,6 +226,8 @@ CASES = (
     Case("pushed 4 cm, 6° every 4 s", (DOCK_POSE,), disturb=_push_often),
     Case("contacts bounce for 1 s", BOTH, _set("dock", bounce=1.0)),
     Case("charge flickers", BOTH, _set("dock", flickers=True)),
+    Case("dirty contacts", BOTH, disturb=_dirty),
+    Case("dirty contacts, pressed again", BOTH, disturb=_dirty, recovers=True),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0))),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0))),
     Case("pushed 10 cm sideways in the last 20 cm", BOTH, disturb=_push_once),

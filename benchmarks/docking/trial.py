@@ -131,7 +131,8 @@ def run_trial(
     off = _database_error(Random(f"{seed} database")) if case.known else None
     random = Random(f"{seed} disturbances")
     disturb = case.disturb(random)
-    own = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time, watch_obstacles(settings))
+    objective = Docking(settings.timeouts, recovery=settings.recovery if case.recovers else None)
+    own = Goal(make_plan(settings), objective, simulation.time, watch_obstacles(settings))
     goal = own if law is None else GracefulGoal(own, law, settings)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]

@@ -74,7 +74,9 @@ def test_a_dead_charger_is_the_goals_error(gateway: RunningGateway) -> None:
     assert goal["error"] == result["error"]
     assert goal["retries"] == 3
     stages = [event["stage"] for event in stream.seen if event["type"] == "status" and event["goal_id"] == goal_id]
-    assert {"NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE", "RETRY"} <= set(stages)
+    way = {"NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE", "CORRECTING", "RETRY", "RETURN_TO_STAGING"}
+    assert way <= set(stages)
+    wait_until(lambda: gateway.http.get("/simulator").json()["contact"] is False, "a robot in front of its dock")
 
 
 def test_undocking(gateway: RunningGateway) -> None:

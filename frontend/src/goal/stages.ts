@@ -60,7 +60,8 @@ export function stepsOf(goal: GoalCourse, seen: readonly string[]): Step[] {
   if (last === undefined) return [];
   const way = !other && known.every((stage) => stage === "CONTROLLING") ? ["CONTROLLING"] : all;
   const reached = way.indexOf(last);
-  const retrying = seen.lastIndexOf("RETRY") > seen.lastIndexOf(last);
+  const failed = Math.max(seen.lastIndexOf("RETRY"), seen.lastIndexOf("RETURN_TO_STAGING"));
+  const retrying = failed > seen.lastIndexOf(last);
   return way.map((stage, index) => ({
     stage,
     label: LABELS[stage] ?? stage,

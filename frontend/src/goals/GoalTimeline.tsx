@@ -117,9 +117,12 @@ function wordsOf(change: Change, { verb }: AnyGoal): string {
     : `${sentence(error.detail)} (${error.code})`;
 }
 
+/** Stages that come of a failure. */
+const RECOVERING: ReadonlySet<string> = new Set(["RETRY", "CORRECTING", "RETURN_TO_STAGING"]);
+
 function toneOf(change: Change, goesOn: boolean): string | undefined {
   if (change.kind === "silence") return change.silent ? "warn" : undefined;
-  if (change.kind === "stage") return change.stage === "RETRY" ? "warn" : goesOn ? "now" : undefined;
+  if (change.kind === "stage") return RECOVERING.has(change.stage) ? "warn" : goesOn ? "now" : undefined;
   if (change.status === "succeeded") return "good";
   if (change.status === "canceled") return undefined;
   if (change.status === "lost") return "unknown";

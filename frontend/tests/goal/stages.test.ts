@@ -47,6 +47,12 @@ describe("the stages of a docking goal", () => {
     expect(states(goal("a"), [...seen, STAGING])).toEqual(["done", "current", "waiting", "waiting"]);
   });
 
+  it("go on while the robot presses again, and show what did not work while it goes back in the end", () => {
+    const seen = [PERCEPTION, STAGING, "CONTROLLING", "WAIT_FOR_CHARGE", "CORRECTING"];
+    expect(states(goal("a"), seen)).toEqual(["done", "done", "done", "current"]);
+    expect(states(goal("a"), [...seen, "RETURN_TO_STAGING"])).toEqual(["done", "done", "done", "failed"]);
+  });
+
   it("are one where the controller only controls, and none where nobody tells them", () => {
     expect(stepsOf(goal("a"), ["CONTROLLING"]).map((step) => step.label)).toEqual(["Controlling"]);
     expect(states(goal("a"), ["WAIT_FOR_BATTERY", "CONTROLLING"])).toEqual(["current"]);
