@@ -17,6 +17,7 @@ from benchmarks.figures import Results
 from benchmarks.machine import describe, wait_until_quiet
 from benchmarks.options import Options, read_options
 from benchmarks.plot import plot
+from benchmarks.recordings import recordings
 from benchmarks.requests import requests
 from benchmarks.robots import robots
 from benchmarks.site import Site, site
@@ -24,7 +25,7 @@ from benchmarks.startup import startup
 from benchmarks.systems import LEFT_OUT
 from benchmarks.systems.bare import Bare
 from benchmarks.systems.base import System
-from benchmarks.systems.gateway import Gateway, GatewayInMemory, GatewayWithTokens
+from benchmarks.systems.gateway import Gateway, GatewayInMemory, GatewayWithTokens, RecordingGateway
 from benchmarks.systems.http_gateway import HttpGateway
 from benchmarks.systems.rosbridge import Rosbridge, RosbridgeSuite
 from benchmarks.table import table
@@ -84,6 +85,11 @@ async def _run(options: Options, results: Results) -> None:
         _say("g")
         with ExitStack() as stack:
             await requests(results, _gateways(stack, options), GatewayInMemory(_site(stack, options)), options)
+    if "i" in options.cases:
+        _say("i")
+        with ExitStack() as stack:
+            systems = [RecordingGateway(_site(stack, options), record) for record in ("none", "all")]
+            await recordings(results, systems, options)
     if "h" in options.cases:
         with ExitStack() as stack:
             systems = [*_gateways(stack, options), *_peers(stack, options, results, (Rosbridge, RosbridgeSuite))]

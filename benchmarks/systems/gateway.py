@@ -190,3 +190,24 @@ class GatewayInMemory(Gateway):
 
     def _more_settings(self) -> dict[str, str]:
         return {"DOCK_GATEWAY_DATABASE_URL": "memory:"}
+
+
+class RecordingGateway(Gateway):
+    """The gateway with or without recordings.
+
+    Args:
+        where: Where to start it.
+        record: What is recorded, as `--record`.
+    """
+
+    def __init__(self, where: Site, record: str) -> None:
+        super().__init__(where)
+        self.name = f"{OURS} --record {record}"
+        self._record = record
+
+    def _more_settings(self) -> dict[str, str]:
+        return {"DOCK_GATEWAY_RECORD": self._record}
+
+    def dock(self, robot: str) -> None:
+        """Let a robot dock."""
+        self._post([f"/dock?robot={robot}"], {})
