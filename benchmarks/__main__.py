@@ -85,8 +85,8 @@ async def _run(options: Options, results: Results) -> None:
         _say("g")
         with ExitStack() as stack:
             await requests(results, _gateways(stack, options), GatewayInMemory(_site(stack, options)), options)
-    if "i" in options.cases:
-        _say("i")
+    if "j" in options.cases:
+        _say("j")
         with ExitStack() as stack:
             systems = [RecordingGateway(_site(stack, options), record) for record in ("none", "all")]
             await recordings(results, systems, options)

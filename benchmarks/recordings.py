@@ -1,4 +1,4 @@
-"""Case (i): what the black box costs for one robot, with laser, odometry, transforms and ranges: the simulated one."""
+"""Case (j): what the black box costs for one robot, with laser, odometry, transforms and ranges: the simulated one."""
 
 import asyncio
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from benchmarks.options import Options
 from benchmarks.site import PRODUCT
 from benchmarks.systems.gateway import RecordingGateway
 
-CASE = "(i) 1 robot"
+CASE = "(j) 1 robot"
 # Seconds until everything is found.
 SETTLE = 6.0
 

@@ -40,6 +40,8 @@ MAX_RECORDING = 200_000_000
 class RobotEar:
     """What is heard of one robot: an `Outlet` of all its topics."""
 
+    patient = True
+
     def __init__(self, ring: Ring) -> None:
         self.ring = ring
         self.topics: dict[str, Wanted] = {}
@@ -156,10 +158,12 @@ class Recorder:
         for robot in self._ears.keys() - wanted.keys() - recorded:
             await self._listen(self._ears.pop(robot), {})
         for robot in wanted:
-            await self._listen(self._ear(robot), self._topics(robot))
+            await self._listen(self._ear(robot), self._topics(robot, pictures=robot in recorded))
 
-    def _topics(self, robot: str) -> dict[str, Wanted]:
-        return recorded_topics(robot, self._settings, self._scan.topics, self._scan.actions, self._owner)
+    def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
+        """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
+        found = recorded_topics(robot, self._settings, self._scan.topics, self._scan.actions, self._owner)
+        return {topic: wanted for topic, wanted in found.items() if pictures or wanted.kind != CAMERA}
 
     def _owner(self, name: str) -> str | None:
         robot = self._robots.owner(name)
@@ -299,7 +303,7 @@ class Recorder:
             self._give_up(running, "It could not be written; the gateway's log says why.")
             return
         if done:
-            self._running.pop(running.goal.goal_id, None)
+            self._stop(running)
 
     def _write(self, running: _Running, samples: list[Sample], *, done: bool) -> None:
         goal_id, goal = running.goal.goal_id, running.goal
@@ -324,7 +328,11 @@ class Recorder:
         self._store.note(running.goal.goal_id, reason)
         if running.opened is not None:
             running.opened.drop()
+        self._stop(running)
+
+    def _stop(self, running: _Running) -> None:
         self._running.pop(running.goal.goal_id, None)
+        self._changed.set()
 
     @property
     def robots(self) -> int:

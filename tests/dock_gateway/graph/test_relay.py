@@ -57,17 +57,19 @@ class FakeBridge:
 class Listener:
     """A client that notes the sizes of its messages."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, patient: bool) -> None:
+        self.patient = patient
         self.sizes: asyncio.Queue[int] = asyncio.Queue()
 
     async def offer(self, message: Received) -> None:
         self.sizes.put_nowait(message.size)
 
 
-async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("patient", [False, True])
+async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch, *, patient: bool) -> None:
     monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
     relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), tick=3600.0)
-    listener = Listener()
+    listener = Listener(patient=patient)
     await relay.add(listener)
     await relay.open("std_msgs/msg/String")
     try:
