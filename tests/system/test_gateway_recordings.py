@@ -66,7 +66,7 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
             of_goal = [each for each in messages[FEEDBACK] if each.goal_id.uuid.tobytes() == UUID(goal_id).bytes]
             heard = [each.feedback.current_battery_state.percentage for each in of_goal]
             assert heard == pytest.approx([count / 100 for count in range(20)])
-            events = {(each["type"], each.get("what") or each["status"]) for each in messages[EVENTS]}
+            events = {(each["type"], each.get("what") or each.get("status")) for each in messages[EVENTS]}
             assert {("command", "dock"), ("status", "aborted")} <= events
             problem = gateway.http.get(f"/goals/{succeeded}/recording.mcap").json()
             assert (problem["code"], "succeeded" in problem["detail"]) == ("recording_not_found", True)
