@@ -45,6 +45,7 @@ class DockMemory:
             place: base_link in odom; None if unknown.
             turn: Of the marker, in rad.
         """
+        self.turns.pop(dock, None)  # the last ones are at the end
         self.turns[dock] = turn
         if place is not None:
             self.places.pop(dock, None)

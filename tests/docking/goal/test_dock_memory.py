@@ -1,6 +1,6 @@
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.dock_memory import MOVED, TURNED, DockMemory
+from docking.goal.dock_memory import MOST, MOVED, TURNED, DockMemory
 from docking.goal.objective import Progress
 from docking.nodes.dock_server import docking_objective
 from docking.parameters import Dock, DockDirection, DockSettings, Staging
@@ -69,3 +69,13 @@ def test_a_robot_may_have_moved_by_01_m_and_035_rad() -> None:
         assert memory.recall(near) is True
     for far in (Pose(1.01 * MOVED), Pose(theta=-1.01 * TURNED)):
         assert memory.recall(far) is None
+
+
+def test_docks_that_goals_describe_do_not_fill_the_memory() -> None:
+    memory = DockMemory()
+    for number in range(MOST + 5):
+        memory.docked_at(f"({number}, 0) in map", Pose(number), 0.1)
+        memory.docked_at("home", Pose(), 0.0)
+    assert len(memory.places) <= len(memory.turns) <= MOST
+    assert memory.places["home"] == Pose()
+    assert memory.places[f"({MOST + 4}, 0) in map"] == Pose(MOST + 4)
