@@ -86,6 +86,7 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
                 "size": size,
                 "why_none": None,
                 "running": False,
+                "picture": False,
             }
 
 

@@ -79,7 +79,7 @@ class RecordingResponse(FileResponse):
     dependencies=[NO_QUERY],
 )
 @operation(Role.VIEWER, Scope.GOAL)
-async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings]) -> Response:
+async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant) -> Response:
     """Return whether a goal has a recording at this gateway, or why it has none."""
     try:
         found = await recordings.find(await goals.get(goal_id))
@@ -87,8 +87,14 @@ async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
         if error.code != "recording_not_found":
             raise
         running = recordings.is_running(goal_id)
-        return json_response({"size": None, "why_none": error.detail, "running": running})
-    return json_response({"size": found.size, "why_none": None, "running": False})
+        return json_response({"size": None, "why_none": error.detail, "running": running, "picture": False})
+    try:
+        await recordings.picture(found, grant)
+    except NotFound:
+        picture = False
+    else:
+        picture = True
+    return json_response({"size": found.size, "why_none": None, "running": False, "picture": picture})
 
 
 @router.get(

@@ -3427,6 +3427,8 @@ export interface components {
         /**
          * GoalRecording
          * @description Whether a goal has a recording at this gateway: its size in bytes, or `why_none`, or it is still `running`.
+         *
+         *     `picture`: whether it has a picture of a camera, for the thumbnail.
          */
         GoalRecording: {
             /** Size */
@@ -3435,6 +3437,8 @@ export interface components {
             why_none: string | null;
             /** Running */
             running: boolean;
+            /** Picture */
+            picture: boolean;
         };
         /**
          * GoalState
@@ -4486,7 +4490,7 @@ export interface components {
          * @description The map of a robot.
          *
          *     Attributes:
-         *         topic: The topic that it is read from; null if none is known yet.
+         *         topic: The topic that it is read from; null if none is published.
          *         map: The newest good map; null if there is none.
          *         odom: Where the robot's odometry begins in the map's frame, by `tf`; null if the frames are not related.
          *         hint: What is missing, or why the newest message is not used, in a sentence; null if all is well.

@@ -5,6 +5,7 @@ import { Link } from "react-router";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import { GoalStatusBadge } from "../goal/facts";
 import { newestFirst } from "../store/goals";
+import { Breakable } from "../ui/Fact";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import classes from "./actions.module.css";
@@ -45,16 +46,16 @@ function ActionRow({ action, goals }: { action: ActionInfo; goals: readonly Goal
     <Table.Tr>
       <Table.Td className={classes.name}>
         <Anchor component={Link} to={`/ui/actions/${actionPath(action.action_name)}`}>
-          {action.action_name}
+          <Breakable text={action.action_name} />
         </Anchor>
         <Text size="sm" hiddenFrom="sm" className={classes.type}>
-          {action.action_type}
+          <Breakable text={action.action_type} />
           {running > 0 && ` · ${running} running`}
         </Text>
         {action.hint !== null && <Text size="sm">{sentence(action.hint)}.</Text>}
       </Table.Td>
       <Table.Td visibleFrom="sm" className={classes.type}>
-        {action.action_type}
+        <Breakable text={action.action_type} />
       </Table.Td>
       <Table.Td>
         <ServerBadge action={action} live={live} />

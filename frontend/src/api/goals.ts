@@ -74,6 +74,11 @@ export type ExportFormat = "csv" | "json";
 
 export type GoalRecording = components["schemas"]["GoalRecording"];
 
+/** Where the last picture of the robot's camera in the recording of a goal is. */
+export function thumbnailUrl(goalId: string): string {
+  return `/goals/${encodeURIComponent(goalId)}/thumbnail`;
+}
+
 /** Where the recording of a goal is downloaded. */
 export function recordingUrl(goalId: string): string {
   return `/goals/${encodeURIComponent(goalId)}/recording.mcap`;

@@ -8,7 +8,16 @@ import {
   VisuallyHidden,
 } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
-import { type KeyboardEvent, type RefObject, useCallback, useEffect, useId, useRef, useState } from "react";
+import {
+  type KeyboardEvent,
+  type RefObject,
+  useCallback,
+  useEffect,
+  useId,
+  useMemo,
+  useRef,
+  useState,
+} from "react";
 import { titleOf } from "../api/errors";
 import { onBeat, steadyNow } from "../clock/beat";
 import { useAtTime } from "../clock/clock";
@@ -17,8 +26,10 @@ import { QUANTITIES, type Quantity } from "../store/batterySeries";
 import { useFreshness, useLive, useServices } from "../store/context";
 import { watchSight } from "../ui/sight";
 import { Tool } from "../ui/Tool";
+import { formatter } from "../ui/time";
 import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";
+import { drainWords } from "./drain";
 import { type Places, PlotGroup } from "./plotGroup";
 import { join, usePast } from "./points";
 import { SHAPES } from "./quantities";
@@ -33,6 +44,7 @@ const SCROLL_MS = 1000;
 /** Out of sight, as for a picture of the whole page. */
 const UNSEEN_MS = 5000;
 const ZOOM_STEP = 2;
+const dayAndMonth = formatter({ day: "numeric", month: "short" });
 const PAN_STEP = 0.25;
 
 /** What the battery was over time: live, paused, or any part of the past. */
@@ -44,6 +56,7 @@ export default function BatteryPlots() {
   const reducedMotion = useReducedMotion();
   const [view, setView] = useState<View>(LIVE);
   const past = usePast(view);
+  const drain = useMemo(() => drainWords(past.points, (timeS) => dayAndMonth(timeS * 1000)), [past.points]);
   const latest = useRef({ view, past });
   latest.current = { view, past };
   const plots = useRef<Partial<Record<Quantity, HTMLDivElement | null>>>({});
@@ -207,6 +220,11 @@ export default function BatteryPlots() {
         ))}
       </div>
       <VisuallyHidden role="status">{said}</VisuallyHidden>
+      {drain !== null && (
+        <Text size="sm" fw={600} data-testid="battery-drain">
+          {drain}
+        </Text>
+      )}
       <Text size="sm" c="dimmed" id={hintId}>
         Drag across a plot to look closer, double-click to look at more. With the keyboard: ← → the crosshair,
         with Shift back and forth in time, + − closer and farther, Space pause, 0 live.

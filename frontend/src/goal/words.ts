@@ -175,6 +175,8 @@ export function outcome(goal: Meant): string {
   if (error !== null) return SHORT[error.code] ?? error.detail;
   if (status === "succeeded" && goal.verb) return REACHED[goal.verb];
   if (goal.stalled) return "Server not responding";
+  if (status === "succeeded") return "Done";
+  if (status === "canceled") return "On request";
   return goal.stage === null || isTerminal(status) ? "–" : stageName(goal.stage);
 }
 

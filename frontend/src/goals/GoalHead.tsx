@@ -24,7 +24,7 @@ import { goalsPath } from "./filter";
 import { NamedMessage } from "./GoalMessages";
 import { goalPath } from "./GoalsTable";
 import classes from "./goalPage.module.css";
-import { RecordingButton } from "./RecordingButton";
+import { RecordedPicture, RecordingButton } from "./RecordingButton";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
@@ -46,7 +46,12 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         {goal.stalled && !ended && <Badge color="orange">stalled</Badge>}
         {away && <Badge color="gray.7">Not live</Badge>}
       </Group>
-      <GoalVerdict goal={goal} />
+      <Group gap="md" align="start">
+        <div className={classes.words}>
+          <GoalVerdict goal={goal} />
+        </div>
+        <RecordedPicture goal={goal} />
+      </Group>
       <GoalCommands goal={goal} />
       <div className={classes.id}>
         <Code>{goal.goal_id}</Code>

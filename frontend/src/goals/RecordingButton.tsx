@@ -3,19 +3,31 @@ import { Button } from "@mantine/core";
 import { recordingUrl } from "../api/goals";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useAnswer } from "../ui/requests";
+import { GoalPicture } from "./GoalPicture";
 import { useWatched } from "./useGoalWatch";
 
 /** How often it is asked whether a recording is complete (ms). */
 const AGAIN_MS = 1000;
 
-/** Downloads what was heard of the robot while a goal ran; without a recording it says why there is none. */
-export function RecordingButton({ goal }: { goal: AnyGoal }) {
+/** Whether a goal has a recording; asked again until that is complete. */
+function useRecording(goal: AnyGoal) {
   const { api } = useWatched();
-  const { data } = useAnswer({
+  return useAnswer({
     queryKey: ["recording", goal.goal_id, goal.finished_at],
     queryFn: () => api.recording(goal.goal_id),
     refetchInterval: ({ state }) => (isTerminal(goal.status) && state.data?.running ? AGAIN_MS : false),
   });
+}
+
+/** What the robot's camera saw last, of a goal that has a recording. */
+export function RecordedPicture({ goal }: { goal: AnyGoal }) {
+  const { data } = useRecording(goal);
+  return data?.picture === true ? <GoalPicture goalId={goal.goal_id} /> : null;
+}
+
+/** Downloads what was heard of the robot while a goal ran; without a recording it says why there is none. */
+export function RecordingButton({ goal }: { goal: AnyGoal }) {
+  const { data } = useRecording(goal);
   if (data === undefined) return null;
   if (data.size === null) {
     return (

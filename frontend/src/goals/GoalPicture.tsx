@@ -1,0 +1,19 @@
+import { useState } from "react";
+import { thumbnailUrl } from "../api/goals";
+import classes from "./goalPage.module.css";
+
+/** What the robot's camera saw last while a goal ran; nothing where its recording has no picture. */
+export function GoalPicture({ goalId }: { goalId: string }) {
+  const [missing, setMissing] = useState(false);
+  if (missing) return null;
+  return (
+    <img
+      src={thumbnailUrl(goalId)}
+      alt="What the robot's camera saw last"
+      title="What the robot's camera saw last"
+      loading="lazy"
+      className={classes.picture}
+      onError={() => setMissing(true)}
+    />
+  );
+}
