@@ -38,26 +38,32 @@ Carry = Callable[[Any], Awaitable[Any]]
 
 
 @dataclass(frozen=True)
-class Service:
-    """A service as a client is offered it.
+class Draft:
+    """What a service does; it is not offered yet.
 
     Attributes:
-        id: Its id.
-        name: Its name.
-        type: Its type.
-        request: The form of requests.
-        response: The form of responses.
-        call: Carries out a call, given the request and its encoding. Returns the response.
+        forms: Finds the forms of requests and responses, which may take long.
+        call: Carries out a call, given the request. Returns the response.
         urgent: Whether it stops something.
+        reads: Whether it only reads, and may take minutes.
     """
+
+    forms: Callable[[], Forms]
+    call: Carry
+    urgent: bool = False
+    reads: bool = False
+
+
+@dataclass(frozen=True)
+class Service:
+    """A service as a client is offered it."""
 
     id: int
     name: str
     type: str
     request: Form
     response: Form
-    call: Carry
-    urgent: bool = False
+    draft: Draft
 
     def document(self) -> Json:
         """Return how a client is told of it."""
@@ -68,15 +74,6 @@ class Service:
             "request": form_document(self.request),
             "response": form_document(self.response),
         }
-
-
-@dataclass(frozen=True)
-class Draft:
-    """A service that is not offered yet: what it does, and a function that finds its forms, which may take long."""
-
-    forms: Callable[[], Forms]
-    call: Carry
-    urgent: bool = False
 
 
 class Services:
@@ -116,7 +113,7 @@ class Services:
             if OWN_SERVICES.get(service.name) != STOP:  # a stop is carried out anyway
                 raise
             request = {}
-        response = service.response.write(call.encoding, await service.call(request))
+        response = service.response.write(call.encoding, await service.draft.call(request))
         if len(response) > self._parts[Settings].max_message_bytes:
             detail = f"the response of {service.name} has {len(response)} bytes, more than max_message_bytes"
             raise Conflict(detail, code="response_too_large")
@@ -136,7 +133,7 @@ class Services:
             del self._services[service.id]
         for (name, kind), (request, response) in forms.items():
             draft, identity = missing[name, kind], unused_id(f"{name} {kind}", self._services)
-            self._services[identity] = Service(identity, name, kind, request, response, draft.call, draft.urgent)
+            self._services[identity] = Service(identity, name, kind, request, response, draft)
         self._unusable |= missing.keys() - forms.keys()
         return [each for each in self._services.values() if (each.name, each.type) not in known], gone
 
@@ -178,7 +175,7 @@ class Services:
 
         yield (
             (f"{name}/get_result", f"{kind}_GetResult"),
-            Draft(result, lambda request: actions.result(name, request)),
+            Draft(result, lambda request: actions.result(name, request), reads=True),
         )
 
     def _find(self, seen: Seen) -> dict[Key, Draft]:

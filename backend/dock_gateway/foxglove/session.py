@@ -6,7 +6,7 @@ What a client may do is what it may do at `/ws`.
 import logging
 import os
 from collections.abc import Awaitable, Callable, Iterable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from typing import TypeVar
 from uuid import uuid4
 
@@ -49,7 +49,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.streams.connection import ClientConnection
 from dock_gateway.streams.events import until_one_ends
 from dock_gateway.streams.feed import end_of
-from dock_gateway.streams.incoming import carry_out_all
+from dock_gateway.streams.incoming import Reads, carry_out_all
 from dock_gateway.streams.rights import Rights
 
 log = logging.getLogger(__name__)
@@ -93,6 +93,7 @@ class Session:
         self._parameters = ClientParameters(parts, self._rights)
         self._view = GraphView(parts[GraphCache], self._rights, self._services, self._subscriptions, self._send)
         self._in_order = self._view.changing
+        self._reads = Reads()
         self._closed = False
 
     async def run(self, place: Subscriber) -> None:
@@ -107,8 +108,9 @@ class Session:
         await self._connection.close("too_slow")
 
     async def close(self) -> None:
-        """End the subscriptions. Operations in progress continue, and goals that are running."""
+        """End the subscriptions and what only reads. Other operations in progress continue, and running goals."""
         self._closed = True
+        self._reads.close()
         async with self._in_order:
             await self._subscriptions.close()
             await self._parameters.close()
@@ -150,7 +152,7 @@ class Session:
         """Whether a message stops something."""
         call = _call_in(received)
         service = None if call is None else self._services.find(call.service)
-        return service is not None and service.urgent
+        return service is not None and service.draft.urgent
 
     async def _handle(self, received: Message) -> None:
         op = ""
@@ -185,10 +187,14 @@ class Session:
                 await self._publications.publish(message)
 
     async def _call(self, call: Call) -> None:
+        service = self._services.find(call.service)
         try:
-            response = await self._services.call(call)
+            with self._reads.one() if service is not None and service.draft.reads else nullcontext():
+                response = await self._services.call(call)
         except GatewayError as error:
             await self._send(protocol.service_call_failure(call, error.detail))
+        except WebSocketDisconnect:
+            raise
         except Exception:
             log.exception("a call of a service failed")
             await self._send(protocol.service_call_failure(call, INTERNAL.detail))
@@ -240,7 +246,8 @@ class Session:
             await self._report_all("setParameters", errors)
 
     async def _answer_parameters(self, op: str, names: list[str], identity: str | None, errors: list[str]) -> None:
-        found, unknown = await self._parameters.get(names)
+        with self._reads.one():
+            found, unknown = await self._parameters.get(names)
         await self._send(protocol.parameter_values(found, identity))
         await self._report_all(op, [*errors, *unknown])
 

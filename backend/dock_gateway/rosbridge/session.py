@@ -57,12 +57,14 @@ from dock_gateway.streams.commands import OWN_SERVICES, STOP
 from dock_gateway.streams.connection import ClientConnection
 from dock_gateway.streams.events import until_one_ends
 from dock_gateway.streams.feed import end_of
-from dock_gateway.streams.incoming import carry_out_all
+from dock_gateway.streams.incoming import Reads, carry_out_all
 from dock_gateway.streams.rights import Rights
 
 log = logging.getLogger(__name__)
 
 CANCEL = "cancel_action_goal"
+# What asks many nodes.
+PARAMETERS = "/rosapi/get_param_names"
 # Operations in progress, and cancels and stops in addition to them.
 MAX_OPERATIONS, MAX_URGENT = 64, 64
 
@@ -103,6 +105,7 @@ class Session:
         self._asking = asyncio.Lock()
         self._fragments = Fragments(parts[Settings].max_body_bytes)
         self._cancel_on_disconnect = cancel_on_disconnect
+        self._reads = Reads()
         self._closed = False
         self.event_filter: EventFilter = self._goals.event_filter
 
@@ -114,6 +117,7 @@ class Session:
     async def close(self) -> None:
         """End the subscriptions. Operations in progress continue, and goals that are running."""
         self._closed = True
+        self._reads.close()
         if self._cancel_on_disconnect and not self._parts[Hub].closing:
             await asyncio.gather(*map(self._cancel, self._goals.running))
         async with self._in_order:
@@ -239,7 +243,8 @@ class Session:
 
     async def _call(self, service: str, request: CallService, identity: Identity) -> None:
         try:
-            values = await self._services.call(service, request)
+            with self._reads.one() if service == PARAMETERS else nullcontext():
+                values = await self._services.call(service, request)
         except GatewayError as error:
             response = service_response(request.service, identity, error.detail, result=False)
         else:

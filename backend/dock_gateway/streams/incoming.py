@@ -1,13 +1,45 @@
 """What a client sends over a WebSocket: each message in a task of its own, up to a limit that lets stops pass."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from fastapi import WebSocket
 from starlette.types import Message
+from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.errors import TooManyRequests
+
+
+class Reads:
+    """Operations of one client that only read, which may take minutes: they end with its connection."""
+
+    def __init__(self) -> None:
+        self._tasks: set[asyncio.Task[Any]] = set()
+        self._closed = False
+
+    @contextmanager
+    def one(self) -> Iterator[None]:
+        """Run a block for as long as the client is connected.
+
+        Raises:
+            WebSocketDisconnect: It is not any more.
+        """
+        task = asyncio.current_task()
+        if self._closed or task is None:
+            raise WebSocketDisconnect
+        self._tasks.add(task)
+        try:
+            yield
+        finally:
+            self._tasks.discard(task)
+
+    def close(self) -> None:
+        """End all of them."""
+        self._closed = True
+        for task in self._tasks:
+            task.cancel()
 
 
 async def carry_out_all(
