@@ -255,7 +255,7 @@ FLOODS: dict[str, Flood] = {
     "slow readers of /rosbridge": _slow_websockets("/rosbridge", SUBSCRIBE + CALL * 100),
     "sessions of /rosbridge": _sessions("/rosbridge", SUBSCRIBE + CALL),
     "garbage on /foxglove": _foxglove(b"".join([*map(_operation, NONSENSE), *BINARY_NONSENSE]) * 10),
-    "slow readers of /foxglove": _slow_websockets("/foxglove", VIEW + SUBSCRIPTIONS, VIEW, FOXGLOVE),
+    "slow readers of /foxglove": _slow_websockets("/foxglove", VIEW * 100, VIEW, FOXGLOVE),
     "sessions of /foxglove": _sessions("/foxglove", SUBSCRIPTIONS, FOXGLOVE),
     "unread answers": _slow_readers("/openapi.json", 200),
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),

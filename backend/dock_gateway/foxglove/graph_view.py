@@ -22,8 +22,8 @@ log = logging.getLogger(__name__)
 
 # Seconds between two looks at the graph.
 LOOK = 2.0
-# Channels or services in one message: a definition has kilobytes.
-AT_ONCE = 100
+# Channels or services in one message: a definition has kilobytes, and a client may not read.
+AT_ONCE = 20
 
 Item = TypeVar("Item")
 
