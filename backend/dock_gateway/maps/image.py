@@ -9,8 +9,6 @@ from dock_gateway.maps.grid import Cells
 
 # The indices of the palette: 0 to 100 as in the map, and one for all that is unknown.
 OCCUPIED, UNKNOWN = 100, 101
-_INDICES = np.full(256, UNKNOWN, dtype=np.uint8)
-_INDICES[: OCCUPIED + 1] = np.arange(OCCUPIED + 1)
 _FAST = 1
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _DEPTH, _PALETTE = 8, 3
@@ -26,7 +24,7 @@ def encode(cells: Cells) -> bytes:
     height, width = cells.shape
     rows = np.empty((height, width + 1), dtype=np.uint8)
     rows[:, 0] = 0  # no filter
-    np.take(_INDICES, cells.view(np.uint8)[::-1], out=rows[:, 1:])
+    np.minimum(cells.view(np.uint8)[::-1], np.uint8(UNKNOWN), out=rows[:, 1:])
     return _chunk(b"IDAT", zlib.compress(rows.data, _FAST))
 
 

@@ -72,7 +72,7 @@ class Maps:
         began = time.monotonic()
         self._until[robot, MAP] = began + ASKED
         self._changed.set()
-        while (view := self._views.get(robot)) is None or view.feed is None or not view.feed.settled:
+        while (view := self._views.get(robot)) is None or not view.settled:
             if time.monotonic() - began > WAIT:
                 break
             await asyncio.sleep(TICK / 4)

@@ -135,6 +135,12 @@ class Surroundings:
             await self._odometry_reader.close()
             self._frames_known = wanted
 
+    @property
+    def settled(self) -> bool:
+        """Whether the map is known, and where the robot is on it; or why there is none."""
+        feed = self.feed
+        return feed is not None and feed.settled and (feed.grid is None or self.map_document()["odom"] is not None)
+
     def map_document(self) -> dict[str, Any]:
         """Return the robot's map for JSON: without the cells, and where the robot's odometry begins in it."""
         feed = self.feed

@@ -2,6 +2,7 @@ import type { Grid, Pose, RobotMap, Scene } from "@dock-gateway/client";
 import type { MapColors } from "../api/client";
 import { compose, distance, normalizeAngle, type Point, place } from "../store/geometry";
 import { frameIn } from "../store/surroundings";
+import type { MapJob } from "./mapWorker";
 import { type Size, toScreen, toWorld, type View } from "./view";
 
 /** Each copy of a map has half the columns and rows of the one before, down to this many. */
@@ -166,7 +167,7 @@ function isStill(before: Pose, after: Pose): boolean {
   return distance(before, after) < STILL_M && turned < STILL_RAD;
 }
 
-/** A picture in several sizes, the largest first. Browsers decode them beside the page's own work. */
+/** A picture in several sizes, the largest first: made by a worker, as a browser makes smaller ones in the page's own time. */
 async function levelsOf(blob: Blob, { width, height }: Grid): Promise<ImageBitmap[]> {
   const sizes: [number, number][] = [];
   for (
@@ -177,8 +178,15 @@ async function levelsOf(blob: Blob, { width, height }: Grid): Promise<ImageBitma
     if (columns * rows <= MOST_PIXELS) sizes.push([columns, rows]);
     if (Math.max(columns, rows) <= LEAST_SIDE) break;
   }
-  const levels: ImageBitmap[] = [];
-  for (const [resizeWidth, resizeHeight] of sizes)
-    levels.push(await createImageBitmap(blob, { resizeWidth, resizeHeight, resizeQuality: "medium" }));
-  return levels;
+  const worker = new Worker(new URL("./mapWorker.ts", import.meta.url), { type: "module" });
+  try {
+    return await new Promise((resolve, reject) => {
+      worker.onmessage = ({ data }: MessageEvent<ImageBitmap[] | null>) =>
+        data === null ? reject(new Error("The map is no image.")) : resolve(data);
+      worker.onerror = reject;
+      worker.postMessage({ blob, sizes } satisfies MapJob);
+    });
+  } finally {
+    worker.terminate();
+  }
 }

@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.event import Event, fleet_event, message_event, scenes_event, utc_now
+from dock_gateway.core.event import (
+    Event,
+    fleet_event,
+    maps_event,
+    message_event,
+    scenes_event,
+    surroundings_event,
+    utc_now,
+)
 from dock_gateway.core.grant import UNLIMITED, Grant, Role, narrow
 from dock_gateway.setting_types import PATTERN
 
@@ -166,3 +174,14 @@ def test_other_events_are_the_same_for_all_readers() -> None:
     assert narrow(battery, grant) is battery
     decision = fleet_event("automation", NOW, automation={"robot": "/robot1"})
     assert narrow(decision, grant) is decision
+
+
+def test_what_comes_with_a_robot_is_limited_to_topics() -> None:
+    shown = surroundings_event("map", {}, NOW, robot="/robot1", source="/map")
+    assert narrow(shown, Grant(Role.VIEWER, robots=("/robot1",))) is shown, "a map that all robots share"
+    assert narrow(shown, Grant(Role.VIEWER, topics=("/map", "/robot1/*"))) is shown
+    assert narrow(shown, Grant(Role.VIEWER, topics=("/robot1/*",))) is None
+    event = maps_event({"/robot1": {"topic": "/map"}, "/robot2": {"topic": "/robot2/map"}}, NOW)
+    narrowed = narrow(event, Grant(Role.VIEWER, topics=("/robot2/*",)))
+    assert narrowed is not None
+    assert orjson.loads(narrowed.data)["maps"] == {"/robot2": {"topic": "/robot2/map"}}
