@@ -36,13 +36,18 @@ def encode(message: Any, quality: int) -> tuple[bytes, int, int]:
     if step < used or len(message.data) < step * (height - 1) + used:
         got = f"step {step} and {len(message.data)} bytes"
         raise Unreadable(f"{width} x {height} pixels of {message.encoding} do not fit {got}")
+    if height == 1:
+        step = used  # nothing follows the only row, whatever its step claims
     flat = np.frombuffer(message.data, np.uint8)
     if len(flat) < step * height:  # the last row may lack what follows its pixels
         flat = np.append(flat, np.zeros(step * height - len(flat), np.uint8))
     rows = np.ascontiguousarray(flat[: step * height].reshape(height, step)[:, :used])
     if (dtype := np.dtype(kind)).itemsize > 1:
         rows = rows.view(dtype.newbyteorder(">" if message.is_bigendian else "<"))
-    return convert(rows, quality)
+    try:
+        return convert(rows, quality)
+    except ValueError as error:  # a JPEG has at most 65,500 pixels in a row or column
+        raise Unreadable(f"{width} x {height} pixels cannot be encoded: {error}") from None
 
 
 Convert = Callable[[Pixels, int], tuple[bytes, int, int]]
@@ -61,9 +66,9 @@ def _gray16(rows: Pixels, quality: int) -> tuple[bytes, int, int]:
 
 
 def _depth(rows: Pixels, quality: int, *, unit: float) -> tuple[bytes, int, int]:
-    metres = np.nan_to_num(rows.astype(np.float32) * unit, nan=0.0, posinf=0.0, neginf=0.0)
+    metres = np.nan_to_num(rows.astype(np.float32) * unit, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0, FARTHEST_M)
     near = np.where(metres > 0.0, 255.0 * (1.0 - metres / FARTHEST_M), 0.0)
-    return _gray(np.clip(near, 0.0, 255.0).astype(np.uint8), quality)
+    return _gray(near.astype(np.uint8), quality)
 
 
 def _yuv422(rows: Pixels, quality: int, *, first: str) -> tuple[bytes, int, int]:

@@ -98,6 +98,7 @@ def test_the_last_row_may_lack_its_padding() -> None:
         ({"step": 95}, "32 x 16 pixels of rgb8 do not fit step 95 and 1536 bytes"),
         ({"data": b"few"}, "do not fit step 96 and 3 bytes"),
         ({"height": 4_000_000_000}, "do not fit"),
+        ({"encoding": "mono8", "width": 70_000, "height": 1, "step": 70_000, "data": bytes(70_000)}, "65500"),
     ],
 )
 def test_what_does_not_fit_is_refused(change: dict[str, Any], words: str) -> None:
@@ -105,6 +106,12 @@ def test_what_does_not_fit_is_refused(change: dict[str, Any], words: str) -> Non
     vars(message).update(change)
     with pytest.raises(Unreadable, match=words):
         encode(message, 75)
+
+
+def test_a_step_that_no_row_follows_takes_no_memory() -> None:
+    message = image("mono8", of_one(99)[:1])
+    message.step = 2**45
+    assert encode(message, 75)[1:] == (WIDTH, 1)
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
