@@ -12,7 +12,7 @@ KEPT = 3.0
 SLACK = 0.25
 """Up to this many seconds before the oldest transform, or after the newest, that transform is used."""
 MOST = 1000
-"""Frames that are kept: more means that a publisher invents new names."""
+"""Frames that are kept, and transforms of each: more means that a publisher invents names, or moments."""
 
 
 class TransformError(Exception):
@@ -31,7 +31,7 @@ class _Link:
 
     parent: str
     fixed: bool
-    samples: deque[tuple[float, Transform]] = field(default_factory=deque)
+    samples: deque[tuple[float, Transform]] = field(default_factory=lambda: deque(maxlen=MOST))
 
     def add(self, measured_at: float, transform: Transform) -> None:
         """Take in a transform. One that is older than the last means that the clock was set back: forget the others."""

@@ -8,7 +8,7 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relay import Received
 from dock_gateway.graph.relays import Relays
-from dock_gateway.maps.grid import Grid, read_grid
+from dock_gateway.maps.grid import MAX_CELLS, Grid, read_grid
 from dock_gateway.maps.image import encode
 from dock_gateway.maps.reader import TopicReader
 
@@ -17,6 +17,8 @@ log = logging.getLogger(__name__)
 GRID_TYPE, UPDATE_TYPE = "nav_msgs/msg/OccupancyGrid", "map_msgs/msg/OccupancyGridUpdate"
 # Changes of a map that wait for earlier ones; if there are more, the next whole map has them.
 MAX_UPDATES = 100
+# The most bytes of a message, and of all that wait.
+MOST_BYTES = MAX_CELLS + 100_000
 
 
 class MapFeed:
@@ -35,9 +37,9 @@ class MapFeed:
         self.topic = topic
         self.grid: Grid | None = None
         self._problem: str | None = None
-        self._whole = TopicReader(relays, graph, topic, GRID_TYPE, self)
-        self._parts = TopicReader(relays, graph, f"{topic}_updates", UPDATE_TYPE, self)
-        self._waiting: deque[Received] = deque(maxlen=MAX_UPDATES)
+        self._whole = TopicReader(relays, graph, topic, GRID_TYPE, self, most=MOST_BYTES)
+        self._parts = TopicReader(relays, graph, f"{topic}_updates", UPDATE_TYPE, self, most=MOST_BYTES)
+        self._waiting: deque[Received] = deque()
         self._reading: asyncio.Task[None] | None = None
         self._encoded: tuple[Grid, asyncio.Task[bytes]] | None = None
         self._tasks = Tasks("reading a map")
@@ -67,6 +69,8 @@ class MapFeed:
         """Take a map or a change of it; it is read in a thread."""
         if message.kind.name == GRID_TYPE:
             self._waiting.clear()
+        elif len(self._waiting) >= MAX_UPDATES or sum(each.size for each in self._waiting) > MOST_BYTES:
+            return
         self._waiting.append(message)
         if self._reading is None or self._reading.done():
             self._reading = self._tasks.spawn(self._read())

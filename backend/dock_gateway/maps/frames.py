@@ -1,5 +1,6 @@
 """The frames of robots, as `tf` and `tf_static` relate them."""
 
+import asyncio
 import logging
 import math
 from typing import Any
@@ -17,6 +18,8 @@ log = logging.getLogger(__name__)
 
 TYPE = "tf2_msgs/msg/TFMessage"
 NOW = 0.0
+# Bytes of a message after which others have their turn.
+LARGE = 4_000
 
 
 class Frames:
@@ -51,6 +54,8 @@ class Frames:
             if not self._doubted:
                 self._doubted = True
                 log.warning("%s: a transform is not used: it %s", message.topic, error)
+        if message.size > LARGE:
+            await asyncio.sleep(0)
 
     def locate(self, frame: str, target: str, stamp: float = NOW) -> Transform:
         """Return where a frame lies in another one: at a time, or the newest that is known if not for that time.

@@ -16,6 +16,8 @@ Cells = npt.NDArray[np.int8]
 # The most cells of a map, and the sizes of one that are believed, in metres.
 MAX_CELLS = 100_000_000
 MIN_RESOLUTION, MAX_RESOLUTION = 0.001, 100.0
+# Characters of a frame's name.
+LONGEST_FRAME = 255
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,13 @@ def read_grid(message: Any) -> Grid:
 
 
 def frame_name(name: str) -> str:
-    """Return the name of a frame as tf2 has it, without a slash at its beginning."""
+    """Return the name of a frame as tf2 has it, without a slash at its beginning.
+
+    Raises:
+        ValueError: It is so long that it is none.
+    """
+    if len(name) > LONGEST_FRAME:
+        raise ValueError(f"the name of a frame has more than {LONGEST_FRAME} characters")
     return name.removeprefix("/")
 
 

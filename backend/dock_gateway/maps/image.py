@@ -28,8 +28,10 @@ def encode(cells: Cells) -> bytes:
     return _chunk(b"IDAT", zlib.compress(rows.data, _FAST))
 
 
-def image(pixels: bytes, width: int, height: int, colors: tuple[Color, Color, Color]) -> bytes:
-    """Return the image of a map in these colours; what is between free and occupied is between them.
+def image(pixels: bytes, width: int, height: int, colors: tuple[Color, Color, Color]) -> tuple[bytes, bytes, bytes]:
+    """Return the image of a map in these colours, in three pieces; what is between free and occupied is between them.
+
+    The second piece is `pixels` itself: whoever sends many images needs no copy of it for each.
 
     Args:
         pixels: As `encode` returned them.
@@ -42,7 +44,7 @@ def image(pixels: bytes, width: int, height: int, colors: tuple[Color, Color, Co
     table = np.vstack((steps, np.array([unknown], dtype=np.uint8)))
     header = _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, _DEPTH, _PALETTE, 0, 0, 0))
     palette = _chunk(b"PLTE", table[:, :3].tobytes()) + _chunk(b"tRNS", table[:, 3].tobytes())
-    return b"".join((_SIGNATURE, header, palette, pixels, _chunk(b"IEND", b"")))
+    return _SIGNATURE + header + palette, pixels, _chunk(b"IEND", b"")
 
 
 def _chunk(kind: bytes, data: bytes) -> bytes:

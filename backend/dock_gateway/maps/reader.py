@@ -11,6 +11,10 @@ from dock_gateway.graph.relays import Relays
 
 log = logging.getLogger(__name__)
 
+# The most bytes of a message that is read. Whoever decodes one holds up everything else, a stop included: 1 MB of poses
+# or transforms takes 0.3 s.
+MOST_BYTES = 1_000_000
+
 
 class TopicReader:
     """Passes the messages of a topic on, once it has a publisher.
@@ -21,13 +25,23 @@ class TopicReader:
         topic: Absolute name.
         type_name: The type that is expected.
         outlet: Receives the messages.
+        most: The most bytes of a message that is passed on.
 
     Attributes:
         hint: Why there is nothing to read; None if there is.
         there: Whether it is published at all.
     """
 
-    def __init__(self, relays: Relays, graph: GraphCache, topic: str, type_name: str, outlet: Outlet) -> None:
+    def __init__(
+        self,
+        relays: Relays,
+        graph: GraphCache,
+        topic: str,
+        type_name: str,
+        outlet: Outlet,
+        *,
+        most: int = MOST_BYTES,
+    ) -> None:
         self.topic = topic
         self.hint: str | None = None
         self.there = False
@@ -35,6 +49,7 @@ class TopicReader:
         self._graph = graph
         self._type = type_name
         self._outlet = outlet
+        self._most = most
         self._joined = False
 
     async def look(self) -> None:
@@ -44,7 +59,7 @@ class TopicReader:
         types = await published_types(self._graph, self.topic)
         self.there = bool(types)
         if types and self._type not in types:
-            self._doubt(types[0])
+            self._doubt(self._mistyped(types[0]))
             return
         self.hint = None if types else f"Nothing is published on {self.topic} ({self._type})."
         if not types:
@@ -57,15 +72,20 @@ class TopicReader:
         self._joined = True
 
     async def offer(self, message: Received) -> None:
-        """Pass a message on, if it is of the right type."""
+        """Pass a message on, if it is of the right type, and not too large."""
         if message.kind.name != self._type:
-            self._doubt(message.kind.name)
+            self._doubt(self._mistyped(message.kind.name))
+            return
+        if message.size > self._most:
+            self._doubt(f"A message on {self.topic} has more than {self._most / 1e6:g} MB, and is not read.")
             return
         self.hint = None
         await self._outlet.offer(message)
 
-    def _doubt(self, type_name: str) -> None:
-        hint = f"{self.topic} is of the type {type_name}, not {self._type}."
+    def _mistyped(self, type_name: str) -> str:
+        return f"{self.topic} is of the type {type_name}, not {self._type}."
+
+    def _doubt(self, hint: str) -> None:
         if hint != self.hint:
             log.warning("%s", hint)
         self.hint = hint

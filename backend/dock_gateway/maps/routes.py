@@ -1,6 +1,7 @@
 """`/robots/map`: the map of a robot, and its image."""
 
 import re
+from collections.abc import AsyncGenerator, Sequence
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request
@@ -13,14 +14,18 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, is_known_tag, json_response, known_query
+from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.maps.image import COLORS, Color, image
 from dock_gateway.maps.schema import RobotMap
 from dock_gateway.maps.service import Maps
 from dock_gateway.maps.surroundings import Surroundings
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
 
 router = APIRouter(tags=["Maps"], prefix="/robots")
 
+# Bytes that are sent at once.
+CHUNK = 65_536
 COLOR = re.compile("[0-9a-fA-F]{6}(?:[0-9a-fA-F]{2})?")
 ColorQuery = Annotated[str | None, Query(pattern=f"^{COLOR.pattern}$", description="`RRGGBB`, or `RRGGBBAA`")]
 PNG: dict[int | str, dict[str, Any]] = {
@@ -55,6 +60,7 @@ async def get_map_image(
     robots: Part[RobotRegistry],
     grant: TheGrant,
     *,
+    settings: Part[Settings],
     robot: RobotQuery = None,
     free: ColorQuery = None,
     occupied: ColorQuery = None,
@@ -76,7 +82,17 @@ async def get_map_image(
     if is_known_tag(request.headers.get("if-none-match"), tag):
         return Response(status_code=304, headers=headers)
     height, width = grid.cells.shape
-    return Response(image(pixels, width, height, colors), headers=headers, media_type="image/png")
+    pieces = image(pixels, width, height, colors)
+    headers["Content-Length"] = str(sum(map(len, pieces)))
+    timeout = settings.subscriber_timeout
+    return PacedResponse(pieces[0], _chunks(pieces[1:]), timeout, media_type="image/png", headers=headers)
+
+
+async def _chunks(pieces: Sequence[bytes]) -> AsyncGenerator[bytes]:
+    """Yield what is next when the client has taken what was before: a slow one does not hold a copy of a large map."""
+    for piece in pieces:
+        for at in range(0, len(piece), CHUNK):
+            yield piece[at : at + CHUNK]
 
 
 async def _view(maps: Maps, robots: RobotRegistry, grant: Grant, robot: str | None) -> Surroundings:

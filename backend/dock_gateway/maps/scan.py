@@ -24,7 +24,7 @@ def scan_points(message: Any, lies: Transform) -> Line:
         lies: The scanner, in the frame that the points are to be given in.
 
     Raises:
-        ValueError: The scan makes no sense; the error says why.
+        ValueError: The scan makes no sense, or lies nowhere; the error says why.
     """
     if len(message.ranges) > MAX_READINGS:
         raise ValueError(f"has {len(message.ranges):,} readings, more than {MAX_READINGS:,}")
@@ -36,7 +36,7 @@ def scan_points(message: Any, lies: Transform) -> Line:
         range_min=message.range_min,
         range_max=message.range_max,
     )
-    return _rounded(flatten(points, lies))
+    return _placed(points, lies)
 
 
 def path_points(message: Any, lies: Transform) -> Line:
@@ -52,12 +52,13 @@ def path_points(message: Any, lies: Transform) -> Line:
     poses = message.poses
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MAX_POINTS)).round().astype(int))
     positions = [poses[index].pose.position for index in chosen]
-    points = np.array([(point.x, point.y) for point in positions]).reshape(-1, 2)
-    if not np.isfinite(points).all():
+    return _placed(np.array([(point.x, point.y) for point in positions]).reshape(-1, 2), lies)
+
+
+def _placed(points: Any, lies: Transform) -> Line:
+    with np.errstate(all="ignore"):
+        placed = flatten(points, lies)
+    if not np.isfinite(placed).all():
         raise ValueError("has a point that is not finite")
-    return _rounded(flatten(points, lies))
-
-
-def _rounded(points: Any) -> Line:
-    line: Line = np.round(points, 3).tolist()
+    line: Line = np.round(placed, 3).tolist()
     return line

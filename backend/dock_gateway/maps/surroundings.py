@@ -124,11 +124,11 @@ class Surroundings:
             self._frames_known = True
             try:
                 odometry = message.kind.decode(message.data)
+                odom, base = frame_name(odometry.header.frame_id), frame_name(odometry.child_frame_id)
             except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
                 log.debug("odometry of %s cannot be read: %s", self._robot, error)
             else:
-                self._odom = frame_name(odometry.header.frame_id) or ODOM
-                self._base = frame_name(odometry.child_frame_id) or BASE
+                self._odom, self._base = odom or ODOM, base or BASE
         if wanted and not self._frames_known:
             await self._odometry_reader.look()
         else:
@@ -180,7 +180,7 @@ class Surroundings:
         message = self._path.take()
         if message is None:
             if now >= self._path_until:
-                self._shown_path = _nothing(None)
+                self._shown_path = _nothing(self.path_reader.hint if self.path_reader.there else None)
             return self._shown_path
         self._path_until = now + PATH_FOR
 

@@ -111,11 +111,11 @@ def decode(png: bytes) -> Any:
 def test_the_image_has_the_top_row_first_and_the_colours_that_were_asked_for() -> None:
     grid = read_grid(message())
     white, black, none = [list(color) for color in COLORS]
-    upper, lower = decode(image(encode(grid.cells), WIDTH, HEIGHT, COLORS))
+    upper, lower = decode(b"".join(image(encode(grid.cells), WIDTH, HEIGHT, COLORS)))
     assert lower == [white, black, none]
     assert upper == [[127, 127, 127, 255], none, white]
     red, blue, green = (255, 0, 0, 255), (0, 0, 255, 255), (0, 255, 0, 128)
-    assert decode(image(encode(grid.cells), WIDTH, HEIGHT, (red, blue, green)))[1] == [
+    assert decode(b"".join(image(encode(grid.cells), WIDTH, HEIGHT, (red, blue, green))))[1] == [
         list(red),
         list(blue),
         list(green),

@@ -1,6 +1,7 @@
 """Which topic is read, and what is said where there is none."""
 
 import logging
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
@@ -81,6 +82,23 @@ async def test_a_topic_of_another_type_is_not_joined_and_is_logged_once(caplog: 
     await reader.close()
     await reader.close()
     assert not relays.joined
+
+
+async def test_a_message_that_is_too_large_is_not_read() -> None:
+    read: list[Any] = []
+
+    class Outlet:
+        async def offer(self, message: Any) -> None:
+            read.append(message)
+
+    reader = TopicReader(cast("Any", Relays()), cast("Any", Graph()), "/plan", GRID, Outlet(), most=1_000)
+    small, large = (SimpleNamespace(kind=Endpoint(GRID), size=size) for size in (1_000, 1_001))
+    for each in (small, large):
+        each.kind.name = GRID
+        await reader.offer(cast("Any", each))
+    assert (read, reader.hint) == ([small], "A message on /plan has more than 0.001 MB, and is not read.")
+    await reader.offer(cast("Any", small))
+    assert reader.hint is None
 
 
 async def test_what_is_shared_is_closed_by_the_last() -> None:
