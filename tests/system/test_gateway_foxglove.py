@@ -157,7 +157,7 @@ def test_channels_with_whole_definitions_and_their_messages(gateway: RunningGate
     assert (channel["encoding"], channel["schemaName"]) == ("cdr", "sensor_msgs/msg/LaserScan")
     assert "MSG: builtin_interfaces/Time" in channel["schema"]
     assert channel["schemaEncoding"] == "ros2msg"
-    assert not gateway.http.get("/graph/topics/talker0/scan").json()["subscribers"]
+    wait_until(lambda: not gateway.http.get("/graph/topics/talker0/scan").json()["subscribers"], "no subscription")
     client.subscribe(7, SCAN)
     message = client.until("message", id=7)
     assert len(deserialize_message(message["data"], LaserScan).ranges) == 720
