@@ -30,8 +30,13 @@ const WATCHING = new Kept<boolean>(
   (on) => (on ? "on" : "off"),
 );
 
+interface CameraCardProps {
+  /** Of what is around the card. */
+  className: string | undefined;
+}
+
 /** What the robot's cameras see; nothing where it has none. */
-export function CameraCard() {
+export function CameraCard({ className }: CameraCardProps) {
   const { robot: asked } = useServices();
   const { http } = useFleet();
   const robot = useFleetPart("robots", (robots) => asked ?? defaultRobot(robots));
@@ -50,39 +55,41 @@ export function CameraCard() {
   const camera = known.find(({ name }) => name === chosen) ?? known[0];
   if (camera === undefined) return null;
   return (
-    <Section
-      title="Camera"
-      aside={
-        <Group gap="sm">
-          {known.length > 1 && (
-            <NativeSelect
-              aria-label="Camera"
-              size="xs"
-              data={known.map(({ name }) => name)}
-              value={camera.name}
-              onChange={(event) => choose(event.currentTarget.value)}
+    <div className={className}>
+      <Section
+        title="Camera"
+        aside={
+          <Group gap="sm">
+            {known.length > 1 && (
+              <NativeSelect
+                aria-label="Camera"
+                size="xs"
+                data={known.map(({ name }) => name)}
+                value={camera.name}
+                onChange={(event) => choose(event.currentTarget.value)}
+              />
+            )}
+            <Switch
+              label="Show"
+              labelPosition="left"
+              checked={watching}
+              onChange={(event) => {
+                WATCHING.value = event.currentTarget.checked;
+              }}
             />
-          )}
-          <Switch
-            label="Show"
-            labelPosition="left"
-            checked={watching}
-            onChange={(event) => {
-              WATCHING.value = event.currentTarget.checked;
-            }}
-          />
-        </Group>
-      }
-    >
-      {watching ? (
-        <LiveCamera key={camera.name} robot={robot} camera={camera} />
-      ) : (
-        <Text size="sm" c="dimmed">
-          Switch it on to see what the robot sees. The gateway then subscribes to the camera, whose pictures
-          go over the robot's network.
-        </Text>
-      )}
-    </Section>
+          </Group>
+        }
+      >
+        {watching ? (
+          <LiveCamera key={camera.name} robot={robot} camera={camera} />
+        ) : (
+          <Text size="sm" c="dimmed">
+            Switch it on to see what the robot sees. The gateway then subscribes to the camera, whose pictures
+            go over the robot's network.
+          </Text>
+        )}
+      </Section>
+    </div>
   );
 }
 

@@ -38,7 +38,7 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
           <div className={classes.grid}>
             <div className={classes.column}>
               <DockingCard />
-              <CameraCard />
+              <CameraCard className={classes.camera} />
             </div>
             <SceneCard />
           </div>
