@@ -93,7 +93,7 @@ class Recordings:
         sample = await asyncio.to_thread(_last_picture, self._store, recording)
         if sample is None or not grant.covers_topic(sample.topic):
             raise NotFound("The recording has no picture of a camera.", code="picture_not_found")
-        data = bytes((await asyncio.to_thread(EchoType, CAMERA)).decode(sample.data).data)
+        data = await asyncio.to_thread(_picture_in, sample)
         media_type = next((each for start, each in PICTURES.items() if data.startswith(start)), None)
         if media_type is None:
             raise NotFound("The last picture is neither JPEG nor PNG.", code="picture_not_found")
@@ -130,6 +130,13 @@ def _last_picture(store: RecordingStore, recording: Recording) -> Sample | None:
         return store.last_picture(recording)
     except Exception:  # noqa: BLE001 - it has been deleted, or is damaged
         return None
+
+
+def _picture_in(sample: Sample) -> bytes:
+    try:
+        return bytes(EchoType(CAMERA).decode(sample.data).data)
+    except Exception:  # noqa: BLE001 - whatever the bytes of others bring about
+        return b""
 
 
 def _as_file(samples: list[Sample], about: dict[str, str]) -> bytes:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from stat import S_ISREG
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.recordings.mcap_file import McapFile, read_last
@@ -225,7 +226,7 @@ class OpenRecording:
 
     def __init__(self, part: Path) -> None:
         self.part = part
-        self._output = os.fdopen(os.open(part, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600), "r+b")
+        self._output = os.fdopen(os.open(part, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600), "r+b")
         try:
             fcntl.flock(self._output, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._output.truncate()
@@ -259,7 +260,9 @@ class OpenRecording:
 def _recording(path: Path) -> Recording | None:
     if (named := _FINISHED.fullmatch(path.name)) is None:
         return None
-    stat = path.stat()
+    stat = path.lstat()
+    if not S_ISREG(stat.st_mode):  # a link could lead to any file
+        return None
     return Recording(named["goal"], named["kind"] == "failed", path, stat.st_size, stat.st_mtime)
 
 

@@ -64,6 +64,8 @@ async def test_the_last_picture(store: RecordingStore) -> None:
         await recordings.picture(found, Grant(Role.VIEWER, robots=("/robot2",)))
     with pytest.raises(NotFound, match="neither JPEG nor PNG"):
         await recordings.picture(record(store, image(CAMERAS[0], b"<svg onload=alert()>")), UNLIMITED)
+    with pytest.raises(NotFound, match="neither JPEG nor PNG"):
+        await recordings.picture(record(store, Sample(CAMERAS[0], CAMERA, b"\xff", 1, 1)), UNLIMITED)
     with pytest.raises(NotFound, match="no picture"):
         await recordings.picture(record(store), UNLIMITED)
     found.path.write_bytes(b"damaged")

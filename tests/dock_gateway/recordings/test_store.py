@@ -99,6 +99,22 @@ def test_a_goal_that_goes_on_after_a_restart_has_one_recording(tmp_path: Path) -
     assert (kept.all(), kept.why_none(goal_id)) == ([], "It succeeded.")
 
 
+def test_a_link_is_neither_read_nor_written(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    goal_id = record(kept, twist(1))
+    found = kept.find(goal_id)
+    assert found is not None
+    secret = tmp_path / "secret"
+    secret.write_text("of someone else")
+    found.path.unlink()
+    found.path.symlink_to(secret)
+    (found.path.parent / f"{goal_id}.part").symlink_to(secret)
+    assert (kept.find(goal_id), kept.all()) == (None, [])
+    with pytest.raises(OSError, match="symbolic links"):
+        kept.open(goal_id)
+    assert secret.read_text() == "of someone else"
+
+
 def test_a_full_disk_is_trouble_until_there_is_room(tmp_path: Path) -> None:
     full = store(tmp_path, reserve=10**18)
     with pytest.raises(NoRoomError, match="stay free") as refused:
