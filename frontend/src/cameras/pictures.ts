@@ -18,7 +18,7 @@ const LONGEST_HEAD = 1024;
 /** Every failure is a ClientError. */
 export async function listCameras(http: Http, robot: string): Promise<Camera[]> {
   const path = { robot };
-  const { cameras } = await settle(
+  const { cameras = [] } = await settle(
     http.GET("/robots/{robot}/cameras", { params: { path }, signal: deadline() }),
   );
   return cameras;

@@ -152,7 +152,10 @@ function useNavigator(): Navigator | null {
   const namespace = useFleetPart("robots", (robots) => robot ?? defaultRobot(robots));
   const { data } = useAnswer({
     queryKey: ["navigators"],
-    queryFn: () => createActionsApi(http).list(),
+    queryFn: () =>
+      createActionsApi(http)
+        .list()
+        .then((actions) => actions ?? []),
     refetchInterval: LOOK_EVERY_MS,
     enabled: live,
   });
