@@ -48,7 +48,7 @@ class Frames:
             for stamped in message.kind.decode(message.data).transforms:
                 parent, child = frame_name(stamped.header.frame_id), frame_name(stamped.child_frame_id)
                 stamp = stamped.header.stamp.sec + stamped.header.stamp.nanosec / 1e9
-                transform = _transform(stamped.transform)
+                transform = transform_of(stamped.transform)
                 self._tree.add(parent, child, stamp, transform, fixed=message.topic == self._fixed)
         except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
             if not self._doubted:
@@ -76,7 +76,12 @@ class Frames:
             await reader.close()
 
 
-def _transform(message: Any) -> Transform:
+def transform_of(message: Any) -> Transform:
+    """Return a `geometry_msgs/Transform`.
+
+    Raises:
+        ValueError: It has numbers that are no position and no rotation.
+    """
     shift, turn = message.translation, message.rotation
     length = math.hypot(turn.x, turn.y, turn.z, turn.w)
     numbers = (shift.x, shift.y, shift.z, length)

@@ -3,12 +3,15 @@
 import asyncio
 from collections.abc import Callable
 from io import BytesIO
+from typing import Any
 
 from dock_gateway.core.errors import NotFound
+from dock_gateway.core.event import nanoseconds
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import Grant
 from dock_gateway.recordings.mcap_file import McapFile
 from dock_gateway.recordings.recorder import Recorder
+from dock_gateway.recordings.replay import Replay
 from dock_gateway.recordings.store import Recording, RecordingStore
 from dock_gateway.recordings.topics import CAMERA
 from dock_gateway.ros.graph import Scan
@@ -81,6 +84,24 @@ class Recordings:
         """
         try:
             return await asyncio.to_thread(_narrow, recording, covers(grant))
+        except FileNotFoundError:
+            raise NotFound("It has just been deleted.", code="recording_not_found") from None
+
+    async def replay(self, recording: Recording, goal: Goal, velocity: str, grant: Grant) -> dict[str, Any]:
+        """Return what the replay of a goal shows of its recording, of the topics that a grant covers.
+
+        Args:
+            recording: The recording.
+            goal: Its goal.
+            velocity: Name of the velocity topic, without its namespace.
+            grant: Of who asks.
+
+        Raises:
+            NotFound: It has been deleted meanwhile (`recording_not_found`).
+        """
+        replay = Replay(nanoseconds(goal.created_at), velocity)
+        try:
+            return await asyncio.to_thread(replay.read, recording.path, covers(grant))
         except FileNotFoundError:
             raise NotFound("It has just been deleted.", code="recording_not_found") from None
 

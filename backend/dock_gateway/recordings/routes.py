@@ -23,7 +23,7 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, json_response, known_query
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.recordings.recordings import Recordings
-from dock_gateway.recordings.schema import GoalRecording
+from dock_gateway.recordings.schema import GoalRecording, GoalReplay
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 
@@ -143,6 +143,28 @@ async def download_recording(
         filename=name,
         stat_result=stat,
     )
+
+
+@router.get(
+    "/goals/{goal_id}/replay",
+    tags=["Goals"],
+    response_model=GoalReplay,
+    responses=problems(404, 422, 503),
+    dependencies=[NO_QUERY],
+)
+@operation(Role.VIEWER, Scope.GOAL)
+async def get_replay(
+    goal_id: GoalId,
+    goals: Part[Goals],
+    recordings: Part[Recordings],
+    *,
+    settings: Part[Settings],
+    grant: TheGrant,
+) -> Response:
+    """Return what the replay of a goal shows of its recording: laser scans, commanded velocities, the battery."""
+    goal = await goals.get(goal_id)
+    velocity = settings.cmd_vel_topic.rpartition("/")[2]
+    return json_response(await recordings.replay(await recordings.find(goal), goal, velocity, grant))
 
 
 @router.get(

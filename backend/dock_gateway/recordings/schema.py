@@ -13,3 +13,34 @@ class GoalRecording(Schema):
     why_none: str | None
     running: bool
     picture: bool
+
+
+class ReplayScan(Schema):
+    """What the laser saw: points (x, y) in metres, as seen from the robot. `at`: seconds since the goal began."""
+
+    at: float
+    points: list[list[float]]
+
+
+class ReplayVelocity(Schema):
+    """What the robot was told: m/s and rad/s."""
+
+    at: float
+    linear: float | None
+    angular: float | None
+
+
+class ReplayBattery(Schema):
+    """What its battery said: V, and the charge (0 to 1)."""
+
+    at: float
+    voltage: float | None
+    percentage: float | None
+
+
+class GoalReplay(Schema):
+    """What the replay of a goal shows of its recording, thinned: at most five of each in a second, and 400 of each."""
+
+    scans: list[ReplayScan]
+    velocity: list[ReplayVelocity]
+    battery: list[ReplayBattery]

@@ -446,6 +446,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/goals/{goal_id}/replay": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Replay
+         * @description Return what the replay of a goal shows of its recording: laser scans, commanded velocities, the battery.
+         */
+        get: operations["get_replay"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/goals/{goal_id}/thumbnail": {
         parameters: {
             query?: never;
@@ -3441,6 +3461,18 @@ export interface components {
             picture: boolean;
         };
         /**
+         * GoalReplay
+         * @description What the replay of a goal shows of its recording, thinned: at most five of each in a second, and 400 of each.
+         */
+        GoalReplay: {
+            /** Scans */
+            scans: components["schemas"]["ReplayScan"][];
+            /** Velocity */
+            velocity: components["schemas"]["ReplayVelocity"][];
+            /** Battery */
+            battery: components["schemas"]["ReplayBattery"][];
+        };
+        /**
          * GoalState
          * @description The state of any goal, without its messages.
          */
@@ -4346,6 +4378,40 @@ export interface components {
             op: "release_stop";
             /** Robot */
             robot?: string | null;
+        };
+        /**
+         * ReplayBattery
+         * @description What its battery said: V, and the charge (0 to 1).
+         */
+        ReplayBattery: {
+            /** At */
+            at: number;
+            /** Voltage */
+            voltage: number | null;
+            /** Percentage */
+            percentage: number | null;
+        };
+        /**
+         * ReplayScan
+         * @description What the laser saw: points (x, y) in metres, as seen from the robot. `at`: seconds since the goal began.
+         */
+        ReplayScan: {
+            /** At */
+            at: number;
+            /** Points */
+            points: number[][];
+        };
+        /**
+         * ReplayVelocity
+         * @description What the robot was told: m/s and rad/s.
+         */
+        ReplayVelocity: {
+            /** At */
+            at: number;
+            /** Linear */
+            linear: number | null;
+            /** Angular */
+            angular: number | null;
         };
         /**
          * Requester
@@ -7739,6 +7805,73 @@ export interface operations {
             };
             /** @description Too Many Requests */
             429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_replay: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalReplay"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

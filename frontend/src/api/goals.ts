@@ -32,6 +32,8 @@ export function createGoalsApi(http: Http) {
     /** Whether there is a recording of a goal, or why there is none. */
     recording: (goalId: string): Promise<GoalRecording> =>
       settle(http.GET("/goals/{goal_id}/recording", one(goalId))),
+    /** What the replay shows of a recording. */
+    replay: (goalId: string): Promise<GoalReplay> => settle(http.GET("/goals/{goal_id}/replay", one(goalId))),
     cancel: (goalId: string): Promise<AnyGoal> => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
     /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
     history: (goalId: string, after: string | null): Promise<GoalHistory> =>
@@ -72,6 +74,7 @@ export type GoalsApi = ReturnType<typeof createGoalsApi>;
 
 export type ExportFormat = "csv" | "json";
 
+export type GoalReplay = components["schemas"]["GoalReplay"];
 export type GoalRecording = components["schemas"]["GoalRecording"];
 
 /** Where the last picture of the robot's camera in the recording of a goal is. */

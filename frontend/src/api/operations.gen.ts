@@ -42,6 +42,7 @@ export const OPERATIONS = {
   "GET /goals/{goal_id}/notes": { role: "viewer", everyRobot: false },
   "GET /goals/{goal_id}/recording": { role: "viewer", everyRobot: false },
   "GET /goals/{goal_id}/recording.mcap": { role: "viewer", everyRobot: false },
+  "GET /goals/{goal_id}/replay": { role: "viewer", everyRobot: false },
   "GET /goals/{goal_id}/thumbnail": { role: "viewer", everyRobot: false },
   "GET /graph": { role: "viewer", everyRobot: false },
   "GET /graph/topics/{name}": { role: "viewer", everyRobot: false },

@@ -10,7 +10,7 @@ import { useWatched } from "./useGoalWatch";
 const AGAIN_MS = 1000;
 
 /** Whether a goal has a recording; asked again until that is complete. */
-function useRecording(goal: AnyGoal) {
+export function useRecording(goal: AnyGoal) {
   const { api } = useWatched();
   return useAnswer({
     queryKey: ["recording", goal.goal_id, goal.finished_at],

@@ -1,0 +1,106 @@
+"""What the replay of a goal shows of its recording: laser scans, commanded velocities and the battery, thinned."""
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from dock_gateway.maps.frames import transform_of
+from dock_gateway.maps.grid import frame_name
+from dock_gateway.maps.scan import scan_points
+from dock_gateway.recordings.topics import TRANSFORMS
+from dock_gateway.ros.raw_port import EchoType
+from robot_io.recording import Sample, read
+from robot_io.transform_tree import TransformTree
+
+SCAN, ODOMETRY, BATTERY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "sensor_msgs/msg/BatteryState"
+VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
+# Nanoseconds between two messages of a topic that are used, the most of each kind, and the most points of a scan.
+INTERVAL_NS, MOST, MOST_POINTS = 200_000_000, 400, 180
+
+
+class Replay:
+    """Reads a recording; blocks.
+
+    Args:
+        began_ns: When the goal began, in ns since 1970.
+        velocity: Name of the velocity topic, without its namespace.
+    """
+
+    def __init__(self, began_ns: int, velocity: str) -> None:
+        self._began_ns = began_ns
+        self._velocity = velocity
+        self._tree = TransformTree()
+        self._base = "base_link"
+        self._kinds: dict[str, EchoType] = {}
+        self._topics: dict[str, str] = {}  # the first of each kind
+        self._used_ns: dict[str, int] = {}
+        self._found: dict[str, list[dict[str, Any]]] = {"scans": [], "velocity": [], "battery": []}
+
+    def read(self, path: Path, covered: Callable[[str], bool]) -> dict[str, Any]:
+        """Return what the replay shows, of the topics that are covered. Times are seconds since the goal began.
+
+        Raises:
+            OSError: There is no such file.
+        """
+        for sample in read(path):
+            if covered(sample.topic):
+                with suppress(Exception):  # whatever the bytes of others bring about; a frame that is not known
+                    self._take(sample)
+        return {kind: _thinned(found) for kind, found in self._found.items()}
+
+    def _take(self, sample: Sample) -> None:
+        if sample.kind == TRANSFORMS:
+            if sample.topic.endswith("_static"):
+                self._relate(self._decoded(sample))
+        elif sample.kind == ODOMETRY:
+            if self._is_first(sample, "odometry"):
+                self._base = frame_name(self._decoded(sample).child_frame_id) or self._base
+        elif sample.kind == SCAN:
+            self._use(sample, "scans", self._scan)
+        elif sample.kind == BATTERY:
+            self._use(sample, "battery", _battery)
+        elif sample.kind in VELOCITIES and sample.topic.endswith(f"/{self._velocity}"):
+            self._use(sample, "velocity", _velocity)
+
+    def _is_first(self, sample: Sample, what: str) -> bool:
+        """Return whether a message is of the topic that is used, and not too soon after the last one."""
+        if self._topics.setdefault(what, sample.topic) != sample.topic:
+            return False
+        if sample.received_ns - self._used_ns.get(what, 0) < INTERVAL_NS:
+            return False
+        self._used_ns[what] = sample.received_ns
+        return True
+
+    def _use(self, sample: Sample, what: str, describe: Callable[[Any], dict[str, Any]]) -> None:
+        if sample.received_ns < self._began_ns - INTERVAL_NS or not self._is_first(sample, what):
+            return
+        at = round((sample.received_ns - self._began_ns) / 1e9, 3)
+        self._found[what].append({"at": at, **describe(self._decoded(sample))})
+
+    def _decoded(self, sample: Sample) -> Any:
+        kind = self._kinds.get(sample.kind) or self._kinds.setdefault(sample.kind, EchoType(sample.kind))
+        return kind.decode(sample.data)
+
+    def _relate(self, message: Any) -> None:
+        for each in message.transforms:
+            parent, child = frame_name(each.header.frame_id), frame_name(each.child_frame_id)
+            self._tree.add(parent, child, 0.0, transform_of(each.transform), fixed=True)
+
+    def _scan(self, message: Any) -> dict[str, Any]:
+        lies = self._tree.lookup(self._base, frame_name(message.header.frame_id), 0.0)
+        points = scan_points(message, lies)
+        return {"points": points[:: 1 + len(points) // MOST_POINTS]}
+
+
+def _velocity(message: Any) -> dict[str, Any]:
+    twist = getattr(message, "twist", message)
+    return {"linear": twist.linear.x, "angular": twist.angular.z}
+
+
+def _battery(message: Any) -> dict[str, Any]:
+    return {"voltage": message.voltage, "percentage": message.percentage}
+
+
+def _thinned(found: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    return list(found[:: 1 + len(found) // MOST])
