@@ -88,6 +88,8 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
                 "running": False,
                 "picture": False,
             }
+            asked = {"goal_id": [goal_id, interrupted]}
+            assert again.http.get("/recordings", params=asked).json() == {"goal_ids": []}
 
 
 def check_download(gateway: RunningGateway, goal_id: str, size: int) -> None:

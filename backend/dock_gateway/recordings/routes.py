@@ -3,9 +3,10 @@
 import contextlib
 import os
 from http import HTTPStatus
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Depends, Query, Request
+from pydantic import StringConstraints
 from starlette.datastructures import Headers
 from starlette.responses import FileResponse, Response
 from starlette.types import Message, Receive, Send
@@ -13,7 +14,8 @@ from starlette.types import Scope as AsgiScope
 
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.grant import Role
+from dock_gateway.core.goal import Goal
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
@@ -23,12 +25,15 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, json_response, known_query
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.recordings.recordings import Recordings
-from dock_gateway.recordings.schema import GoalRecording, GoalReplay
+from dock_gateway.recordings.schema import GoalRecording, GoalReplay, PicturedGoals
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
+from dock_gateway.storage import History
 
 router = APIRouter()
 
+MAX_GOALS = 100
+Uuid = Annotated[str, StringConstraints(pattern=r"^[0-9a-f-]{36}$")]
 MCAP = "application/x-mcap"
 FILE: dict[int | str, dict[str, Any]] = {
     200: {"description": "A file", "content": {MCAP: {"schema": {"type": "string", "format": "binary"}}}}
@@ -81,19 +86,13 @@ class RecordingResponse(FileResponse):
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant) -> Response:
     """Return whether a goal has a recording at this gateway, or why it has none."""
+    goal = await goals.get(goal_id)
     try:
-        found = await recordings.find(await goals.get(goal_id))
+        found = await recordings.find(goal)
     except NotFound as error:
-        if error.code != "recording_not_found":
-            raise
         running = recordings.is_running(goal_id)
         return json_response({"size": None, "why_none": error.detail, "running": running, "picture": False})
-    try:
-        await recordings.picture(found, grant)
-    except NotFound:
-        picture = False
-    else:
-        picture = True
+    picture = await has_picture(recordings, goal, grant)
     return json_response({"size": found.size, "why_none": None, "running": False, "picture": picture})
 
 
@@ -180,6 +179,36 @@ async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     found = await recordings.find(await goals.get(goal_id))
     data, media_type = await recordings.picture(found, grant)
     return Response(data, media_type=media_type, headers={"Cache-Control": "private, max-age=3600"})
+
+
+@router.get(
+    "/recordings",
+    tags=["Goals"],
+    response_model=PicturedGoals,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query("goal_id"))],
+)
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_pictured(
+    history: Part[History],
+    recordings: Part[Recordings],
+    grant: TheGrant,
+    goal_id: Annotated[list[Uuid], Query(max_length=MAX_GOALS)],
+) -> Response:
+    """Return which of these goals have a picture, so that a list asks for the thumbnails of those only."""
+    known = await history.known(goal_id)
+    covered = [goal for goal in known.values() if grant.covers_action(goal.action_name)]
+    pictured = [goal.goal_id for goal in covered if await has_picture(recordings, goal, grant)]
+    return json_response({"goal_ids": pictured})
+
+
+async def has_picture(recordings: Recordings, goal: Goal, grant: Grant) -> bool:
+    """Return whether the recording of a goal has a picture that a grant covers."""
+    try:
+        await recordings.picture(await recordings.find(goal), grant)
+    except NotFound:
+        return False
+    return True
 
 
 @router.get(

@@ -44,3 +44,9 @@ class GoalReplay(Schema):
     scans: list[ReplayScan]
     velocity: list[ReplayVelocity]
     battery: list[ReplayBattery]
+
+
+class PicturedGoals(Schema):
+    """Those of the goals whose recording has a picture of a camera, for the thumbnail."""
+
+    goal_ids: list[str]

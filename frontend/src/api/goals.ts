@@ -77,6 +77,14 @@ export type ExportFormat = "csv" | "json";
 export type GoalReplay = components["schemas"]["GoalReplay"];
 export type GoalRecording = components["schemas"]["GoalRecording"];
 
+/** Which of some goals have a picture in their recordings. */
+export async function picturedGoals(http: Http, goalIds: readonly string[]): Promise<string[]> {
+  const { goal_ids = [] } = await settle(
+    http.GET("/recordings", { params: { query: { goal_id: [...goalIds] } }, signal: deadline() }),
+  );
+  return goal_ids;
+}
+
 /** Where the last picture of the robot's camera in the recording of a goal is. */
 export function thumbnailUrl(goalId: string): string {
   return `/goals/${encodeURIComponent(goalId)}/thumbnail`;

@@ -51,6 +51,7 @@ export const OPERATIONS = {
   "GET /metrics": { role: "viewer", everyRobot: true },
   "GET /nodes/{node}/parameters": { role: "viewer", everyRobot: false },
   "GET /people": { role: "admin", everyRobot: true },
+  "GET /recordings": { role: "viewer", everyRobot: false },
   "GET /robots": { role: "viewer", everyRobot: false },
   "GET /robots/map": { role: "viewer", everyRobot: false },
   "GET /robots/map.png": { role: "viewer", everyRobot: false },

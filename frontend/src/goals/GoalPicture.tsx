@@ -1,9 +1,9 @@
 import { useState } from "react";
 import { thumbnailUrl } from "../api/goals";
-import classes from "./goalPage.module.css";
+import classes from "./goals.module.css";
 
 /** What the robot's camera saw last while a goal ran; nothing where its recording has no picture. */
-export function GoalPicture({ goalId }: { goalId: string }) {
+export function GoalPicture({ goalId, small = false }: { goalId: string; small?: boolean }) {
   const [missing, setMissing] = useState(false);
   if (missing) return null;
   return (
@@ -13,6 +13,7 @@ export function GoalPicture({ goalId }: { goalId: string }) {
       title="What the robot's camera saw last"
       loading="lazy"
       className={classes.picture}
+      data-small={small || undefined}
       onError={() => setMissing(true)}
     />
   );

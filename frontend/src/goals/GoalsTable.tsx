@@ -1,16 +1,20 @@
-import type { ActionServer, ListedGoal } from "@dock-gateway/client";
+import { type ActionServer, isTerminal, type ListedGoal } from "@dock-gateway/client";
 import { Anchor, Button, Group, Table, Text } from "@mantine/core";
+import { keepPreviousData } from "@tanstack/react-query";
 import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
-import { useNaming } from "../fleet/context";
+import { picturedGoals } from "../api/goals";
+import { useFleet, useNaming } from "../fleet/context";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { goalName, goalTitle, outcome } from "../goal/words";
 import { useTopic } from "../store/context";
 import { Breakable } from "../ui/Fact";
+import { useAnswer } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import { goalsPath } from "./filter";
+import { GoalPicture } from "./GoalPicture";
 import classes from "./goals.module.css";
 
 /** A goal as far as it is listed. */
@@ -25,6 +29,7 @@ interface GoalsTableProps {
 /** Goals, a row each, which leads to the goal's page. */
 export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
   const naming = useNaming();
+  const pictured = usePictured(goals);
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
       <GoalsHead oneRobot={oneRobot} />
@@ -35,6 +40,7 @@ export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
             goal={goal}
             title={oneRobot ? goalName(goal) : goalTitle(goal, naming)}
             oneRobot={oneRobot}
+            pictured={pictured.has(goal.goal_id)}
           />
         ))}
       </Table.Tbody>
@@ -62,9 +68,11 @@ interface GoalRowProps {
   /** In words. */
   title: string;
   oneRobot: boolean;
+  /** Whether its recording has a picture. */
+  pictured: boolean;
 }
 
-const GoalRow = memo(function GoalRow({ goal, title, oneRobot }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, title, oneRobot, pictured }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id);
   const open = ({ target }: MouseEvent) => {
@@ -80,16 +88,24 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot }: GoalRowProps) {
       </Table.Td>
       {oneRobot ? (
         <Table.Td visibleFrom="xs" title={goal.action_name}>
-          {title}
+          <div className={classes.titled}>
+            {title}
+            {pictured && <GoalPicture goalId={goal.goal_id} small />}
+          </div>
         </Table.Td>
       ) : (
         <Table.Td className={classes.action}>
-          <Text size="sm" fw={600}>
-            {title}
-          </Text>
-          <Text size="xs" c="dimmed">
-            <Breakable text={goal.action_name} />
-          </Text>
+          <div className={classes.titled}>
+            <div>
+              <Text size="sm" fw={600}>
+                {title}
+              </Text>
+              <Text size="xs" c="dimmed">
+                <Breakable text={goal.action_name} />
+              </Text>
+            </div>
+            {pictured && <GoalPicture goalId={goal.goal_id} small />}
+          </div>
           {goal.tags !== undefined && goal.tags.length > 0 && <Tags tags={goal.tags} />}
         </Table.Td>
       )}
@@ -122,6 +138,26 @@ function Tags({ tags }: { tags: readonly string[] }) {
       ))}
     </Group>
   );
+}
+
+/** The gateway is asked for the pictures of so many goals at once. */
+const MAX_ASKED = 100;
+const NONE: ReadonlySet<string> = new Set();
+
+/** The goals that have a picture, of the newest that have ended: one request for all. */
+function usePictured(goals: readonly RowGoal[]): ReadonlySet<string> {
+  const { http } = useFleet();
+  const ids = goals
+    .filter(({ status }) => isTerminal(status))
+    .slice(0, MAX_ASKED)
+    .map(({ goal_id }) => goal_id);
+  const { data } = useAnswer({
+    queryKey: ["pictured", ...ids],
+    queryFn: async () => new Set(await picturedGoals(http, ids)),
+    enabled: ids.length > 0,
+    placeholderData: keepPreviousData,
+  });
+  return data ?? NONE;
 }
 
 /** Where the page of a goal is. */
