@@ -71,6 +71,7 @@ export function CameraCard({ className }: CameraCardProps) {
             )}
             <Switch
               label="Show"
+              title="The gateway then subscribes to the camera, whose pictures go over the robot's network."
               labelPosition="left"
               checked={watching}
               onChange={(event) => {
@@ -80,14 +81,7 @@ export function CameraCard({ className }: CameraCardProps) {
           </Group>
         }
       >
-        {watching ? (
-          <LiveCamera key={camera.name} robot={robot} camera={camera} />
-        ) : (
-          <Text size="sm" c="dimmed">
-            Switch it on to see what the robot sees. The gateway then subscribes to the camera, whose pictures
-            go over the robot's network.
-          </Text>
-        )}
+        {watching && <LiveCamera key={camera.name} robot={robot} camera={camera} />}
       </Section>
     </div>
   );
