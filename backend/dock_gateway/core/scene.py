@@ -25,6 +25,8 @@ FARTHEST = 1e8
 MIN_LENGTH, MAX_LENGTH = 0.1, 10.0
 # Metres: an infrared receiver does not see farther (REP-117: infinite).
 MAX_RANGE = 1000.0
+# Seconds between two poses of the same moment.
+AT_ONCE = 0.015
 # Number of poses kept, to relate an observation to the robot's pose at that time.
 REMEMBERED = 60
 
@@ -124,7 +126,7 @@ class Scene:
         # Both tracks cover the same times, and either may be ahead.
         stamp = min(seen.stamp, newest.stamp)
         believed, true = self._tracks[ODOM].near(stamp), self._tracks[WORLD].near(stamp)
-        if believed and true and (believed.stamp == true.stamp or self._world_from_odom is None):
+        if believed and true and (abs(believed.stamp - true.stamp) <= AT_ONCE or self._world_from_odom is None):
             self._world_from_odom = true.pose.compose(believed.pose.inverse())
 
     def say(self, name: str, seen: Seen) -> None:
