@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from dock_gateway.core.scene import FARTHEST
 from robot_io.laser import flatten, points_of
 from robot_io.transform import Transform
 
@@ -58,7 +59,7 @@ def path_points(message: Any, lies: Transform) -> Line:
 def _placed(points: Any, lies: Transform) -> Line:
     with np.errstate(all="ignore"):
         placed = flatten(points, lies)
-    if not np.isfinite(placed).all():
-        raise ValueError("has a point that is not finite")
+    if not (np.abs(placed) <= FARTHEST).all():  # nor is a NaN
+        raise ValueError("has a point that is not finite, or too far away")
     line: Line = np.round(placed, 3).tolist()
     return line

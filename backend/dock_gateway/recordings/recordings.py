@@ -1,7 +1,7 @@
 """The recordings, for who asks: finds them, or says why there is none."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from io import BytesIO
 from typing import Any
 
@@ -76,7 +76,7 @@ class Recordings:
             return "The goal succeeded: such recordings are kept only with `--record all`, and deleted first."
         return "There is none at this gateway: the goal ran without it, or the recording was deleted."
 
-    async def narrowed(self, recording: Recording, grant: Grant) -> bytes:
+    async def narrowed(self, recording: Recording, grant: Grant) -> memoryview:
         """Return a recording with the topics that a grant covers.
 
         Raises:
@@ -120,7 +120,7 @@ class Recordings:
             raise NotFound("The last picture is neither JPEG nor PNG.", code="picture_not_found")
         return data, media_type
 
-    async def of_robot(self, robot: str, grant: Grant) -> bytes:
+    async def of_robot(self, robot: str, grant: Grant) -> memoryview:
         """Return what has been heard of a robot in the last seconds, as an MCAP file.
 
         Raises:
@@ -141,8 +141,8 @@ def covers(grant: Grant) -> Callable[[str], bool]:
     return lambda topic: not grant.actions if topic == EVENTS else grant.covers_topic(topic)
 
 
-def _narrow(recording: Recording, covered: Callable[[str], bool]) -> bytes:
-    samples = [sample for sample in read(recording.path) if covered(sample.topic)]
+def _narrow(recording: Recording, covered: Callable[[str], bool]) -> memoryview:
+    samples = (sample for sample in read(recording.path) if covered(sample.topic))
     return _as_file(samples, {"goal_id": recording.goal_id})
 
 
@@ -160,9 +160,9 @@ def _picture_in(sample: Sample) -> bytes:
         return b""
 
 
-def _as_file(samples: list[Sample], about: dict[str, str]) -> bytes:
+def _as_file(samples: Iterable[Sample], about: dict[str, str]) -> memoryview:
     output = BytesIO()
     file = McapFile(output)
     file.write(samples)
     file.finish(about)
-    return output.getvalue()
+    return output.getbuffer()

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+from collections.abc import AsyncGenerator
 from http import HTTPStatus
 from typing import Annotated, Any
 
@@ -23,7 +24,7 @@ from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, json_response, known_query
-from dock_gateway.http.slow_clients import send_in_time
+from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.recordings.recordings import Recordings
 from dock_gateway.recordings.schema import GoalRecording, GoalReplay, PicturedGoals
 from dock_gateway.robots.registry import RobotRegistry
@@ -35,6 +36,8 @@ router = APIRouter()
 MAX_GOALS = 100
 Uuid = Annotated[str, StringConstraints(pattern=r"^[0-9a-f-]{36}$")]
 MCAP = "application/x-mcap"
+# Bytes that are sent at once.
+PIECE = 65_536
 FILE: dict[int | str, dict[str, Any]] = {
     200: {"description": "A file", "content": {MCAP: {"schema": {"type": "string", "format": "binary"}}}}
 }
@@ -74,6 +77,29 @@ class RecordingResponse(FileResponse):
 
         with self._held, contextlib.suppress(TimeoutError):
             await super().__call__(scope, receive, send_on)
+
+
+class PartResponse(PacedResponse):
+    """A file that was made for one user, sent in pieces. It counts as one of their exports until it has been sent."""
+
+    def __init__(self, request: Request, timeout: float, quotas: Quotas, data: memoryview, name: str) -> None:
+        headers = {"Content-Disposition": f'attachment; filename="{name}"', "Content-Length": str(len(data))}
+        super().__init__(b"", _pieces(data), timeout, media_type=MCAP, headers=headers)
+        self._held = quotas.hold(principal_of(request), "exports")
+
+    async def __call__(self, scope: AsgiScope, receive: Receive, send: Send) -> None:
+        """Send the file.
+
+        Raises:
+            TooManyRequests: The user has too many exports (`too_many_exports`).
+        """
+        with self._held:
+            await super().__call__(scope, receive, send)
+
+
+async def _pieces(data: memoryview) -> AsyncGenerator[bytes]:
+    for at in range(0, len(data), PIECE):
+        yield bytes(data[at : at + PIECE])
 
 
 @router.get(
@@ -123,7 +149,8 @@ async def download_recording(
     name = f"goal-{goal_id}.mcap"
     if grant.limited or grant.topics:
         with quotas.hold(principal_of(request), "exports"):
-            return _attached(await recordings.narrowed(found, grant), name)
+            data = await recordings.narrowed(found, grant)
+        return PartResponse(request, settings.subscriber_timeout, quotas, data, name)
     tag = f'"{found.goal_id}-{found.size}-{int(found.at * 1e6)}"'
     headers = {"Cache-Control": "no-cache", "ETag": tag}
     if tag in [each.strip() for each in request.headers.get("if-none-match", "").split(",")]:
@@ -224,6 +251,7 @@ async def download_recent(
     robots: Part[RobotRegistry],
     recordings: Part[Recordings],
     *,
+    settings: Part[Settings],
     quotas: Part[Quotas],
     grant: TheGrant,
     robot: RobotQuery = None,
@@ -233,9 +261,5 @@ async def download_recent(
     with quotas.hold(principal_of(request), "exports"):
         data = await recordings.of_robot(namespace, grant)
     name = namespace.strip("/").replace("/", "-") or "robot"
-    return _attached(data, f"{name}-{utc_now():%Y%m%dT%H%M%SZ}.mcap")
-
-
-def _attached(data: bytes, name: str) -> Response:
-    headers = {"Content-Disposition": f'attachment; filename="{name}"', "Cache-Control": "no-store"}
-    return Response(data, media_type=MCAP, headers=headers)
+    file = f"{name}-{utc_now():%Y%m%dT%H%M%SZ}.mcap"
+    return PartResponse(request, settings.subscriber_timeout, quotas, data, file)

@@ -105,7 +105,7 @@ def connect(client: TestClient, path: str, **options: Any) -> WebSocketTestSessi
 def path_of(template: str) -> str:
     """Return a path that the route takes."""
     ids = "00000000-0000-4000-8000-000000000000"
-    return re.sub(r"\{(\w+)(:path)?\}", lambda match: ids if match[1] == "goal_id" else "x1", template)
+    return re.sub(r"\{(\w+)(:\w+)?\}", lambda match: ids if match[1] == "goal_id" else "x1", template)
 
 
 def test_without_a_token_there_are_health_checks_and_the_login(site: Site) -> None:

@@ -35,7 +35,7 @@ def test_a_scan_that_makes_no_sense() -> None:
     with pytest.raises(ValueError, match="readings"):
         scan_points(LaserScan(range_max=5.0, ranges=[1.0] * 100_001), Transform())
     far = Transform((1.7e308, 1.7e308, 0.0))
-    for nowhere in (Transform((math.nan, 0.0, 0.0)), far.compose(far)):
+    for nowhere in (Transform((math.nan, 0.0, 0.0)), far, far.compose(far)):
         with pytest.raises(ValueError, match="not finite"):
             scan_points(LaserScan(range_max=5.0, ranges=[1.0]), nowhere)
 
