@@ -69,13 +69,21 @@ class RecordingResponse(FileResponse):
             InvalidField: The file has no such range.
         """
         asked = Headers(scope=scope).get("range", "")
+        left = 0  # bytes that are announced and not sent
+        with_body = scope["method"] != "HEAD"
 
         async def send_on(message: Message) -> None:
             if message["type"] == "http.response.start" and message["status"] >= HTTPStatus.BAD_REQUEST:
                 raise InvalidField([FieldError("header.range", "a range of the file", f"got {asked[:60]!r}")])
+            nonlocal left
+            if message["type"] == "http.response.start":
+                left = int(Headers(raw=message["headers"])["content-length"])
+            left -= len(message.get("body", b""))
+            if message["type"] == "http.response.body" and not message.get("more_body") and left and with_body:
+                raise FileNotFoundError("it has been cut off meanwhile")
             await send_in_time(send, message, self._timeout)
 
-        with self._held, contextlib.suppress(TimeoutError):
+        with self._held, contextlib.suppress(TimeoutError, FileNotFoundError):
             await super().__call__(scope, receive, send_on)
 
 

@@ -1,6 +1,8 @@
 """A file that was made for one user counts as one of their exports for as long as it is being sent."""
 
 import contextlib
+import os
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,7 +12,7 @@ from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.recordings.routes import PIECE, PartResponse
+from dock_gateway.recordings.routes import PIECE, PartResponse, RecordingResponse
 from dock_gateway.settings import Settings
 
 ADA = Principal("ada", Kind.TOKEN, Grant(Role.VIEWER, robots=("/robot1",)), "ada")
@@ -43,3 +45,20 @@ async def test_it_counts_until_it_is_sent_or_the_client_leaves(leaves: bool) -> 
     assert b"".join(sent) == (DATA[:PIECE] if leaves else DATA)
     with quotas.hold(ADA, "exports"):
         pass
+
+
+@pytest.mark.parametrize("method", ["GET", "HEAD"])
+async def test_a_file_that_is_cut_off_while_it_is_sent_ends_the_answer(tmp_path: Path, method: str) -> None:
+    file = tmp_path / "whole.mcap"
+    file.write_bytes(DATA)
+    scope = {**SCOPE, "method": method}
+    stat = os.stat(file)  # noqa: PTH116
+    response = RecordingResponse(Request(scope), 10.0, Quotas(Settings()), file, stat_result=stat)
+    sent: list[Any] = []
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+        os.truncate(file, 10)
+
+    await response(scope, None, send)  # type: ignore[arg-type]
+    assert [each.get("body", b"") for each in sent] == ([b""] if method == "GET" else [b"", b""])

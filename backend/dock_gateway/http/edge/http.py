@@ -1,6 +1,7 @@
 """HTTP/1.1 with uvicorn and h11, with limits on the request head and on unread input."""
 
 import asyncio
+import contextlib
 import logging
 import socket
 import sys
@@ -45,7 +46,8 @@ def limit_unsent(request: Request, size: int) -> None:
     """
     extension = (request.scope.get("extensions") or {}).get(EXTENSION)
     if extension is not None:
-        extension["socket"].setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, size)
+        with contextlib.suppress(OSError, ValueError):  # the client has left, and its socket is closed
+            extension["socket"].setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, size)
 
 
 def create_connection(edge: Edge, **options: Any) -> Connection:

@@ -1,9 +1,11 @@
 """HTTP at the edge: heads that are too large or too slow, bodies that nobody reads, and what is no request at all."""
 
 import asyncio
+import socket
 import time
 import urllib.error
 import urllib.request
+from asyncio.trsock import TransportSocket
 from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
 from http.client import HTTPConnection
@@ -301,3 +303,10 @@ async def test_tiny_chunks_do_not_keep_others_waiting() -> None:
         assert time.monotonic() - began < 5
         flooding.cancel()
         writer.transport.abort()
+
+
+def test_a_client_that_has_left_before_its_stream_begins_is_no_error() -> None:
+    with socket.socket() as left:
+        pass
+    request = Request({"type": "http", "extensions": {http.EXTENSION: {"socket": TransportSocket(left)}}})
+    http.limit_unsent(request, 1)
