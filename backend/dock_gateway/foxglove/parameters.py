@@ -51,6 +51,7 @@ class ClientParameters:
         found: list[Json] = []
         errors: list[str] = []
         for node, wanted in _by_node(names).items():
+            await asyncio.sleep(0)  # thousands may come at once, and a stop waits for none of them
             try:
                 known = {each.name: each.value for each in await self._operations.get_param(node)}
             except GatewayError as error:
@@ -70,6 +71,7 @@ class ClientParameters:
             except GatewayError as error:
                 errors.append(error.detail)
         for node, values in nodes.items():
+            await asyncio.sleep(0)
             try:
                 await self._operations.set_param(node, values)
             except GatewayError as error:

@@ -3,6 +3,7 @@
 What a client may do is what it may do at `/ws`.
 """
 
+import asyncio
 import logging
 import os
 from collections.abc import Awaitable, Callable, Iterable
@@ -271,6 +272,7 @@ class Session:
         """Do something with each item, and report those with which it was not possible."""
         errors: list[str] = []
         for item in items:
+            await asyncio.sleep(0)  # thousands may come at once, and a stop waits for none of them
             try:
                 await do(item)
             except TooManyRequests as error:
