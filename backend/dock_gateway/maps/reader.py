@@ -11,9 +11,9 @@ from dock_gateway.graph.relays import Relays
 
 log = logging.getLogger(__name__)
 
-# The most bytes of a message that is read. Whoever decodes one holds up everything else, a stop included: 1 MB of poses
-# or transforms takes 0.3 s.
-MOST_BYTES = 1_000_000
+# The most bytes of a message that is read. Whoever decodes one holds up everything else, a stop included: 0.5 MB of
+# poses or transforms, 6,000 of them, take 0.2 s.
+MOST_BYTES = 500_000
 
 
 class TopicReader:

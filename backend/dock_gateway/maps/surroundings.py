@@ -13,7 +13,7 @@ from dock_gateway.maps.frames import TYPE as TRANSFORMS
 from dock_gateway.maps.frames import Frames
 from dock_gateway.maps.grid import frame_name
 from dock_gateway.maps.pool import Pool
-from dock_gateway.maps.reader import TopicReader, find_topic
+from dock_gateway.maps.reader import MOST_BYTES, TopicReader, find_topic
 from dock_gateway.maps.scan import path_points, scan_points
 from dock_gateway.settings import Settings
 from robot_io.transform import Transform
@@ -25,6 +25,8 @@ log = logging.getLogger(__name__)
 MAP, SCAN, PATH = "map", "scan", "path"
 # Seconds for which a path is shown without a newer one.
 PATH_FOR = 10.0
+# The most bytes of a scan: its numbers are read at once.
+SCAN_BYTES = 1_000_000
 P = TypeVar("P", MapFeed, Frames)
 UNKNOWN_MAP: dict[str, Any] = {"topic": None, "map": None, "odom": None, "hint": "Not known yet."}
 
@@ -67,9 +69,9 @@ class Surroundings:
         feeds: Pool[MapFeed],
         frames: Pool[Frames],
     ) -> None:
-        def topic(name: str, type_name: str) -> tuple[Newest, TopicReader]:
+        def topic(name: str, type_name: str, most: int = MOST_BYTES) -> tuple[Newest, TopicReader]:
             newest = Newest()
-            return newest, TopicReader(relays, graph, settings.resolve(name, robot), type_name, newest)
+            return newest, TopicReader(relays, graph, settings.resolve(name, robot), type_name, newest, most=most)
 
         self.feed: MapFeed | None = None
         self._graph = graph
@@ -81,7 +83,7 @@ class Surroundings:
         self._frames: Frames | None = None
         self._taken: dict[str, str] = {}  # by pool, the topic that is in use
         self._odometry, self._odometry_reader = topic("odom", "nav_msgs/msg/Odometry")
-        self._scan, self.scan_reader = topic(settings.scan_topic, "sensor_msgs/msg/LaserScan")
+        self._scan, self.scan_reader = topic(settings.scan_topic, "sensor_msgs/msg/LaserScan", SCAN_BYTES)
         self._path, self.path_reader = topic(settings.path_topic, "nav_msgs/msg/Path")
         self._odom, self._base = ODOM, BASE
         self._frames_known = False

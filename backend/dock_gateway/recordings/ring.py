@@ -29,7 +29,8 @@ class Ring:
 
     Args:
         seconds: The maximum age of a message.
-        max_bytes: The maximum size of all messages, with what they take besides. A larger message is not kept.
+        max_bytes: The maximum size of all messages, with what they take besides. A larger message is not kept. The
+            messages of a topic that hold until the next one may have as much again.
         clock: Returns seconds that never go back.
 
     Attributes:
@@ -68,7 +69,7 @@ class Ring:
             kept = self._lasting.setdefault(sample.topic, {})
             kept.pop(sample.data, None)  # publishers repeat them
             kept[sample.data] = sample
-            if len(kept) > LASTING:
+            while len(kept) > LASTING or sum(map(len, kept)) > self._max_bytes:
                 del kept[next(iter(kept))]
 
     def mark(self, seconds: float = 0.0) -> int:

@@ -28,6 +28,7 @@ def test_its_limits_hold(messages: list[tuple[float, int, bool]]) -> None:
         assert all(times[each.data] >= max(map(times.__getitem__, (e.data for e in kept))) - SECONDS for each in kept)
         assert [each.data for each in kept] == sorted(each.data for each in kept), "in the order in which they came"
         assert len(ring.lasting()) <= LASTING
+        assert sum(len(each.data) for each in ring.lasting()) <= BYTES
     assert ring.heard == len(messages)
 
 
