@@ -87,7 +87,7 @@ describe("a place on the map", () => {
   it("docks the robot at its dock, without a question where it is simulated", async () => {
     const dock = { name: "lab", pose: { x: 0, y: 0, theta: 0 } };
     const { gateway, store, user } = setUp({ at: { x: 0, y: 0 }, point: { x: 0, y: 0 }, dock });
-    act(() => store.onEvent({ type: "simulator", time: at(1), robot: "/", simulator }));
+    act(() => store.robot.setSimulator(simulator));
     await user.click(await screen.findByRole("menuitem", { name: "Dock here" }));
     await waitFor(() => expect(gateway.dock).toHaveBeenCalledWith(null, "lab"));
   });

@@ -224,7 +224,7 @@ describe("a state that an older gateway stored, without a verb", () => {
 
   it("is told in the words for any action", () => {
     const known = stateAfter([snapshot(), old as GatewayEvent]).goals.get("a");
-    expect(known && [meaning(known), outcome(known)]).toEqual(["The goal succeeded.", "–"]);
+    expect(known && [meaning(known), outcome(known)]).toEqual(["The goal succeeded.", "Done"]);
   });
 });
 

@@ -41,23 +41,25 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
         stack.enter_context(films).wait_for("filming")
 
         def cameras(robot: str, **options: Any) -> dict[str, str | None]:
-            found = http.get(f"/robots/{robot}/cameras", **options)
+            found = http.get("/robots/cameras", params={"robot": robot}, **options)
             return {each["name"]: each["type"] for each in found.json().get("cameras", ())}
 
         image, compressed = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
         everything = {"back/image_raw": compressed, "odd": image}
-        wait_until(lambda: cameras("robot1") == everything, "the cameras of /robot1")
-        wait_until(lambda: cameras("%2F") == {"front": image}, "the camera of /")
-        assert cameras("robot1", headers=bearer(limited)) == {"back/image_raw": compressed}
+        wait_until(lambda: cameras("/robot1") == everything, "the cameras of /robot1")
+        wait_until(lambda: cameras("/") == {"front": image}, "the camera of /")
+        assert cameras("/robot1", headers=bearer(limited)) == {"back/image_raw": compressed}
 
         look_at_pictures(gateway)
-        refused = http.get("/robots/robot1/cameras/odd/image", headers=bearer(limited))
+        refused = http.get("/robots/cameras/odd/image?robot=/robot1", headers=bearer(limited))
         assert refused.json()["code"] == "not_covered"
-        unreadable = http.get("/robots/robot1/cameras/odd/stream")
+        unreadable = http.get("/robots/cameras/odd/stream?robot=/robot1")
         assert unreadable.json()["detail"].startswith("/robot1/odd cannot be shown: the encoding 'odd' is not shown")
-        assert http.get("/robots/robot1/cameras/none/image").json()["code"] == "camera_not_found"
+        assert http.get("/robots/cameras/none/image?robot=/robot1").json()["code"] == "camera_not_found"
 
-        with http.stream("GET", "/robots/robot1/cameras/back/image_raw/stream", headers=bearer(limited)) as stream:
+        with http.stream(
+            "GET", "/robots/cameras/back/image_raw/stream?robot=/robot1", headers=bearer(limited)
+        ) as stream:
             pictures = parts(stream)
             assert next(pictures)
             assert site.run("token", "revoke", "mallory").returncode == 0
@@ -69,14 +71,14 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
 def look_at_pictures(gateway: RunningGateway) -> None:
     """Viewers share one subscription; what is too wide is scaled down; the last one to leave ends it."""
     http = gateway.http
-    picture = http.get("/robots/%2F/cameras/front/image")
+    picture = http.get("/robots/cameras/front/image?robot=/")
     assert picture.headers["content-type"] == "image/jpeg"
     assert simplejpeg.decode_jpeg_header(picture.content)[:2] == (HEIGHT, WIDTH)
-    small = http.get("/robots/%2F/cameras/front/image?max_width=16")
+    small = http.get("/robots/cameras/front/image?robot=/&max_width=16")
     assert simplejpeg.decode_jpeg_header(small.content)[:2] == (HEIGHT // 4, WIDTH // 4)
 
-    path = "/robots/robot1/cameras/back/image_raw/stream"
-    with http.stream("GET", path) as one, http.stream("GET", f"{path}?max_rate=1&max_width=32") as two:
+    path = "/robots/cameras/back/image_raw/stream?robot=/robot1"
+    with http.stream("GET", path) as one, http.stream("GET", f"{path}&max_rate=1&max_width=32") as two:
         assert one.headers["content-type"] == "multipart/x-mixed-replace; boundary=picture"
         pictures = parts(one)
         assert next(pictures) == next(pictures)

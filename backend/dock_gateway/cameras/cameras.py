@@ -56,14 +56,14 @@ class Cameras:
         self._changing = asyncio.Lock()
         self._leaving = Tasks("leaving a camera")
 
-    async def all(self, robot: str, grant: Grant) -> list[Camera]:
+    async def all(self, robot: str | None, grant: Grant) -> list[Camera]:
         """Return the cameras of a robot that a grant includes.
 
         Raises:
             NotFound: There is no such robot.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
-        self._robots.get(robot)
+        robot = self._robots.get(robot).namespace
         topics = await self._graph.topics_of((IMAGE, COMPRESSED), robot)
 
         def belongs(topic: str) -> bool:
@@ -72,7 +72,7 @@ class Cameras:
 
         return find_cameras(robot, topics, belongs)
 
-    async def find(self, robot: str, name: str, grant: Grant) -> Camera:
+    async def find(self, robot: str | None, name: str, grant: Grant) -> Camera:
         """Return a camera of a robot.
 
         Raises:
@@ -86,7 +86,9 @@ class Cameras:
         others = await self.all(robot, UNLIMITED)
         if any(camera.name == name for camera in others):
             raise not_covered(f"the camera {name[:100]}")
-        raise NotFound(f"the robot {robot[:100]} has no camera {name[:100]}", code="camera_not_found")
+        raise NotFound(
+            f"the robot {self._robots.get(robot).namespace} has no camera {name[:100]}", code="camera_not_found"
+        )
 
     def hint(self, camera: Camera) -> str | None:
         """Return why the pictures of a camera that is being watched cannot be shown; None if they can."""

@@ -1,4 +1,4 @@
-"""`/robots/{robot}/cameras`: the cameras of a robot, their pictures, and streams of them."""
+"""`/robots/cameras`: the cameras of a robot, their pictures, and streams of them."""
 
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
@@ -21,11 +21,11 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, GraphName, RobotInPath, json_response, known_query
+from dock_gateway.http.requests import GraphName, RobotQuery, json_response, known_query
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.settings import Settings
 
-router = APIRouter(tags=["Cameras"], prefix="/robots/{robot:robot}/cameras")
+router = APIRouter(tags=["Cameras"], prefix="/robots/cameras")
 
 MIXED = "multipart/x-mixed-replace"
 PICTURES: dict[str, dict[str, str]] = {JPEG: {}, PNG: {}}
@@ -36,9 +36,11 @@ WidthQuery = Annotated[int | None, Query(ge=16, le=8192, description="Maximum wi
 RateQuery = Annotated[float | None, Query(ge=0.1, le=60, description="Maximum number of pictures per second")]
 
 
-@router.get("", response_model=CameraList, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@router.get(
+    "", response_model=CameraList, responses=problems(404, 422, 503), dependencies=[Depends(known_query("robot"))]
+)
 @operation(Role.VIEWER, Scope.ROBOT)
-async def list_cameras(robot: RobotInPath, cameras: Part[Cameras], grant: TheGrant) -> Response:
+async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List the cameras of a robot: topics of CompressedImage and Image in its namespace that have a publisher."""
     found = await cameras.all(robot, grant)
     return json_response({"cameras": [{**vars(camera), "hint": cameras.hint(camera)} for camera in found]})
@@ -48,11 +50,11 @@ async def list_cameras(robot: RobotInPath, cameras: Part[Cameras], grant: TheGra
     "/{name:graph_name}/image",
     responses={200: {"description": "The picture", "content": PICTURES}, **problems(404, 422, 429, 503)},
     response_class=Response,
-    dependencies=[Depends(known_query("max_width"))],
+    dependencies=[Depends(known_query("robot", "max_width"))],
 )
 @operation(Role.VIEWER, Scope.ROBOT)
 async def get_picture(
-    robot: RobotInPath, name: GraphName, request: Request, parts: AllParts, max_width: WidthQuery = None
+    name: GraphName, request: Request, parts: AllParts, robot: RobotQuery = None, max_width: WidthQuery = None
 ) -> Response:
     """Return one current picture of a camera. `X-Timestamp` says when it came, in seconds since 1970."""
     principal = principal_of(request)
@@ -68,14 +70,14 @@ async def get_picture(
     "/{name:graph_name}/stream",
     responses={200: {"description": "Pictures", "content": {MIXED: {}}}, **problems(404, 422, 429, 503)},
     response_class=StreamingResponse,
-    dependencies=[Depends(known_query("max_rate", "max_width"))],
+    dependencies=[Depends(known_query("robot", "max_rate", "max_width"))],
 )
 @operation(Role.VIEWER, Scope.ROBOT)
 async def stream_pictures(  # noqa: PLR0917 - FastAPI passes them by name
-    robot: RobotInPath,
     name: GraphName,
     request: Request,
     parts: AllParts,
+    robot: RobotQuery = None,
     max_rate: RateQuery = None,
     max_width: WidthQuery = None,
 ) -> Response:

@@ -17,7 +17,7 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
 from dock_gateway.core.goal import Goal, GoalStatus, encode
-from dock_gateway.core.namespace import NAMESPACE, normalize_namespace
+from dock_gateway.core.namespace import NAMESPACE
 from dock_gateway.http.parts import parts_of
 from dock_gateway.setting_types import NAME as ROS_NAME
 from dock_gateway.settings import Settings
@@ -258,27 +258,9 @@ GraphName = Annotated[
 ]
 
 
-class RobotConvertor(PathConvertor):
-    """Reads the namespace of a robot from a path: `robot1`, `hall/robot1`, or `%2F` for the one without a namespace."""
-
-    def convert(self, value: str) -> str:
-        """Return the namespace."""
-        return normalize_namespace(value)
-
-
-# Routes name it as `{robot:robot}`.
-register_url_convertor("robot", RobotConvertor())
-
 ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}
 RobotQuery = Annotated[
     str | None, Query(description="Namespace of the robot, such as `/robot1`", json_schema_extra=ROBOT_PATTERN)
-]
-RobotInPath = Annotated[
-    str,
-    Path(
-        description="Namespace of the robot without its leading slash, such as `robot1`; `%2F` is the robot `/`",
-        json_schema_extra={"pattern": f"^/?(?:{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*)?$"},
-    ),
 ]
 RobotsQuery = Annotated[
     list[Annotated[str, WithJsonSchema({"type": "string", **ROBOT_PATTERN})]] | None,

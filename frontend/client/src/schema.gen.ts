@@ -1072,7 +1072,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/{robot}/cameras": {
+    "/robots/cameras": {
         parameters: {
             query?: never;
             header?: never;
@@ -1092,7 +1092,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/{robot}/cameras/{name}/image": {
+    "/robots/cameras/{name}/image": {
         parameters: {
             query?: never;
             header?: never;
@@ -1112,7 +1112,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/{robot}/cameras/{name}/stream": {
+    "/robots/cameras/{name}/stream": {
         parameters: {
             query?: never;
             header?: never;
@@ -10670,12 +10670,12 @@ export interface operations {
     };
     list_cameras: {
         parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description Namespace of the robot without its leading slash, such as `robot1`; `%2F` is the robot `/` */
-                robot: string;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
             };
+            header?: never;
+            path?: never;
             cookie?: never;
         };
         requestBody?: never;
@@ -10739,13 +10739,13 @@ export interface operations {
     get_picture: {
         parameters: {
             query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
                 /** @description Maximum width in pixels; JPEG only */
                 max_width?: number | null;
             };
             header?: never;
             path: {
-                /** @description Namespace of the robot without its leading slash, such as `robot1`; `%2F` is the robot `/` */
-                robot: string;
                 /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
             };
@@ -10822,6 +10822,8 @@ export interface operations {
     stream_pictures: {
         parameters: {
             query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
                 /** @description Maximum number of pictures per second */
                 max_rate?: number | null;
                 /** @description Maximum width in pixels; JPEG only */
@@ -10829,8 +10831,6 @@ export interface operations {
             };
             header?: never;
             path: {
-                /** @description Namespace of the robot without its leading slash, such as `robot1`; `%2F` is the robot `/` */
-                robot: string;
                 /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
             };

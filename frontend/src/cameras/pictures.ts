@@ -17,9 +17,8 @@ const LONGEST_HEAD = 1024;
 
 /** Every failure is a ClientError. */
 export async function listCameras(http: Http, robot: string): Promise<Camera[]> {
-  const path = { robot };
   const { cameras = [] } = await settle(
-    http.GET("/robots/{robot}/cameras", { params: { path }, signal: deadline() }),
+    http.GET("/robots/cameras", { params: { query: { robot } }, signal: deadline() }),
   );
   return cameras;
 }
@@ -67,10 +66,8 @@ async function* openPictures(
   { http, robot, name, maxWidth }: Source,
   signal: AbortSignal,
 ): AsyncGenerator<Picture> {
-  const params = { path: { robot, name }, query: { max_width: maxWidth } };
-  const body = await settle(
-    http.GET("/robots/{robot}/cameras/{name}/stream", { params, signal, parseAs: "stream" }),
-  );
+  const params = { path: { name }, query: { robot, max_width: maxWidth } };
+  const body = await settle(http.GET("/robots/cameras/{name}/stream", { params, signal, parseAs: "stream" }));
   if (body) yield* readPictures(body as ReadableStream<Uint8Array>);
 }
 

@@ -83,9 +83,10 @@ class Bench:
         async def topics_of(_: object, __: str) -> list[Topic]:
             return [topic]
 
-        def get(name: str) -> None:
+        def get(name: str) -> Any:
             if name != "/robot1":
                 raise NotFound("there is no such robot", code="robot_not_found")
+            return SimpleNamespace(namespace=name)
 
         robots = SimpleNamespace(get=get, owner=lambda _: SimpleNamespace(namespace="/robot1"))
         graph = SimpleNamespace(topics_of=topics_of)
