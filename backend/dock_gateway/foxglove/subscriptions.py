@@ -21,16 +21,15 @@ QUEUE, QUEUE_BYTES = 1000, 16_000_000
 class Framed:
     """A message as a WebSocket frame. Clients with the same subscription id, such as those of one layout, share it."""
 
-    def __init__(self, message: Received) -> None:
-        self._message = message
+    def __init__(self, _: Received) -> None:  # the message has this, so this must not have the message
         self._subscription = -1
         self._frame = b""
 
-    def frame(self, subscription: int) -> bytes:
+    def frame(self, subscription: int, message: Received) -> bytes:
         """Return the frame for a subscription id. Only the last one is kept: a map may have megabytes."""
         if subscription != self._subscription:
             self._subscription = subscription
-            self._frame = websocket_frame(Waiting.of(subscription, self._message).payload(), binary=True)
+            self._frame = websocket_frame(Waiting.of(subscription, message).payload(), binary=True)
         return self._frame
 
 
@@ -163,7 +162,7 @@ class Subscriptions:
                 await self.unsubscribe(identity)
 
     def _put(self, subscription: int, message: Received) -> None:
-        if self._sending or not self._write(message.once(Framed).frame(subscription)):
+        if self._sending or not self._write(message.once(Framed).frame(subscription, message)):
             self._queue.put(Waiting.of(subscription, message))
             self._waiting.set()
             self._sending = True

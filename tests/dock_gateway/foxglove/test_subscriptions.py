@@ -1,6 +1,8 @@
 """What waits for a viewer that reads slowly, and what it is sent."""
 
 import asyncio
+import gc
+import weakref
 from types import SimpleNamespace
 from typing import Any, cast
 from unittest.mock import AsyncMock
@@ -10,7 +12,7 @@ import pytest
 from dock_gateway.core.errors import Conflict, TooManyRequests
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
-from dock_gateway.foxglove.subscriptions import MAX_SUBSCRIPTIONS, Queue, Subscriptions, Waiting
+from dock_gateway.foxglove.subscriptions import MAX_SUBSCRIPTIONS, Framed, Queue, Subscriptions, Waiting
 from dock_gateway.graph.relay import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.raw_port import Arrival, EchoType
@@ -129,3 +131,15 @@ async def test_a_client_cannot_subscribe_without_end_or_twice() -> None:
         await subscriptions.subscribe(1000, channel(0))
     await subscriptions.unsubscribe(0)
     subscriptions.require_room()
+
+
+def test_a_message_that_was_sent_takes_no_memory_any_more() -> None:
+    message = received(b"a large map")
+    assert message.once(Framed).frame(1, message) is message.once(Framed).frame(1, message)
+    gone = weakref.ref(message)
+    gc.disable()
+    try:
+        del message
+        assert gone() is None  # at once, without a search for cycles
+    finally:
+        gc.enable()
