@@ -10,7 +10,7 @@ from tests.browser.loading import WATCH, first_visit
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
-MAX_BYTES = 300_000
+MAX_BYTES = 320_000
 MAX_SCRIPT_BYTES = 250_000
 MAX_SHIFT = 0.02
 

@@ -64,7 +64,7 @@ def row_of(page: Page, region: str, name: str) -> Locator:
 def test_numbers_lead_to_their_goals(page: Page, gateway: RunningGateway) -> None:
     page.get_by_role("link", name="Statistics").click()
     expect(page.get_by_role("region", name="By day").get_by_role("row")).to_have_count(8)
-    page.get_by_text("Robot", exact=True).click()
+    page.get_by_role("radiogroup", name="Group by").get_by_text("Robot", exact=True).click()
     row = row_of(page, "By robot", "/robot2")
     expect(row).to_contain_text("87.5 %")
     row.get_by_role("link", name="1: aborted goals").click()

@@ -1,7 +1,7 @@
 import type { Pose, Scene, Twist } from "@dock-gateway/client";
 import { isTerminal } from "@dock-gateway/client";
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
-import { useId, useMemo, useState } from "react";
+import { useEffect, useId, useMemo, useState } from "react";
 import { useForbidden } from "../api/session";
 import { useAtTime } from "../clock/clock";
 import { useDockList } from "../docking/docks";
@@ -99,13 +99,21 @@ const NO_DOCKS: [] = [];
 /** The stage in which a docking server waits for an obstacle to go away. */
 const WAITING = "WAIT_FOR_CLEARANCE";
 
+/** A hint is shown when it has been true for so long (ms): before the first map and transforms have come, it is none. */
+const HINT_AFTER_MS = 4000;
+
 /** What is wrong with map or scan, in a sentence. Robots without them have none. */
 function MapNote() {
   const hint = useAround(({ map, scan, path }) => {
     const hints = [map?.topic === null ? null : map?.hint, scan?.hint, path?.hint];
     return hints.filter((each) => each != null).join(" ");
   });
-  return hint === "" ? null : (
+  const [lasting, setLasting] = useState("");
+  useEffect(() => {
+    const timer = setTimeout(() => setLasting(hint), HINT_AFTER_MS);
+    return () => clearTimeout(timer);
+  }, [hint]);
+  return hint === "" || hint !== lasting ? null : (
     <Text size="sm" role="status" data-testid="map-note">
       {hint}
     </Text>
