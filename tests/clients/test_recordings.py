@@ -13,9 +13,9 @@ from typing import Any
 import pytest
 from rclpy.serialization import deserialize_message
 
-from dock_gateway.recordings.mcap_file import EVENT, EVENTS, read
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_message
+from robot_io.recording import EVENT, EVENTS, read
 from tests.clients.test_clients import CLIENTS, HERE
 from tests.support.domain import ros_domain
 from tests.support.gateway import ACTION, running_gateway, running_program
