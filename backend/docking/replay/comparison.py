@@ -5,9 +5,9 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from itertools import pairwise, zip_longest
 
+from docking.core.errors import ErrorCode
 from docking.core.observation import STANDSTILL, Velocity
 from docking.replay.course import Course
-from docking.replay.recorded_goal import ENDED_FROM_OUTSIDE
 
 BRIEF = 1.0
 """Seconds: what is so short does not count. A threshold may be crossed at one control step or at another one."""
@@ -17,6 +17,11 @@ LINEAR, ANGULAR = 0.03, 0.1
 """In m/s and rad/s; velocities that differ by no more are the same."""
 HELD = 0.5
 """Seconds that a commanded velocity holds."""
+
+ENDED_FROM_OUTSIDE = frozenset(
+    code.value for code in (ErrorCode.STOP_LATCHED, ErrorCode.PREEMPTED, ErrorCode.SHUTTING_DOWN, ErrorCode.NOT_ACTIVE)
+)
+"""Errors that no sensor causes: whoever caused them is not in the recording."""
 
 
 def differences(recorded: Course, replayed: Course) -> list[str]:

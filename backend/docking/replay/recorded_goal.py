@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from docking.core.errors import ErrorCode
 from docking.replay.course import Course
 from robot_io.recording import EVENTS, Sample, read
 
@@ -121,9 +120,3 @@ def _note(course: Course, at: float, state: dict[str, Any]) -> None:
         error = state.get("error") or {}
         course.end = end
         course.error_code, course.error_msg = str(error.get("code", "")).upper(), str(error.get("detail", ""))
-
-
-ENDED_FROM_OUTSIDE = frozenset(
-    code.value for code in (ErrorCode.STOP_LATCHED, ErrorCode.PREEMPTED, ErrorCode.SHUTTING_DOWN, ErrorCode.NOT_ACTIVE)
-)
-"""Errors that no sensor causes: whoever caused them is not in the recording."""
