@@ -15,7 +15,7 @@ from dock_gateway.foxglove.protocol import SCHEMA_ENCODING
 from dock_gateway.ros.messages.full_definition import full_definition
 from dock_gateway.ros.messages.interfaces import load_message
 
-# Topics that a client is told of.
+# The most topics that are advertised to a client.
 MAX_CHANNELS = 5000
 
 
@@ -29,7 +29,7 @@ class Channel:
     schema: str
 
     def document(self) -> dict[str, Any]:
-        """Return how a client is told of it."""
+        """Return the channel as it is advertised."""
         return {
             "id": self.id,
             "topic": self.topic,

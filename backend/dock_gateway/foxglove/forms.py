@@ -42,7 +42,7 @@ class Form(Protocol):
 
 
 def form_document(form: Form) -> dict[str, str]:
-    """Return how a client is told of a form."""
+    """Return a form as it is advertised."""
     return {
         "encoding": ENCODINGS[0],
         "schemaName": form.name,

@@ -1,4 +1,4 @@
-"""What one client is told of the ROS graph: its channels, its services, and who is connected to what."""
+"""The ROS graph as one client sees it: its channels, its services, and who is connected to what."""
 
 import asyncio
 import logging

@@ -66,7 +66,7 @@ class Service:
     draft: Draft
 
     def document(self) -> Json:
-        """Return how a client is told of it."""
+        """Return the service as it is advertised."""
         return {
             "id": self.id,
             "name": self.name,
