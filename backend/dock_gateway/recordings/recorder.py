@@ -4,15 +4,13 @@ import asyncio
 import logging
 import time
 from contextlib import suppress
-from typing import Any
 
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import is_under
-from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.graph.relay import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.recordings.ear import RobotEar
 from dock_gateway.recordings.ring import Ring
 from dock_gateway.recordings.server_parameters import read_parameters
 from dock_gateway.recordings.store import OpenRecording, RecordingStore
@@ -21,7 +19,7 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
-from robot_io.recording import EVENT, EVENTS, Sample
+from robot_io.recording import Sample
 
 log = logging.getLogger(__name__)
 
@@ -31,38 +29,8 @@ BEFORE, AFTER = 5.0, 2.0
 FLUSH, CLEAN = 0.5, 60.0
 # Seconds that the end of the gateway waits for the disk.
 CLOSE_TIMEOUT = 2.0
-# Nanoseconds between two pictures of a camera.
-PICTURE_NS = 950_000_000
 # Bytes of a recording after which only its end is written.
 MAX_RECORDING = 200_000_000
-
-
-class RobotEar:
-    """What is heard of one robot: an `Outlet` of all its topics."""
-
-    patient = True
-
-    def __init__(self, ring: Ring) -> None:
-        self.ring = ring
-        self.topics: dict[str, Wanted] = {}
-        self.refused: dict[str, Wanted] = {}
-        self._pictures: dict[str, int] = {}
-
-    async def offer(self, message: Received) -> None:
-        """Keep a message; of a camera one in a second."""
-        kind = message.kind.name
-        if kind == CAMERA:
-            if 0 <= message.received_ns - self._pictures.get(message.topic, 0) < PICTURE_NS:
-                return
-            self._pictures[message.topic] = message.received_ns
-        wanted = self.topics.get(message.topic)
-        sample = Sample(message.topic, kind, message.data, message.source_ns, message.received_ns)
-        self.ring.put(sample, lasting=wanted is not None and wanted.lasting)
-
-    def note(self, document: dict[str, Any]) -> None:
-        """Keep an event of the gateway."""
-        now = time.time_ns()
-        self.ring.put(Sample(EVENTS, EVENT, encode(document), now, now))
 
 
 class _Running:
@@ -148,7 +116,7 @@ class Recorder:
         """Leave the topics of a robot that is about to be removed."""
         async with self._choosing:
             if (ear := self._ears.pop(robot, None)) is not None:
-                await self._listen(ear, {})
+                await ear.listen(self._relays, {})
 
     async def _choose_topics(self) -> None:
         """Subscribe to what is to be heard of the robots, and leave the rest."""
@@ -156,9 +124,9 @@ class Recorder:
         recorded = {running.robot for running in self._running.values()}
         wanted = dict.fromkeys((*recorded.intersection(robots), *robots[: self._settings.record_robots]))
         for robot in self._ears.keys() - wanted.keys() - recorded:
-            await self._listen(self._ears.pop(robot), {})
+            await self._ears.pop(robot).listen(self._relays, {})
         for robot in wanted:
-            await self._listen(self._ear(robot), self._topics(robot, pictures=robot in recorded))
+            await self._ear(robot).listen(self._relays, self._topics(robot, pictures=robot in recorded))
 
     def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
         """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
@@ -174,25 +142,6 @@ class Recorder:
             settings = self._settings
             self._ears[robot] = RobotEar(Ring(settings.record_seconds, settings.record_ring_mb * 1_000_000))
         return self._ears[robot]
-
-    async def _listen(self, ear: RobotEar, wanted: dict[str, Wanted]) -> None:
-        for topic in [topic for topic, kind in ear.topics.items() if wanted.get(topic) != kind]:
-            del ear.topics[topic]
-            await self._relays.leave(topic, ear)
-        ear.refused = {topic: kind for topic, kind in ear.refused.items() if wanted.get(topic) == kind}
-        for topic, kind in wanted.items():
-            if topic in ear.topics or topic in ear.refused:
-                continue
-            ear.topics[topic] = kind
-            try:
-                await self._relays.join(topic, kind.kind or None, ear)
-            except GatewayError as error:
-                del ear.topics[topic]
-                ear.refused[topic] = kind
-                log.info("%s is not recorded: %s", topic, error.detail)
-            except BaseException:
-                del ear.topics[topic]
-                raise
 
     # ------------------------------------------------------------------ goals
 

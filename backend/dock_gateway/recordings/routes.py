@@ -1,7 +1,6 @@
 """`/goals/…/recording.mcap` and `/robots/recording.mcap`: what was heard of a robot, as files of MCAP."""
 
 import contextlib
-import os
 from collections.abc import AsyncGenerator
 from http import HTTPStatus
 from typing import Annotated, Any
@@ -23,7 +22,7 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, json_response, known_query
+from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, is_known_tag, json_response, known_query
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.recordings.recordings import Recordings
 from dock_gateway.recordings.schema import GoalRecording, GoalReplay, PicturedGoals
@@ -161,10 +160,10 @@ async def download_recording(
         return PartResponse(request, settings.subscriber_timeout, quotas, data, name)
     tag = f'"{found.goal_id}-{found.size}-{int(found.at * 1e6)}"'
     headers = {"Cache-Control": "no-cache", "ETag": tag}
-    if tag in [each.strip() for each in request.headers.get("if-none-match", "").split(",")]:
+    if is_known_tag(request.headers.get("if-none-match"), tag):
         return Response(status_code=304, headers=headers)
     try:
-        stat = os.stat(found.path)  # noqa: PTH116
+        stat = found.path.stat()
     except FileNotFoundError:
         raise NotFound("It has just been deleted.", code="recording_not_found") from None
     return RecordingResponse(
