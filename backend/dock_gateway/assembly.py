@@ -22,8 +22,8 @@ from dock_gateway.core.automation import Decision
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalError, Json
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.core.webhook import Delivery
@@ -100,7 +100,7 @@ async def _open(
     settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack, limits: GoalLimits
 ) -> Parts:
     """Make every part, and register it with the stack for closing."""
-    hub = Hub(
+    fanout = Fanout(
         queue_limit=settings.subscriber_queue,
         max_subscribers=settings.max_subscribers,
         keep=history.record_event,
@@ -110,22 +110,22 @@ async def _open(
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
     stack.push_async_callback(asyncio.to_thread, bridge.close)
-    interlock = _closed_by(stack, _make_interlock(settings, hub))
+    interlock = _closed_by(stack, _make_interlock(settings, fanout))
     last_goals = _closed_by(stack, LastGoals(history))
     actions = _closed_by(
-        stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, limits=limits)
+        stack, ActionRegistry(settings, bridge, fanout, history, reasons, interlock=interlock, limits=limits)
     )
     history.on_loss = lambda: store_unfinished(actions, history)
-    _follow_docking(actions, last_goals, hub)
-    robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
+    _follow_docking(actions, last_goals, fanout)
+    robots = _closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
-    simulators = _closed_by(stack, Simulators(settings, bridge, hub, robots))
-    approvals = _closed_by(stack, Approvals(settings, hub, actions, simulators))
+    simulators = _closed_by(stack, Simulators(settings, bridge, fanout, robots))
+    approvals = _closed_by(stack, Approvals(settings, fanout, actions, simulators))
     activity = Activity(robots)
     actions.on_end.append(activity.on_end)
     _follow_stops(stopper, interlock, activity, approvals)
-    _subscribe_on_demand(settings, bridge, hub, robots, activity, stack=stack)
-    board = _closed_by(stack, SceneBoard(hub, robots.namespaces))
+    _subscribe_on_demand(settings, bridge, fanout, robots, activity, stack=stack)
+    board = _closed_by(stack, SceneBoard(fanout, robots.namespaces))
     _listen_to_poses(settings, robots, MapPort, board, stack)
     if settings.store_poses:
         recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
@@ -149,11 +149,11 @@ async def _open(
     labels = _closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
     await labels.open()
     graph_watch = _make_graph_watch(settings, bridge, robots, actions)
-    decisions = DecisionLog(hub, history.documents("decision", Decision))
+    decisions = DecisionLog(fanout, history.documents("decision", Decision))
     alerts = _closed_by(
         stack,
         AlertBoard(
-            hub,
+            fanout,
             SharedEntries(history.documents("acknowledgement", Acknowledgement)),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
@@ -167,7 +167,7 @@ async def _open(
         stack,
         Fleet(
             settings,
-            hub,
+            fanout,
             robots=robots,
             actions=actions,
             robot_actions=robot_actions,
@@ -210,12 +210,12 @@ async def _open(
         )
     )
     tasks.spawn(take_over_unfinished(actions, history))
-    stack.callback(hub.close)
+    stack.callback(fanout.close)
     parts = Parts(
         {
             Settings: settings,
             Bridge: bridge,
-            Hub: hub,
+            Fanout: fanout,
             History: history,
             ActionRegistry: actions,
             RobotActions: robot_actions,
@@ -239,8 +239,8 @@ async def _open(
             Subjects: Subjects(settings, actions.action_of, robots.namespaces),
             GraphCache: graph,
             Relays: relays,
-            Maps: _closed_by(stack, Maps(settings, relays, graph, hub, robots.namespaces)),
-            Cameras: _closed_by(stack, Cameras(settings, hub, robots, graph, relays)),
+            Maps: _closed_by(stack, Maps(settings, relays, graph, fanout, robots.namespaces)),
+            Cameras: _closed_by(stack, Cameras(settings, fanout, robots, graph, relays)),
             Recordings: recordings,
             EchoRegistry: _closed_by(stack, EchoRegistry(bridge, graph)),
             ServiceCalls: _closed_by(stack, ServiceCalls(settings, bridge, interlock)),
@@ -252,9 +252,9 @@ async def _open(
     return parts
 
 
-def _make_interlock(settings: Settings, hub: Hub) -> Interlock:
+def _make_interlock(settings: Settings, fanout: Fanout) -> Interlock:
     catalog, default = DockingCatalog(settings), normalize_namespace(settings.namespace)
-    return Interlock(hub, LatchFile(settings.stop_file), default, catalog.shared, catalog.homes)
+    return Interlock(fanout, LatchFile(settings.stop_file), default, catalog.shared, catalog.homes)
 
 
 def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, stopper: Stopper) -> Publishing:
@@ -313,12 +313,12 @@ def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, ap
     interlock.on_release.append(activity.intervened)
 
 
-def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, hub: Hub) -> None:
+def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, fanout: Fanout) -> None:
     """Note and publish which actions dock and undock a robot, whenever that changes."""
 
     def changed(robot: str) -> None:
         last_goals.watch(*actions.docking.of(robot))
-        hub.publish(system_event("docking", actions.servers_of(robot)._asdict(), utc_now(), robot=robot))
+        fanout.publish(system_event("docking", actions.servers_of(robot)._asdict(), utc_now(), robot=robot))
 
     actions.docking.on_change.append(changed)
     actions.on_end.append(last_goals.take)
@@ -344,17 +344,23 @@ def _observe(parts: Parts, stack: AsyncExitStack) -> None:
 
 
 def _subscribe_on_demand(
-    settings: Settings, bridge: Bridge, hub: Hub, robots: RobotRegistry, activity: Activity, *, stack: AsyncExitStack
+    settings: Settings,
+    bridge: Bridge,
+    fanout: Fanout,
+    robots: RobotRegistry,
+    activity: Activity,
+    *,
+    stack: AsyncExitStack,
 ) -> None:
     """Set up the topics that are subscribed to only on demand."""
 
     def scene(robot: str) -> ScenePort:
         resolve = partial(settings.resolve, namespace=robot)
-        return ScenePort(robots.topics, robot, resolve, hub.publish, stop_topic=resolve(settings.stop_topic))
+        return ScenePort(robots.topics, robot, resolve, fanout.publish, stop_topic=resolve(settings.stop_topic))
 
     def velocity(robot: str) -> VelocityListener:
         def hear(message: Json, stamp_ns: int) -> None:
-            hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=robot))
+            fanout.publish(message_event("cmd_vel", message, fanout.clock.stamp(stamp_ns), stamp_ns, robot=robot))
 
         return robots.velocities.listen(settings.resolve(settings.cmd_vel_topic, robot), hear)
 
@@ -367,8 +373,8 @@ def _subscribe_on_demand(
         port.callback(activity.unsubscribed, robot)
         return port
 
-    _closed_by(stack, OnDemand(bridge, hub, "scene", scene))
-    _closed_by(stack, OnDemand(bridge, hub, "cmd_vel", velocity))
+    _closed_by(stack, OnDemand(bridge, fanout, "scene", scene))
+    _closed_by(stack, OnDemand(bridge, fanout, "cmd_vel", velocity))
     _closed_by(stack, OnDemand(bridge, activity, "motion", motion))
 
 

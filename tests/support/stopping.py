@@ -9,8 +9,8 @@ from typing import Any
 
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.errors import NotFound
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
@@ -96,9 +96,9 @@ class FakeFleet:
     """
 
     def __init__(self, path: Path, *names: str, timing: StopTiming = TIMING) -> None:
-        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
         self.file = LatchFile(path)
-        self.interlock = Interlock(self.hub, self.file, names[0], echo_after=0.02, retry_after=0.02)
+        self.interlock = Interlock(self.fanout, self.file, names[0], echo_after=0.02, retry_after=0.02)
         self.robots = {
             name: SimpleNamespace(namespace=name, velocity=FakeVelocity(), topic=FakeTopic()) for name in names
         }

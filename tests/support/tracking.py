@@ -9,9 +9,9 @@ from typing import Any
 import orjson
 import pytest
 
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.limits import GoalLimits
@@ -47,15 +47,15 @@ QUICK = GoalLimits(result_wait=0.05, ask_again_after=0.03, end_stamp_wait=0.01)
 
 class Scene:
     def __init__(self, limits: GoalLimits = QUICK, reasons: PendingFacts[GoalError] | None = None) -> None:
-        self.hub = Hub(queue_limit=100, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=100, max_subscribers=10)
         self.history = MemoryHistory(100)
         self.returned: list[Goal] = []
         self.port = FakePort()
         port: Any = self.port
         self.reasons: PendingFacts[GoalError] = reasons or PendingFacts(0.1)
-        self.tracker = GoalTracker(port, self.hub, self.history, self.reasons, limits=limits)
+        self.tracker = GoalTracker(port, self.fanout, self.history, self.reasons, limits=limits)
         self.tracker.on[News.RETURNED].append(self.returned.append)
-        self.subscriber: Subscriber = self.hub.subscribe(EventFilter())
+        self.subscriber: Subscriber = self.fanout.subscribe(EventFilter())
         self.stamp = 0
 
     def send(self, goal_id: str = A) -> Goal:

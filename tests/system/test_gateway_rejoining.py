@@ -11,8 +11,8 @@ import pytest
 
 from dock_gateway.assembly import open_gateway
 from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.ros.bridge import Bridge
@@ -50,7 +50,7 @@ async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(se
         bridge = parts[Bridge]
         action = await parts[ActionRegistry].find("/fibonacci")
         events: list[dict[str, Any]] = []
-        reading = asyncio.create_task(read(parts[Hub].subscribe(EventFilter()), events))
+        reading = asyncio.create_task(read(parts[Fanout].subscribe(EventFilter()), events))
         goal = await action.delivery.start(action.port.goal_codec.parse({"order": 46}))
         await until(lambda: goal.feedback_count > 0)
         with pytest.MonkeyPatch.context() as patch:

@@ -12,9 +12,9 @@ from dock_gateway.access.scopes import require_covered
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.operation import Operation, operation_of
@@ -137,11 +137,11 @@ def subscribed(parts: Parts, principal: Principal, event_filter: EventFilter) ->
         TooManyRequests: There are too many already, or too many of this user (`too_many_streams`).
         Unavailable: The gateway is shutting down.
     """
-    logins, hub = parts[Logins], parts[Hub]
+    logins, fanout = parts[Logins], parts[Fanout]
     logins.require_valid(principal)
-    subscriber = hub.subscribe(event_filter)
+    subscriber = fanout.subscribe(event_filter)
     try:
         with parts[Quotas].hold(principal, "streams"), logins.watch(principal, subscriber.expel):
             yield subscriber
     finally:
-        hub.unsubscribe(subscriber)
+        fanout.unsubscribe(subscriber)

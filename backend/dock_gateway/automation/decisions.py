@@ -9,8 +9,8 @@ from typing import Any
 from dock_gateway.automation.past import require_free
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.hub import Hub
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SharedEntries
 
@@ -21,14 +21,14 @@ class DecisionLog(SharedEntries[Decision]):
     """The stored decisions. It publishes each once it is final, whichever gateway made it.
 
     Args:
-        hub: Receives events.
+        fanout: Receives events.
         store: Stores them.
         most: Maximum number of decisions that are kept, besides those that still count; the oldest are deleted.
     """
 
-    def __init__(self, hub: Hub, store: Entries[Decision], most: int = 1000) -> None:
+    def __init__(self, fanout: Fanout, store: Entries[Decision], most: int = 1000) -> None:
         super().__init__(store)
-        self._hub = hub
+        self._fanout = fanout
         self._most = most
         self._published: set[str] | None = None  # None until they have been read once
 
@@ -118,7 +118,7 @@ class DecisionLog(SharedEntries[Decision]):
         return [_document(identity, decisions[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
 
     def _publish(self, identity: str) -> None:
-        self._hub.publish(fleet_event("automation", utc_now(), automation=_document(identity, self.all()[identity])))
+        self._fanout.publish(fleet_event("automation", utc_now(), automation=_document(identity, self.all()[identity])))
 
 
 def _document(identity: str, decision: Decision) -> dict[str, Any]:

@@ -8,8 +8,8 @@ from dock_gateway.cameras.camera import COMPRESSED, IMAGE, Camera, find_cameras
 from dock_gateway.cameras.picture import Picture
 from dock_gateway.cameras.watch import Watch
 from dock_gateway.core.errors import NotFound, TooManyRequests, Unavailable, not_covered
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
@@ -28,7 +28,7 @@ class Cameras:
 
     Args:
         settings: Limits of rate and size.
-        hub: Says when the gateway closes.
+        fanout: Says when the gateway closes.
         robots: The robots.
         graph: Knows the topics.
         relays: Reads the topics.
@@ -38,7 +38,7 @@ class Cameras:
     def __init__(
         self,
         settings: Settings,
-        hub: Hub,
+        fanout: Fanout,
         robots: RobotRegistry,
         graph: GraphCache,
         relays: Relays,
@@ -46,7 +46,7 @@ class Cameras:
         first: float = FIRST,
     ) -> None:
         self._settings = settings
-        self._hub = hub
+        self._fanout = fanout
         self._robots = robots
         self._graph = graph
         self._relays = relays
@@ -116,7 +116,7 @@ class Cameras:
         async with self._watched(camera, viewer) as watch:
             seen = watch.count if watch.newest is None or watch.newest.stale else -1
             shown, failed, due, until = False, 0, 0.0, loop.time() + self._first
-            while not (self._hub.closing or viewer.expelled):
+            while not (self._fanout.closing or viewer.expelled):
                 now = loop.time()
                 if not shown and (failed >= UNREADABLE or now >= until):
                     raise _nothing_to_show(watch, self._first)

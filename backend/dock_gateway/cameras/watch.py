@@ -10,7 +10,7 @@ from functools import partial
 from dock_gateway.cameras.camera import Camera
 from dock_gateway.cameras.picture import WHOLE, Picture, read_picture
 from dock_gateway.cameras.pixels import Unreadable
-from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.fanout import Subscriber
 from dock_gateway.graph.relay import Received
 
 log = logging.getLogger(__name__)

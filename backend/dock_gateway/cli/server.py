@@ -16,7 +16,7 @@ from uvicorn.config import STARTUP_FAILURE
 
 from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.doctor.environment import describe_ros
@@ -99,11 +99,11 @@ class Server(uvicorn.Server):
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then shut down."""
         if self._parts is not None:
-            hub = self._parts[Hub]
-            hub.close()
+            fanout = self._parts[Fanout]
+            fanout.close()
             self._parts[ActionRegistry].release_all()
             deadline = time.monotonic() + FAREWELL
-            while len(hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
+            while len(fanout) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
                 await asyncio.sleep(0.01)
         await super().shutdown(sockets)
         await self._tasks.close()

@@ -1,4 +1,4 @@
-"""Events that the hub sends to subscribers, each encoded only once. Plain functions of plain data.
+"""Events that the fan-out sends to subscribers, each encoded only once. Plain functions of plain data.
 
 An event's id starts with the ROS source timestamp of the message that caused it, which is the same for every reader on
 the network: nanoseconds, padded so that ids sort as text. The event's kind and its subject follow.

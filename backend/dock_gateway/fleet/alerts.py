@@ -9,9 +9,9 @@ from typing import Any
 from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, ON_GRAPH, Alert, AlertRules
 from dock_gateway.fleet.findings import Finding
@@ -31,7 +31,7 @@ class AlertBoard:
     """Holds the alerts and their acknowledgements.
 
     Args:
-        hub: Receives events, and knows the subscribers.
+        fanout: Receives events, and knows the subscribers.
         acknowledgements: The acknowledgements.
         low_battery: Charge (0 to 1) below which a battery is low.
         incident: Returns the incident of the history, or None.
@@ -44,7 +44,7 @@ class AlertBoard:
 
     def __init__(
         self,
-        hub: Hub,
+        fanout: Fanout,
         acknowledgements: SharedEntries[Acknowledgement],
         *,
         low_battery: float,
@@ -55,7 +55,7 @@ class AlertBoard:
         sync_interval: float = SYNC_INTERVAL,
         settled_after: float = SETTLED_AFTER,
     ) -> None:
-        self._hub = hub
+        self._fanout = fanout
         self._acknowledgements = acknowledgements
         self._rules = AlertRules(low_battery)
         self._incident = incident
@@ -132,13 +132,13 @@ class AlertBoard:
         return alert.document(self._acknowledgements.get(alert.id))
 
     def _publish(self) -> None:
-        if not self._hub.watched(TOPIC):
+        if not self._fanout.watched(TOPIC):
             self._published = None
             return
         now = encode(documents := self.documents())
         if now != self._published:
             self._published = now
-            self._hub.publish(fleet_event("alerts", utc_now(), alerts=documents))
+            self._fanout.publish(fleet_event("alerts", utc_now(), alerts=documents))
 
     # ------------------------------------------------------------------ acknowledgements
 

@@ -8,10 +8,10 @@ from typing import Any
 import orjson
 
 from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
 from dock_gateway.fleet.robot_state import RobotState
@@ -36,7 +36,7 @@ class Fleet:
 
     Args:
         settings: Names.
-        hub: Receives events, and knows the subscribers.
+        fanout: Receives events, and knows the subscribers.
         robots: The robots.
         actions: The actions.
         interlock: The latched stops.
@@ -49,7 +49,7 @@ class Fleet:
     def __init__(
         self,
         settings: Settings,
-        hub: Hub,
+        fanout: Fanout,
         *,
         robots: RobotRegistry,
         actions: ActionRegistry,
@@ -61,7 +61,7 @@ class Fleet:
         alerts: AlertBoard,
     ) -> None:
         self._settings = settings
-        self._hub = hub
+        self._fanout = fanout
         self._robots = robots
         self._actions = actions
         self._robot_actions = robot_actions
@@ -155,7 +155,7 @@ class Fleet:
         states, strays = self._see()
         sights = self._robot_actions.sights()
         self._alerts.look(states, strays, self._duplicates(), split_robots(sights))
-        if not self._hub.watched(TOPIC):
+        if not self._fanout.watched(TOPIC):
             self._published = {}
             return
         now = {state.name: encode(state.document(join=_join(state, sights))) for state in states}
@@ -163,7 +163,7 @@ class Fleet:
         gone = sorted(self._published.keys() - now.keys())
         self._published = now
         if changed or gone:
-            self._hub.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
+            self._fanout.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
 
     async def close(self) -> None:
         """Stop checking."""

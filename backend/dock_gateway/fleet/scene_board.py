@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from dock_gateway.core.event import scenes_event, utc_now
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.pose_recorder import Scene, differs
 
@@ -24,12 +24,12 @@ class SceneBoard:
     """Publishes the scenes of all robots in one event, encoded once, while there are subscribers.
 
     Args:
-        hub: Receives the events, and knows the subscribers.
+        fanout: Receives the events, and knows the subscribers.
         robots: Returns the names of all robots.
     """
 
-    def __init__(self, hub: Hub, robots: Callable[[], list[str]]) -> None:
-        self._hub = hub
+    def __init__(self, fanout: Fanout, robots: Callable[[], list[str]]) -> None:
+        self._fanout = fanout
         self._robots = robots
         self._wanted: set[str] = set()
         self._heard: dict[str, tuple[Scene, float]] = {}  # with the time of the look before
@@ -62,7 +62,7 @@ class SceneBoard:
     def look(self, now: float) -> None:
         """Find the robots that are wanted, and publish their scenes if something has moved or it is time."""
         self._now = now
-        wanted = set(self._robots()) if self._hub.watched(TOPIC) else set()
+        wanted = set(self._robots()) if self._fanout.watched(TOPIC) else set()
         if not self._wanted:
             self._heard, self._published, self._due = {}, {}, now + REPEAT
         if wanted != self._wanted:
@@ -74,7 +74,7 @@ class SceneBoard:
         scenes = {robot: scene for robot, (scene, at) in heard if robot in wanted and now - at <= SHOWN_FOR}
         if now >= self._due or self._moved(scenes):
             self._published, self._due = scenes, now + REPEAT
-            self._hub.publish(scenes_event(scenes, utc_now()))
+            self._fanout.publish(scenes_event(scenes, utc_now()))
 
     def _moved(self, scenes: dict[str, Scene]) -> bool:
         before = self._published

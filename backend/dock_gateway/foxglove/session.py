@@ -17,8 +17,8 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests
+from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
 from dock_gateway.core.grant import Role
-from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
 from dock_gateway.foxglove import protocol
 from dock_gateway.foxglove.graph_view import GraphView
 from dock_gateway.foxglove.parameters import ClientParameters
@@ -119,8 +119,8 @@ class Session:
             await self._parameters.close()
 
     async def _follow(self, place: Subscriber) -> None:
-        hub = self._parts[Hub]
-        while not (hub.closing or place.expelled):
+        fanout = self._parts[Fanout]
+        while not (fanout.closing or place.expelled):
             await place.take(60.0)
         await self._connection.close(end_of(place))
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from dock_gateway.core.errors import Conflict, TooManyRequests
 from dock_gateway.core.event import websocket_frame
-from dock_gateway.core.hub import FrameWriter
+from dock_gateway.core.fanout import FrameWriter
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
 from dock_gateway.graph.relay import Received

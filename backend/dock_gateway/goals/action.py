@@ -9,8 +9,8 @@ from sensor_msgs.msg import BatteryState
 
 from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
 from dock_gateway.core.event import loss_event, system_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalError
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.idempotency import Submitter
@@ -49,7 +49,7 @@ class Action:
         self,
         port: ActionPort,
         settings: Settings,
-        hub: Hub,
+        fanout: Fanout,
         history: History,
         reasons: PendingFacts[GoalError],
         *,
@@ -68,9 +68,9 @@ class Action:
         self.pinned = pinned
         self.last_seen = float("-inf") if pinned else time.monotonic()
         self.feedback_dropped = 0
-        self._hub = hub
+        self._fanout = fanout
         self._default_dock = settings.default_dock
-        self.tracker = GoalTracker(port, hub, history, reasons, adapter, remark=remark, limits=limits)
+        self.tracker = GoalTracker(port, fanout, history, reasons, adapter, remark=remark, limits=limits)
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, interlock, limits)
         self.delivery = Delivery(
@@ -134,13 +134,13 @@ class Action:
         return self.port.goal_codec.parse(self.adapter.goal(request, self._default_dock, path), path)
 
     def _publish_server(self, state: ServerState) -> None:
-        self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
+        self._fanout.publish(system_event("action_server", state, utc_now(), action_name=self.name))
 
     def on_loss(self, goal_id: str, why: Unread, count: int) -> None:
         """Count feedback that was not read. It still is a sign of life."""
         self.tracker.heard()
         self.feedback_dropped += count
-        self._hub.publish(loss_event(goal_id, self.name, why, count, utc_now()))
+        self._fanout.publish(loss_event(goal_id, self.name, why, count, utc_now()))
 
     async def close(self) -> None:
         """Stop all background work."""

@@ -11,10 +11,10 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound, TooManyRequests, Unavailable
 from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.goal import Json, Verb, fragment
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.request import wait_while_permitted
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.robots.simulator import Simulators
@@ -22,7 +22,7 @@ from dock_gateway.settings import Settings
 
 # Maximum number of goals that wait, of one agent and of all. Others need places among the goals on their way.
 MAX_OF_AGENT, MAX_WAITING = 3, 10
-# The topic of the hub that readers of the overview have.
+# The topic of the fan-out that readers of the overview have.
 TOPIC = "robots"
 
 
@@ -78,15 +78,15 @@ class Approvals:
 
     Args:
         settings: How long they wait.
-        hub: Receives events.
+        fanout: Receives events.
         actions: Which of them dock robots.
         simulators: Which robots are simulated: goals to them need no approval.
     """
 
-    def __init__(self, settings: Settings, hub: Hub, actions: ActionRegistry, simulators: Simulators) -> None:
+    def __init__(self, settings: Settings, fanout: Fanout, actions: ActionRegistry, simulators: Simulators) -> None:
         self._settings = settings
         self._catalog = DockingCatalog(settings)
-        self._hub = hub
+        self._fanout = fanout
         self._actions = actions
         self._simulators = simulators
         self._waiting: dict[str, Approval] = {}
@@ -198,8 +198,8 @@ class Approvals:
                 approval.answer(Conflict("a stop was requested while the goal waited for approval", code="stopped"))
 
     def _publish(self) -> None:
-        if self._hub.watched(TOPIC):
-            self._hub.publish(fleet_event("approvals", utc_now(), approvals=self.documents()))
+        if self._fanout.watched(TOPIC):
+            self._fanout.publish(fleet_event("approvals", utc_now(), approvals=self.documents()))
 
     async def close(self) -> None:
         """Drop what waits."""

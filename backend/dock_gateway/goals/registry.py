@@ -12,9 +12,9 @@ from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.core.event import status_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, parent_of, prefix_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.docking_actions import DockingActions
@@ -54,7 +54,7 @@ class ActionRegistry:
     Args:
         settings: Names and deadlines.
         bridge: Runs calls on the ROS thread.
-        hub: Receives events.
+        fanout: Receives events.
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         interlock: The latched stops.
@@ -74,7 +74,7 @@ class ActionRegistry:
         self,
         settings: Settings,
         bridge: Bridge,
-        hub: Hub,
+        fanout: Fanout,
         history: History,
         reasons: PendingFacts[GoalError],
         *,
@@ -85,7 +85,7 @@ class ActionRegistry:
         self._settings = settings
         self._bridge = bridge
         self.remark: Callable[[str], str] = lambda _: ""
-        self._parts = (settings, hub, history, reasons)
+        self._parts = (settings, fanout, history, reasons)
         self._interlock = interlock
         self._limits = limits
         self._forget_after = forget_after
@@ -93,7 +93,7 @@ class ActionRegistry:
         self.on_change: list[Callable[[Goal], None]] = []
         self.on_end: list[Callable[[Goal], None]] = []
         self.on_lost: list[Callable[[Goal], None]] = []
-        self._hub = hub
+        self._fanout = fanout
         interlock.on_latch.append(self._stop_under)
         self._history = history
         self._actions: dict[str, Action] = {}
@@ -223,7 +223,7 @@ class ActionRegistry:
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
             if goal.lose(GoalError("action_server_lost", "the action has no server any more"), utc_now()):
                 now_ns = time.time_ns()
-                self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
+                self._fanout.publish(status_event(goal, self._fanout.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)
                 _notify(self.on_lost, goal)
 

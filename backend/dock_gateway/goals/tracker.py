@@ -14,8 +14,8 @@ from weakref import WeakValueDictionary
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, Now, result_event, status_event
+from dock_gateway.core.fanout import Fanout, Hold
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
-from dock_gateway.core.hub import Hold, Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
@@ -34,7 +34,7 @@ class GoalTracker:
 
     Args:
         port: The action.
-        hub: Receives events.
+        fanout: Receives events.
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         adapter: What the action's messages say about a goal, if it docks or undocks robots.
@@ -53,7 +53,7 @@ class GoalTracker:
     def __init__(
         self,
         port: ActionPort,
-        hub: Hub,
+        fanout: Fanout,
         history: History,
         reasons: PendingFacts[GoalError],
         adapter: DockAdapter | None = None,
@@ -62,7 +62,7 @@ class GoalTracker:
         limits: GoalLimits = LIMITS,
     ) -> None:
         self._machine = GoalMachine(
-            port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter, limits=limits
+            port.action_name, port.action_type, fanout.clock.stamp, Now.read(), adapter, limits=limits
         )
         self.known: KnownGoals = self._machine
         self.live = self._machine.live
@@ -74,7 +74,7 @@ class GoalTracker:
         self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)
-        self._hub = hub
+        self._fanout = fanout
         self._history = history
         self._reserve_for = limits.reserve_for
         self._seals = Tasks("storing the ends of goals")
@@ -187,7 +187,7 @@ class GoalTracker:
         while self._machine.outputs:
             match self._machine.outputs.popleft():
                 case Publish(event, goal):
-                    self._hub.publish(event)
+                    self._fanout.publish(event)
                     self._notify(News.CHANGED, goal)
                 case Store(goal):
                     self._history.record(goal)
@@ -240,7 +240,7 @@ class GoalTracker:
 
     def _publish_end(self, goal: Goal, source_ns: int) -> None:
         """Store the events of the end, then publish them: as stored, if another gateway was first."""
-        place = self._places.pop(goal.goal_id, None) or self._hub.hold(source_ns)
+        place = self._places.pop(goal.goal_id, None) or self._fanout.hold(source_ns)
         end = [status_event(goal, place.stamp, source_ns)]
         if goal.status is not GoalStatus.REJECTED:
             end.append(result_event(goal, place.stamp, source_ns))
@@ -253,7 +253,7 @@ class GoalTracker:
         later events here.
         """
         if self._history.shared and not self._machine.ended(goal_id) and goal_id not in self._places:
-            self._places[goal_id] = self._hub.hold(stamp_ns)
+            self._places[goal_id] = self._fanout.hold(stamp_ns)
             asyncio.get_running_loop().call_later(self._reserve_for, self._expire, goal_id)
 
     def _expire(self, goal_id: str) -> None:
@@ -285,7 +285,7 @@ class GoalTracker:
 
     async def wait_terminal(self, goal: Goal, timeout: float) -> None:
         """Wait until the goal has ended or the gateway closes, at most `timeout` seconds."""
-        if goal.status.terminal or self._hub.closing:
+        if goal.status.terminal or self._fanout.closing:
             return
         event = self._waiters.setdefault(goal.goal_id, asyncio.Event())
         try:

@@ -10,9 +10,9 @@ from typing import Any
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, moment, notice, utc_now
+from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.graph import Topic
-from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.subscription import TopicSubscription, listening_for

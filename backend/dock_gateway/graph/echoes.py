@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from dock_gateway.core.errors import TooManyRequests
-from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.fanout import Subscriber
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echo import TICK, Echo, Viewer
 from dock_gateway.ros.bridge import Bridge

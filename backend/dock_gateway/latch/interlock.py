@@ -14,8 +14,8 @@ from typing import Any, Protocol
 
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import system_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.latch.latch_file import RETRY_AFTER, LatchFile, LatchWriter
 from dock_gateway.latch.latches import Latch, Latches
@@ -51,7 +51,7 @@ class Interlock:
     """Tracks which robots are held by a stop, and publishes it.
 
     Args:
-        hub: Receives events.
+        fanout: Receives events.
         file: Stores the latches.
         default: Namespace of the configured robot.
         shared: Actions of several robots, for which a stop of any robot holds.
@@ -67,7 +67,7 @@ class Interlock:
 
     def __init__(
         self,
-        hub: Hub,
+        fanout: Fanout,
         file: LatchFile,
         default: str,
         shared: Collection[str] = (),
@@ -79,7 +79,7 @@ class Interlock:
     ) -> None:
         self.on_latch: list[Callable[[str], None]] = []
         self.on_release: list[Callable[[str], None]] = []
-        self._hub = hub
+        self._fanout = fanout
         self._echo_after = echo_after
         self._publish_again_after = publish_again_after
         self._latches = Latches(file.read(default), shared, homes)
@@ -366,7 +366,7 @@ class Interlock:
             document = self.document(namespace)
             if document != self._shown.get(namespace):
                 self._shown[namespace] = document
-                self._hub.publish(system_event("stop", document, now, robot=namespace))
+                self._fanout.publish(system_event("stop", document, now, robot=namespace))
 
     async def close(self) -> None:
         """Store unsaved changes, unless the disk hangs."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from dock_gateway.core.errors import GatewayError, NotFound
 from dock_gateway.core.event import maps_event, surroundings_event, utc_now
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import cancel
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
@@ -42,14 +42,14 @@ class Maps:
         settings: The names of the topics.
         relays: The relayed topics.
         graph: Knows who publishes what.
-        hub: Receives the events, and knows the subscribers.
+        fanout: Receives the events, and knows the subscribers.
         robots: Returns the names of all robots.
     """
 
     def __init__(
-        self, settings: Settings, relays: Relays, graph: GraphCache, hub: Hub, robots: Callable[[], list[str]]
+        self, settings: Settings, relays: Relays, graph: GraphCache, fanout: Fanout, robots: Callable[[], list[str]]
     ) -> None:
-        self._hub = hub
+        self._fanout = fanout
         self._robots = robots
         feeds = Pool(lambda topic: MapFeed(relays, graph, topic))
         frames = Pool(lambda topic: Frames(relays, graph, topic))
@@ -61,7 +61,7 @@ class Maps:
         self._changed = asyncio.Event()
         self._task = asyncio.create_task(self._run())
         for topic in (MAP, SCAN, PATH, MAPS):
-            hub.on_watch(topic, self._changed.set)
+            fanout.on_watch(topic, self._changed.set)
 
     async def of(self, robot: str) -> Surroundings:
         """Return what is known of a robot's map, which is read for a while from now on.
@@ -96,9 +96,9 @@ class Maps:
     def _wanted(self, now: float) -> dict[str, set[str]]:
         known = self._robots()
         for kind in (MAP, SCAN, PATH):
-            for robot in self._hub.watched(kind):
+            for robot in self._fanout.watched(kind):
                 self._until[robot, kind] = max(now + LINGER, self._until.get((robot, kind), 0.0))
-        for robot in known if self._hub.watched(MAPS) else ():
+        for robot in known if self._fanout.watched(MAPS) else ():
             self._until[robot, MAP] = max(now + LINGER, self._until.get((robot, MAP), 0.0))
         self._until = {key: until for key, until in self._until.items() if until > now and key[0] in known}
         wanted: defaultdict[str, set[str]] = defaultdict(set)
@@ -125,26 +125,26 @@ class Maps:
         self._sent = {key: sent for key, sent in self._sent.items() if key[1] in self._views or key[0] == MAPS}
 
     def _show(self, robot: str, view: Surroundings, now: float) -> None:
-        if robot in self._hub.watched(MAP):
+        if robot in self._fanout.watched(MAP):
             document = view.map_document()
             if self._due(MAP, robot, document, now):
                 self._tell(MAP, robot, document, document["topic"])
-        if robot in self._hub.watched(SCAN):
+        if robot in self._fanout.watched(SCAN):
             scan = view.scan_document()
             if scan is not None and (scan["points"] or self._due(SCAN, robot, scan, now)):
                 self._tell(SCAN, robot, scan, view.scan_reader.topic)
-        if robot in self._hub.watched(PATH):
+        if robot in self._fanout.watched(PATH):
             path = view.path_document(now)
             if self._due(PATH, robot, path, now):
                 self._tell(PATH, robot, path, view.path_reader.topic)
 
     def _show_all(self, now: float) -> None:
-        if not self._hub.watched(MAPS):
+        if not self._fanout.watched(MAPS):
             return
         documents = {robot: view.map_document() for robot, view in sorted(self._views.items())}
         found = {robot: document for robot, document in documents.items() if document["map"] is not None}
         if self._due(MAPS, "", found, now):
-            self._hub.publish(maps_event(found, utc_now()))
+            self._fanout.publish(maps_event(found, utc_now()))
 
     def _due(self, kind: str, robot: str, document: object, now: float) -> bool:
         """Return whether something is to be sent: it has changed, or it is time to repeat it."""
@@ -155,7 +155,7 @@ class Maps:
         return True
 
     def _tell(self, kind: str, robot: str, document: dict[str, Any], topic: str | None) -> None:
-        self._hub.publish(surroundings_event(kind, document, utc_now(), robot=robot, source=topic))
+        self._fanout.publish(surroundings_event(kind, document, utc_now(), robot=robot, source=topic))
 
     async def close(self) -> None:
         """Leave all topics."""

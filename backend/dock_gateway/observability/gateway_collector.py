@@ -7,7 +7,7 @@ from prometheus_client import Metric
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.webhook import DeliveryState
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.liveness import ServerState
@@ -43,11 +43,13 @@ class GatewayCollector(Collector):
         yield from self._fleet()
 
     def _streams(self) -> Iterator[Metric]:
-        hub = self._parts[Hub]
-        yield _gauge("stream_subscribers", "Readers of event streams, and WebSockets at /ws", len(hub))
-        yield _counters("events_published", "Events by kind; feedback is that received from ROS", "kind", hub.published)
-        yield _counters("events_sent", "Events handed to readers of streams, by kind", "kind", hub.sent)
-        yield _counter("events_dropped", "Events that slow readers did not get", hub.dropped)
+        fanout = self._parts[Fanout]
+        yield _gauge("stream_subscribers", "Readers of event streams, and WebSockets at /ws", len(fanout))
+        yield _counters(
+            "events_published", "Events by kind; feedback is that received from ROS", "kind", fanout.published
+        )
+        yield _counters("events_sent", "Events handed to readers of streams, by kind", "kind", fanout.sent)
+        yield _counter("events_dropped", "Events that slow readers did not get", fanout.dropped)
         yield _counter(
             "feedback_unread",
             "Feedback messages that were too large or came too fast to be read",

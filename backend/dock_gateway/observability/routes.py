@@ -9,8 +9,8 @@ from starlette.responses import PlainTextResponse, Response
 from dock_gateway import __version__
 from dock_gateway.access.authorization import identify
 from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED, Role
-from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -31,7 +31,7 @@ router = APIRouter(tags=["Health"])
 
 @router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
 @public_operation()
-async def healthz(bridge: Part[Bridge], settings: Part[Settings], hub: Part[Hub]) -> Response:
+async def healthz(bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout]) -> Response:
     """Report whether the ROS thread is alive and responsive."""
     try:
         await bridge.call(lambda: None, timeout=1.0)
@@ -43,7 +43,7 @@ async def healthz(bridge: Part[Bridge], settings: Part[Settings], hub: Part[Hub]
         "version": __version__,
         "node": settings.resolve(settings.node_name),
         "ros": ros_environment(),
-        "subscribers": len(hub),
+        "subscribers": len(fanout),
     }
     return json_response(health, 200 if alive else 503)
 

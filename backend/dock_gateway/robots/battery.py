@@ -13,8 +13,8 @@ import orjson
 from dock_gateway.core.battery import Reading
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Json, fragment
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.ros.robot_ports import BatteryPort
@@ -41,7 +41,7 @@ class Battery:
     """The latest battery state.
 
     Args:
-        hub: Receives battery events.
+        fanout: Receives battery events.
         stale_after: Age in seconds above which the state is stale.
         robot: The namespace.
         low_below: Charge (0 to 1) below which it is low; 0 means never.
@@ -49,10 +49,16 @@ class Battery:
     """
 
     def __init__(
-        self, hub: Hub, stale_after: float, robot: str, *, low_below: float, plausibility: Plausibility | None = None
+        self,
+        fanout: Fanout,
+        stale_after: float,
+        robot: str,
+        *,
+        low_below: float,
+        plausibility: Plausibility | None = None,
     ) -> None:
         self._robot = robot
-        self._hub = hub
+        self._fanout = fanout
         self._low_below = low_below
         self._stale_after = stale_after
         self._state: Json | None = None
@@ -74,9 +80,9 @@ class Battery:
         self._received_at = utc_now()
         fields = {**orjson.loads(state), **infinite}
         self._reading = self._plausibility.judge(fields, self._heard_at, self._received_at.timestamp())
-        stamp = self._hub.clock.stamp(stamp_ns)
+        stamp = self._fanout.clock.stamp(stamp_ns)
         event = message_event("battery", state, stamp, stamp_ns, robot=self._robot, more=self._believed())
-        self._hub.publish(event)
+        self._fanout.publish(event)
 
     @property
     def stale_since(self) -> datetime | None:
@@ -121,10 +127,10 @@ class Battery:
 class BatteryPublisher:
     """Publishes battery states, once or at a rate, as `ros2 topic pub` does."""
 
-    def __init__(self, port: BatteryPort, hub: Hub, robot: str) -> None:
+    def __init__(self, port: BatteryPort, fanout: Fanout, robot: str) -> None:
         self._robot = robot
         self._port = port
-        self._hub = hub
+        self._fanout = fanout
         self._publisher = Publisher()
         self._task: asyncio.Task[None] | None = None
         self._changing = asyncio.Lock()
@@ -193,7 +199,7 @@ class BatteryPublisher:
 
     def _publish_count(self) -> None:
         self._published_at = time.monotonic()
-        self._hub.publish(system_event("battery_publisher", self.document(), utc_now(), robot=self._robot))
+        self._fanout.publish(system_event("battery_publisher", self.document(), utc_now(), robot=self._robot))
 
 
 def _unstamped(message: Any) -> bool:

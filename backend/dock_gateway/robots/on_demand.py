@@ -26,7 +26,7 @@ class Port(Protocol):
 
 
 class Demand(Protocol):
-    """Knows whose topics are wanted, such as the hub, by its subscribers."""
+    """Knows whose topics are wanted, such as the fan-out, by its subscribers."""
 
     def watched(self, topic: str) -> set[str]:
         """Return the robots whose topic is wanted."""

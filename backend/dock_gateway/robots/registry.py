@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
 from dock_gateway.core.errors import NotFound
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.namespace import normalize_namespace, read_namespace
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
@@ -52,11 +52,11 @@ class RobotRegistry:
     """
 
     def __init__(
-        self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, last_goals: LastGoals
+        self, settings: Settings, bridge: Bridge, fanout: Fanout, interlock: Interlock, last_goals: LastGoals
     ) -> None:
         self._settings = settings
         self._bridge = bridge
-        self._hub = hub
+        self._fanout = fanout
         self._interlock = interlock
         self._last_goals = last_goals
         self._catalog = DockingCatalog(settings)
@@ -70,9 +70,9 @@ class RobotRegistry:
 
     async def open(self, namespace: str) -> Robot:
         """Join the topics of a robot."""
-        settings, hub = self._settings, self._hub
+        settings, fanout = self._settings, self._fanout
         battery = Battery(
-            hub,
+            fanout,
             settings.battery_stale_after,
             namespace,
             low_below=settings.low_battery,
@@ -105,7 +105,7 @@ class RobotRegistry:
 
         ports = await self._bridge.call(make, undo=_leave)
         battery_port, velocity, latch = ports
-        robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity, ports)
+        robot = Robot(namespace, battery, BatteryPublisher(battery_port, fanout, namespace), velocity, ports)
         self._robots[namespace] = robot
         self._forgotten.discard(namespace)
         self._interlock.join(namespace, latch)

@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args
 
 from dock_gateway.core.errors import NotFound, ServerTimeout
 from dock_gateway.core.event import system_event, utc_now
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
 from dock_gateway.robots.registry import RobotRegistry
@@ -75,7 +75,7 @@ class Simulators:
     Args:
         settings: Names.
         bridge: Runs calls on the ROS thread.
-        hub: Receives events.
+        fanout: Receives events.
         robots: The robots. Reports of other namespaces are not taken.
         gone_after: See `GONE_AFTER`.
     """
@@ -84,7 +84,7 @@ class Simulators:
         self,
         settings: Settings,
         bridge: Bridge,
-        hub: Hub,
+        fanout: Fanout,
         robots: RobotRegistry,
         *,
         gone_after: float = GONE_AFTER,
@@ -92,7 +92,7 @@ class Simulators:
         self._gone_after = gone_after
         self._settings = settings
         self._bridge = bridge
-        self._hub = hub
+        self._fanout = fanout
         self._robots = robots
         self._simulators: dict[str, Simulator] = {}
         self._task = asyncio.create_task(self._watch())
@@ -129,7 +129,7 @@ class Simulators:
                     self._publish(namespace)
 
     def _publish(self, namespace: str) -> None:
-        self._hub.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
+        self._fanout.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
 
     # ------------------------------------------------------------------ operations
 

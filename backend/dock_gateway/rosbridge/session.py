@@ -16,9 +16,9 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, TooManyRequests
+from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
-from dock_gateway.core.hub import FrameWriter, Hub, Subscriber
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
@@ -118,7 +118,7 @@ class Session:
         """End the subscriptions. Operations in progress continue, and goals that are running."""
         self._closed = True
         self._reads.close()
-        if self._cancel_on_disconnect and not self._parts[Hub].closing:
+        if self._cancel_on_disconnect and not self._parts[Fanout].closing:
             await asyncio.gather(*map(self._cancel, self._goals.running))
         async with self._in_order:
             await self._subscriptions.close()
@@ -130,8 +130,8 @@ class Session:
             log.info("a goal of a client that is gone was not canceled: %s", error)
 
     async def _follow(self, place: Subscriber) -> None:
-        hub = self._parts[Hub]
-        while not (hub.closing or place.expelled or place.overrun):
+        fanout = self._parts[Fanout]
+        while not (fanout.closing or place.expelled or place.overrun):
             events, _ = await place.take(60.0)
             if not place.expelled:
                 await self._goals.on_events(events)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from dock_gateway.core.errors import TooManyRequests
-from dock_gateway.core.hub import FrameWriter
+from dock_gateway.core.fanout import FrameWriter
 from dock_gateway.graph.relay import Received
 from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe

@@ -12,8 +12,8 @@ from starlette.websockets import WebSocketDisconnect
 from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.access import Principal
 from dock_gateway.core.event import Event
+from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.grant import Role
-from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation

@@ -6,9 +6,9 @@ from collections.abc import AsyncIterator, Iterable, Iterator
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.throttle import Throttle
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
@@ -85,7 +85,7 @@ async def feed(
 
     Args:
         parts: The parts of the gateway.
-        subscriber: The reader's place in the hub.
+        subscriber: The reader's place in the fan-out.
         after: Id of the last event that the reader has seen. First come `resumed`, the missed events, and the current
             state of all that is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
         max_rate: Maximum messages per second of each goal's feedback, of battery and of velocity.
@@ -101,7 +101,7 @@ async def follow(parts: Parts, subscriber: Subscriber, max_rate: float | None = 
     interval = parts[Settings].heartbeat_interval
     throttle = Throttle(max_rate)
     next_heartbeat = time.monotonic() + interval
-    while not (parts[Hub].closing or subscriber.overrun or subscriber.expelled):
+    while not (parts[Fanout].closing or subscriber.overrun or subscriber.expelled):
         due = min(next_heartbeat, throttle.next_due())
         events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
         if dropped:
@@ -128,7 +128,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     If the reader wants a single goal, `ends_goal` of the last one says whether the reader now knows how the goal ended.
     """
     subscriber.clear()  # everything up to now is in the snapshot or the replay
-    if after is not None and parts[Hub].clock.is_past(after):
+    if after is not None and parts[Fanout].clock.is_past(after):
         missed = await _missed(parts, subscriber, after)
         if missed.complete:
             over = await _ended_before(parts, subscriber.event_filter, after)
@@ -164,7 +164,7 @@ async def _ended_before(parts: Parts, event_filter: EventFilter, after: str) -> 
 async def _missed(parts: Parts, subscriber: Subscriber, after: str) -> LaterEvents:
     """Return the events after an event, published by any gateway. The reader's queue skips them."""
     subscriber.after = after
-    missed = parts[Hub].since(after, subscriber.event_filter)
+    missed = parts[Fanout].since(after, subscriber.event_filter)
     if missed is not None:
         return LaterEvents(missed, complete=True)
     later = await _from_history(parts, subscriber.event_filter, after)
@@ -180,7 +180,7 @@ async def _from_history(parts: Parts, event_filter: EventFilter, after: str) -> 
         try:
             return await _read_history(parts, event_filter, after)
         except GatewayError:
-            if time.monotonic() >= deadline or parts[Hub].closing:
+            if time.monotonic() >= deadline or parts[Fanout].closing:
                 return LaterEvents([], complete=False)
             await asyncio.sleep(0.1)
 

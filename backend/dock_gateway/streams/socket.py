@@ -26,10 +26,10 @@ from dock_gateway.core.errors import (
     TooManyRequests,
     Unavailable,
 )
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
@@ -68,7 +68,7 @@ async def socket(websocket: WebSocket, parts: AllParts) -> None:
 
 @dataclass
 class Subscription:
-    """One subscription of a socket. It lasts as long as its task, which holds a place in the hub."""
+    """One subscription of a socket. It lasts as long as its task, which holds a place in the fan-out."""
 
     task: asyncio.Task[None]
     acknowledged: bool = False
@@ -114,7 +114,7 @@ class Session:
         await cancel(*self._tasks())
 
     async def _farewell(self, place: Subscriber) -> None:
-        while not (self._parts[Hub].closing or place.expelled):
+        while not (self._parts[Fanout].closing or place.expelled):
             await place.take(60.0)
         if tasks := self._tasks():  # each of them sends `closing` first
             await asyncio.wait(tasks)

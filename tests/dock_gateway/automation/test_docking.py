@@ -17,9 +17,9 @@ from dock_gateway.core.battery import Reading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
@@ -90,7 +90,7 @@ class Site:
         self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[Decision]()
         self.gateways: list[AutomaticDocking] = []
         self.history = MemoryHistory(100)
-        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
 
     def activity(self) -> Activity:
         activity = Activity(cast("RobotRegistry", SimpleNamespace(owner=lambda _: None)))
@@ -106,7 +106,7 @@ class Site:
             cast("History", self.history),
             activity=self.activity(),
             rules=SharedBook(self.rules, "rule", 50),
-            decisions=DecisionLog(self.hub, self.stored),
+            decisions=DecisionLog(self.fanout, self.stored),
             interval=0.01,
             sync_every=sync_every,
         )
@@ -163,7 +163,7 @@ async def test_two_gateways_send_one_goal_and_both_publish_it_once(
 ) -> None:
     caplog.set_level("INFO")
     first, second = site.gateway(), site.gateway()
-    reader = site.hub.subscribe(EventFilter(frozenset({"robots"})))
+    reader = site.fanout.subscribe(EventFilter(frozenset({"robots"})))
     await asyncio.sleep(0.1)
     await first.replace("low", AT_ONCE)
     (decision,) = await site.decided()
@@ -171,7 +171,7 @@ async def test_two_gateways_send_one_goal_and_both_publish_it_once(
     await until(lambda: list(second.decisions.all().values()) == [decision])
     assert len(site.robot.sent) == 1
     events, _ = await reader.take(1.0)
-    assert len([event for event in events if b'"automation"' in event.data]) == 2  # one by each, here at one hub
+    assert len([event for event in events if b'"automation"' in event.data]) == 2  # one by each, here at one fanout
     assert sum("automatic docking of /robot1" in line for line in caplog.messages) == 1
 
 
@@ -277,7 +277,7 @@ async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_t
 
 async def test_the_oldest_decisions_are_deleted(site: Site) -> None:
     old = utc_now() - timedelta(hours=1)
-    log = DecisionLog(site.hub, site.stored, most=2)
+    log = DecisionLog(site.fanout, site.stored, most=2)
     for minute in range(4):
         at = old + timedelta(minutes=minute)
         log.finish(str(minute), Decision("low", "Low", ROBOT, at, Outcome.SENT, *[None] * 6, open=False))
@@ -290,7 +290,7 @@ async def test_the_oldest_decisions_are_deleted(site: Site) -> None:
 async def test_an_old_decision_that_counts_is_kept(site: Site) -> None:
     """Otherwise the rule would send a robot again that it has given up, and the alert about that would end."""
     old = utc_now() - timedelta(days=1)
-    log = DecisionLog(site.hub, site.stored, most=2)
+    log = DecisionLog(site.fanout, site.stored, most=2)
     log.finish("gave up", Decision("low", "Low", ROBOT, old, Outcome.GAVE_UP, *[None] * 6, open=True))
     for day in range(3):
         at = old + timedelta(hours=1 + day)

@@ -14,7 +14,7 @@ from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.automation.rule import RuleEntry
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
@@ -41,7 +41,7 @@ class Client:
         docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots
         docking._rules = SharedBook(self.history.documents("rule", RuleEntry), "rule", 2)
         docking.decisions = DecisionLog(
-            Hub(queue_limit=1, max_subscribers=1), self.history.documents("decision", Decision)
+            Fanout(queue_limit=1, max_subscribers=1), self.history.documents("decision", Decision)
         )
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)

@@ -15,10 +15,10 @@ from dock_gateway.cameras.cameras import Cameras
 from dock_gateway.cameras.picture import JPEG, Picture
 from dock_gateway.cameras.pixels import Unreadable
 from dock_gateway.core.errors import NotAllowed, NotFound, Unavailable
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.core.graph import Endpoint, Quality, Topic
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.settings import Settings
 from tests.support.waiting import PATIENCE, until
 
@@ -75,7 +75,7 @@ class Bench:
 
     def __init__(self, stack: AsyncExitStack) -> None:
         self._stack = stack
-        self.hub = Hub(queue_limit=1, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=1, max_subscribers=10)
         self.relays = FakeRelays()
         quality = Quality("reliable", "volatile", "keep_last", 1, None, None, "automatic")
         topic = Topic(FRONT.topic, [Endpoint("/c", COMPRESSED, quality)], [])
@@ -91,14 +91,14 @@ class Bench:
         robots = SimpleNamespace(get=get, owner=lambda _: SimpleNamespace(namespace="/robot1"))
         graph = SimpleNamespace(topics_of=topics_of)
         settings = Settings(camera_max_rate=RATE, camera_max_width=80)
-        parts = cast("Any", (settings, self.hub, robots, graph, self.relays))
+        parts = cast("Any", (settings, self.fanout, robots, graph, self.relays))
         self.cameras = Cameras(*parts, first=PATIENCE)
         self.impatient = Cameras(*parts, first=0.2)
 
     async def viewer(
         self, *, width: int | None = None, patient: bool = True
     ) -> tuple[AsyncGenerator[Picture], Subscriber]:
-        subscriber = self.hub.subscribe(EventFilter(topics=frozenset()))
+        subscriber = self.fanout.subscribe(EventFilter(topics=frozenset()))
         pictures = (self.cameras if patient else self.impatient).pictures(FRONT, subscriber, width, None)
         await self._stack.enter_async_context(aclosing(pictures))
         return pictures, subscriber
@@ -193,7 +193,7 @@ async def test_it_ends_when_the_login_ends(bench: Bench) -> None:
 async def test_it_ends_when_the_gateway_closes(bench: Bench) -> None:
     pictures, _ = await bench.viewer()
     await take(bench, pictures, b"a")
-    bench.hub.close()
+    bench.fanout.close()
     assert await anext(pictures, None) is None
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.fleet.alert_rules import AlertKind, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.storage import Acknowledgement
@@ -24,14 +24,14 @@ ID = alert_id(AlertKind.LOW_BATTERY, "/robot1")
 
 class Scene:
     def __init__(self) -> None:
-        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
         self.store = MemoryEntries[Acknowledgement]()
         self.boards: list[AlertBoard] = []
-        self.reader = self.hub.subscribe(EventFilter(frozenset({"robots"})))
+        self.reader = self.fanout.subscribe(EventFilter(frozenset({"robots"})))
 
     def board(self, **timing: float) -> AlertBoard:
         entries = SharedEntries(self.store)
-        self.boards.append(AlertBoard(self.hub, entries, low_battery=0.2, sync_interval=0.01, **timing))
+        self.boards.append(AlertBoard(self.fanout, entries, low_battery=0.2, sync_interval=0.01, **timing))
         return self.boards[-1]
 
 

@@ -9,10 +9,10 @@ import pytest
 
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import Event, utc_now
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.hints import Join
@@ -35,7 +35,7 @@ class Parts:
     """What a fleet is put together from; `outcome` holds the last goal that ended and the last that succeeded."""
 
     def __init__(self, *names: str) -> None:
-        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
         self.robots = {name: self.robot(name) for name in names}
         self.default_namespace = names[0]
         self.goals: list[Goal] = []
@@ -47,7 +47,9 @@ class Parts:
 
     def robot(self, name: str) -> Any:
         publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
-        return SimpleNamespace(namespace=name, battery=Battery(self.hub, 2.0, name, low_below=0.3), publisher=publisher)
+        return SimpleNamespace(
+            namespace=name, battery=Battery(self.fanout, 2.0, name, low_below=0.3), publisher=publisher
+        )
 
     # the registry of robots
     def all(self) -> list[Any]:
@@ -102,7 +104,7 @@ class Parts:
         parts: Any = self
         return Fleet(
             Settings(),
-            self.hub,
+            self.fanout,
             robots=parts,
             actions=parts,
             robot_actions=RobotActions(Settings(), parts, parts),
@@ -237,13 +239,13 @@ async def test_changes_are_told_once_and_only_while_somebody_asks() -> None:
     parts = Parts("/", "/robot1")
     fleet = parts.fleet()
     published: list[Event] = []
-    publish = parts.hub.publish
-    parts.hub.publish = lambda event: (published.append(event), publish(event))  # type: ignore[func-returns-value]
+    publish = parts.fanout.publish
+    parts.fanout.publish = lambda event: (published.append(event), publish(event))  # type: ignore[func-returns-value]
     fleet.look()
     assert published == []
-    asks = parts.hub.subscribe(EventFilter(frozenset({"goals", "robots"}), robot="/robot1"))
-    also = parts.hub.subscribe(EventFilter(frozenset({"robots"})))
-    other = parts.hub.subscribe(EventFilter())
+    asks = parts.fanout.subscribe(EventFilter(frozenset({"goals", "robots"}), robot="/robot1"))
+    also = parts.fanout.subscribe(EventFilter(frozenset({"robots"})))
+    other = parts.fanout.subscribe(EventFilter())
     fleet.look()
     (event,) = await told(asks)
     assert (event["type"], [robot["name"] for robot in event["robots"]]) == ("robots", ["/", "/robot1"])

@@ -5,8 +5,8 @@ from typing import Any
 import orjson
 import pytest
 
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.fleet.scene_board import REPEAT, SHOWN_FOR, SceneBoard
 
 ROBOTS = ["/robot1", "/robot2"]
@@ -24,12 +24,12 @@ class Fixture:
         self.now = 100.0
         self.changes: list[set[str]] = []
         self.robots = list(ROBOTS)
-        self.hub = Hub(queue_limit=10, max_subscribers=4)
-        self.board = SceneBoard(self.hub, lambda: self.robots)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=4)
+        self.board = SceneBoard(self.fanout, lambda: self.robots)
         self.board.on_watch("poses", lambda: self.changes.append(self.board.watched("poses")))
 
     def subscribe(self) -> Subscriber:
-        reader = self.hub.subscribe(EventFilter(frozenset({"goals", "scenes"})))
+        reader = self.fanout.subscribe(EventFilter(frozenset({"goals", "scenes"})))
         self.look()
         return reader
 
@@ -60,7 +60,7 @@ async def test_robots_are_listened_to_while_there_is_a_reader(fixture: Fixture) 
     reader = fixture.subscribe()
     fixture.robots.append("/robot3")
     fixture.look()
-    fixture.hub.unsubscribe(reader)
+    fixture.fanout.unsubscribe(reader)
     fixture.look()
     assert fixture.changes == [set(ROBOTS), {*ROBOTS, "/robot3"}, set()]
 
@@ -115,7 +115,7 @@ async def test_what_was_heard_for_readers_of_before_is_forgotten(fixture: Fixtur
     reader = fixture.subscribe()
     fixture.hear("/robot1", 1.0)
     fixture.look()
-    fixture.hub.unsubscribe(reader)
+    fixture.fanout.unsubscribe(reader)
     fixture.look()
     fixture.hear("/robot1", 1.0)  # its port is still open
     later = fixture.subscribe()

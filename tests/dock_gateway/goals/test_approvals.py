@@ -22,10 +22,10 @@ class Site:
     def __init__(self, timeout: float = 60.0, **settings: Any) -> None:
         self.published: list[Any] = []
         self.simulated: set[str] = set()
-        hub: Any = SimpleNamespace(watched=lambda _: True, publish=self.published.append)
+        fanout: Any = SimpleNamespace(watched=lambda _: True, publish=self.published.append)
         actions: Any = SimpleNamespace(get=lambda _: SimpleNamespace(verb="dock"))
         simulators: Any = SimpleNamespace(find=lambda robot: robot if robot in self.simulated else None)
-        self.approvals = Approvals(Settings(approval_timeout=timeout, **settings), hub, actions, simulators)
+        self.approvals = Approvals(Settings(approval_timeout=timeout, **settings), fanout, actions, simulators)
 
     def ask(self, name: str = "bot", action: str = ACTION) -> "asyncio.Task[None]":
         return asyncio.create_task(self.approvals.require(agent(name), action, b'{"order":1}'))

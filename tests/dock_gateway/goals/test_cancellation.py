@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import News
@@ -55,8 +55,8 @@ class FakePort:
 class Scene:
     def __init__(self) -> None:
         self.port = FakePort()
-        hub = Hub(queue_limit=10, max_subscribers=10)
-        self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
+        fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.tracker = GoalTracker(self.port, fanout, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
         self.by: str | None = None
         interlock: Any = SimpleNamespace(

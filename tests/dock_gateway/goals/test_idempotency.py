@@ -9,8 +9,8 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import STATUS, event_id, nanoseconds, utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.idempotency import Submitter
@@ -99,10 +99,10 @@ class Scene:
     def __init__(self) -> None:
         self.port = FakePort()
         self.history = GatedHistory()
-        hub = Hub(queue_limit=100, max_subscribers=10)
-        self.tracker = GoalTracker(self.port, hub, self.history, PendingFacts(0.01))  # type: ignore[arg-type]
+        fanout = Fanout(queue_limit=100, max_subscribers=10)
+        self.tracker = GoalTracker(self.port, fanout, self.history, PendingFacts(0.01))  # type: ignore[arg-type]
         settings = self.settings = Settings(accept_timeout=5.0)
-        self.interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
+        self.interlock = Interlock(fanout, LatchFile(settings.stop_file), "/")
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
         canceler = Canceler(settings, self.tracker, self.interlock)
         delivery = Delivery(

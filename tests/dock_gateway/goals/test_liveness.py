@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Conflict
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, cancel
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
@@ -53,7 +53,7 @@ class Scene:
     def __init__(self, **settings: Any) -> None:
         self.port = FakePort()
         self.tracker = GoalTracker(
-            self.port, Hub(queue_limit=10, max_subscribers=10), MemoryHistory(10), PendingFacts(0.01)
+            self.port, Fanout(queue_limit=10, max_subscribers=10), MemoryHistory(10), PendingFacts(0.01)
         )  # type: ignore[arg-type]
         self.states: list[ServerState] = []
         self.watch = ServerWatch(

@@ -13,8 +13,8 @@ import pytest
 
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import Action
@@ -80,14 +80,14 @@ class FakePort:
 class Scene:
     def __init__(self, history: SqlHistory) -> None:
         self.port = FakePort()
-        self.hub = Hub(queue_limit=10, max_subscribers=10, keep=history.record_event, recent=10)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10, keep=history.record_event, recent=10)
         self.history = history
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01, limit=10)
         settings = Settings(accept_timeout=0.01, ping_interval=0.1, max_pending_goals=1000)
-        interlock = Interlock(self.hub, LatchFile(settings.stop_file), "/")
+        interlock = Interlock(self.fanout, LatchFile(settings.stop_file), "/")
         port: Any = self.port
         self.action = Action(
-            port, settings, self.hub, history, self.reasons, interlock=interlock, pinned=True, limits=LIMITS
+            port, settings, self.fanout, history, self.reasons, interlock=interlock, pinned=True, limits=LIMITS
         )
 
     def new(self, status: GoalStatus = GoalStatus.PENDING) -> Goal:
@@ -146,7 +146,7 @@ class Scene:
 
     @property
     def sizes(self) -> Counter[str]:
-        found = sizes(self.action) + sizes(self.hub) + sizes(self.history)
+        found = sizes(self.action) + sizes(self.fanout) + sizes(self.history)
         found["requests that wait for an answer"] = len(self.port.waiting)
         found["tasks"] = len(asyncio.all_tasks())
         return found

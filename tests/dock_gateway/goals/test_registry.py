@@ -9,8 +9,8 @@ import pytest
 
 from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals import registry as actions
 from dock_gateway.goals.registry import FORGET_AFTER, ActionRegistry
@@ -37,14 +37,14 @@ def registry() -> ActionRegistry:
 
 
 def make_registry(forget_after: float = FORGET_AFTER, **names: str) -> ActionRegistry:
-    hub = Hub(queue_limit=10, max_subscribers=10)
+    fanout = Fanout(queue_limit=10, max_subscribers=10)
     settings = Settings(server_wait=0.05, **names)  # type: ignore[arg-type]
-    interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
+    interlock = Interlock(fanout, LatchFile(settings.stop_file), "/")
     bridge: Any = FakeBridge()
     return ActionRegistry(
         settings,
         bridge,
-        hub,
+        fanout,
         MemoryHistory(10),
         PendingFacts(0.05),
         interlock=interlock,

@@ -9,9 +9,9 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import UNCONFIRMED, Goal, GoalError, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, Claim, Delivery, outcome
@@ -102,10 +102,10 @@ class Scene:
         self.history = SealingHistory()
         self.interlock: Any = FakeInterlock()
         self.watch: Any = FakeWatch()
-        hub = Hub(queue_limit=100, max_subscribers=10)
-        self.subscriber = hub.subscribe(EventFilter())
+        fanout = Fanout(queue_limit=100, max_subscribers=10)
+        self.subscriber = fanout.subscribe(EventFilter())
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.05)
-        self.tracker = GoalTracker(self.port, hub, self.history, self.reasons)
+        self.tracker = GoalTracker(self.port, fanout, self.history, self.reasons)
         self.settings = Settings(**{"accept_timeout": 30.0, "max_pending_goals": 2, **settings})
         self.canceler = Canceler(self.settings, self.tracker, self.interlock)
         self.delivery = Delivery(

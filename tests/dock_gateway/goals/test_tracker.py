@@ -126,8 +126,8 @@ async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_
     scene.port.answer(A, S.SUCCEEDED, b"{}")
     assert (await scene.events())[-3:] == ["status:succeeded", "result:succeeded", "feedback:1"]
     scene.status((B, S.SUCCEEDED))
-    scene.hub.publish(message_event("battery", b"{}", scene.hub.clock.stamp(0)))
-    await until(lambda: not scene.hub.waiting)  # a result that does not come holds nothing up for long
+    scene.fanout.publish(message_event("battery", b"{}", scene.fanout.clock.stamp(0)))
+    await until(lambda: not scene.fanout.waiting)  # a result that does not come holds nothing up for long
 
 
 async def test_each_message_is_a_sign_of_life(scene: Scene) -> None:
@@ -154,7 +154,7 @@ async def test_who_waits_goes_on_when_the_goal_is_lost(scene: Scene) -> None:
     scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
     await asyncio.wait_for(asyncio.gather(*waiting), 5)
     await asyncio.wait_for(scene.tracker.wait_terminal(goal, 60), 5)
-    scene.hub.close()
+    scene.fanout.close()
     await asyncio.wait_for(scene.tracker.wait_terminal(scene.send(B), 60), 5)
 
 
@@ -218,10 +218,10 @@ async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
     scene.history.record(ended)
     for _ in range(2):
         scene.status((B, S.SUCCEEDED))
-    assert scene.hub.waiting == 1, "one place is enough"
-    await until(lambda: not scene.hub.waiting)
+    assert scene.fanout.waiting == 1, "one place is enough"
+    await until(lambda: not scene.fanout.waiting)
     scene.status((B, S.SUCCEEDED))
-    assert not scene.hub.waiting, "its end is known"
+    assert not scene.fanout.waiting, "its end is known"
 
 
 @limits(reserve_for=0.01)
@@ -231,7 +231,7 @@ async def test_a_place_that_nobody_takes_says_so(
     monkeypatch.setattr(scene.history, "shared", True)
     goal = scene.send()
     scene.status((A, S.SUCCEEDED))
-    await until(lambda: not scene.hub.waiting)
+    await until(lambda: not scene.fanout.waiting)
     assert A in caplog.text
     scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
     assert (await scene.events())[-1] == "result:succeeded"

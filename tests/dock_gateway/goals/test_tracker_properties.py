@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dock_gateway.core.event import Event
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
@@ -45,10 +45,10 @@ class World:
 
     def start(self) -> None:
         newest = max((event.id or "" for event in self.told), default="")
-        hub = Hub(queue_limit=10, max_subscribers=1, keep=self.keep, newest=newest)
+        fanout = Fanout(queue_limit=10, max_subscribers=1, keep=self.keep, newest=newest)
         self.port = FakePort()
         port: Any = self.port
-        self.tracker = GoalTracker(port, hub, self.history, PendingFacts(0.001), limits=LIMITS)
+        self.tracker = GoalTracker(port, fanout, self.history, PendingFacts(0.001), limits=LIMITS)
 
     def keep(self, event: Event) -> None:
         self.told.append(event)

@@ -10,9 +10,9 @@ import orjson
 import pytest
 
 from dock_gateway.core.errors import NotFound, TooManyRequests
+from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.graph import Endpoint, Quality, Topic
-from dock_gateway.core.hub import Subscriber
 from dock_gateway.graph import subscription as module
 from dock_gateway.graph.echoes import MAX_TOPICS, EchoRegistry
 from dock_gateway.graph.subscription import Listening, listening_for

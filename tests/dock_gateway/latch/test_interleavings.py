@@ -10,7 +10,7 @@ from typing import Any
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from tests.support.waiting import until
@@ -45,7 +45,7 @@ class SlowTopic:
 class Gateway:
     def __init__(self, path: Path) -> None:
         self.path, self.topic = path, SlowTopic()
-        self.interlock = Interlock(Hub(queue_limit=10, max_subscribers=10), LatchFile(path), "/", echo_after=ECHO)
+        self.interlock = Interlock(Fanout(queue_limit=10, max_subscribers=10), LatchFile(path), "/", echo_after=ECHO)
         self.interlock.join("/", self.topic)
         self.releases: set[asyncio.Task[Any]] = set()
 

@@ -12,8 +12,8 @@ import pytest
 
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.hub import Hub
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from tests.support.waiting import until
@@ -57,9 +57,9 @@ class Gateway:
     def __init__(self, path: Path, **timing: float) -> None:
         self.all.append(self)
         self.file = LatchFile(path)
-        self.hub = Hub(queue_limit=10, max_subscribers=10)
-        self.reader = self.hub.subscribe(EventFilter(frozenset({"system"})))
-        self.interlock = Interlock(self.hub, self.file, "/", **{"echo_after": 0.02} | timing)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.reader = self.fanout.subscribe(EventFilter(frozenset({"system"})))
+        self.interlock = Interlock(self.fanout, self.file, "/", **{"echo_after": 0.02} | timing)
         self.topic = FakeTopic()
         self.interlock.join("/", self.topic)
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import NotFound
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.robots import simulator as module
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
@@ -40,7 +40,7 @@ async def simulators(
     monkeypatch.setattr(module, "SimulatorPort", Port)
     bridge: Any = None
     simulators = Simulators(
-        Settings(), bridge, Hub(queue_limit=10, max_subscribers=10), robots, **getattr(request, "param", {})
+        Settings(), bridge, Fanout(queue_limit=10, max_subscribers=10), robots, **getattr(request, "param", {})
     )
     yield simulators
     await simulators.close()

@@ -13,10 +13,10 @@ from starlette.types import Message
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.core.access import ANYBODY
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
-from dock_gateway.core.hub import Hub
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.owners import Owners
@@ -157,7 +157,7 @@ class OneGoal(Parts):
         super().__init__(
             {
                 Settings: Settings(heartbeat_interval=60.0),
-                Hub: scene.hub,
+                Fanout: scene.fanout,
                 History: scene.history,
                 Quotas: Quotas(Settings()),
                 Logins: self.logins,
@@ -203,7 +203,7 @@ async def test_a_goals_stream_ends_with_the_goal_whenever_that_is(scene: Scene, 
             parts.end()  # at the latest
     last = told[-1] if told[-1]["type"] == "result" else told[-1]["goals"][0]
     assert (last["status"], last["result"]) == ("succeeded", {"n": 1})
-    assert len(scene.hub) == 1  # the scene's own
+    assert len(scene.fanout) == 1  # the scene's own
 
 
 async def test_who_has_had_the_end_of_a_goal_gets_nothing_more(scene: Scene) -> None:

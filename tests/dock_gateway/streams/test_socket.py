@@ -13,9 +13,9 @@ from fastapi import WebSocket
 from dock_gateway.access.logins import Logins
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant
-from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
 from dock_gateway.http.parts import Parts
@@ -88,12 +88,12 @@ class Lookups(Parts):
     """A gateway that takes its time to look up a goal."""
 
     def __init__(self) -> None:
-        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
         settings = Settings(subscriber_timeout=1.0)
         super().__init__(
             {
                 Settings: settings,
-                Hub: self.hub,
+                Fanout: self.fanout,
                 Quotas: Quotas(settings),
                 Logins: Logins(MemoryHistory(1)),
                 Goals: SimpleNamespace(get=self._goal),
@@ -110,7 +110,7 @@ class Lookups(Parts):
 @pytest.fixture
 def lookups(monkeypatch: pytest.MonkeyPatch) -> Lookups:
     async def feed(parts: Parts, subscriber: Subscriber, **_: object) -> AsyncIterator[Event]:
-        while not parts[Hub].closing:
+        while not parts[Fanout].closing:
             await subscriber.take(60.0)
         await asyncio.sleep(0.05)  # such as for a snapshot
         yield notice("closing", utc_now())
@@ -137,9 +137,9 @@ async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_r
         ("ack", None, "a"),
         ("ack", None, "b"),
     ]
-    assert len(lookups.hub) == 2
+    assert len(lookups.fanout) == 2
     await session.close()
-    assert len(lookups.hub) == 0
+    assert len(lookups.fanout) == 0
 
 
 @pytest.mark.parametrize("later", [0.0, 0.02])
@@ -153,16 +153,16 @@ async def test_a_subscription_that_is_under_way_when_the_socket_closes_leaves_no
     await session.close()
     await command
     await asyncio.sleep(0.1)
-    assert len(lookups.hub) == 0
+    assert len(lookups.fanout) == 0
 
 
 async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups: Lookups) -> None:
     websocket = FakeWebSocket(subscribe("a"), stays=True)
     session = session_of(websocket, lookups)
-    place = lookups.hub.subscribe(EventFilter())
+    place = lookups.fanout.subscribe(EventFilter())
     running = asyncio.create_task(session.run(place))
     await until(lambda: any(answer.get("op") == "ack" for answer in websocket.told))
-    lookups.hub.close()
+    lookups.fanout.close()
     await running
     assert [told.get("op") or told.get("type") or told["code"] for told in websocket.told] == ["ack", "closing", 1012]
 

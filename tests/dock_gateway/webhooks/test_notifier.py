@@ -9,7 +9,7 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound
-from dock_gateway.core.hub import Hub
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.webhook import Delivery, DeliveryState
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.http.schema import RobotSelection
@@ -137,7 +137,7 @@ async def test_the_beginning_and_the_end_of_each_alert_are_sent_and_signed(site:
 
 
 async def test_an_alert_that_lasts_for_a_moment_is_sent(site: Site, receiver: Receiver) -> None:
-    board = AlertBoard(Hub(queue_limit=1, max_subscribers=1), SharedEntries(SharedStore()), low_battery=0.2)
+    board = AlertBoard(Fanout(queue_limit=1, max_subscribers=1), SharedEntries(SharedStore()), low_battery=0.2)
     gateway = site.gateway(board=board)
     await gateway.replace("hook", site.hook())
     board.look([robot(percentage=0.1)], [])

@@ -21,8 +21,8 @@ from websockets.http11 import Response
 from websockets.server import ServerProtocol
 from websockets.typing import StatusLike
 
+from dock_gateway.core.fanout import FrameWriter
 from dock_gateway.core.goal import encode
-from dock_gateway.core.hub import FrameWriter
 from dock_gateway.http.edge.connection import ConnectionTransport, Edge
 from dock_gateway.http.edge.limits import Priority
 from dock_gateway.http.edge.refusal import refusal, refusal_headers

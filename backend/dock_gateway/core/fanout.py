@@ -135,18 +135,18 @@ class Hold:
         events: The events to publish here; None until they are known.
     """
 
-    def __init__(self, hub: "Hub", stamp: int) -> None:
+    def __init__(self, fanout: "Fanout", stamp: int) -> None:
         self.stamp = stamp
         self.events: Iterable[Event] | None = None
-        self._hub = hub
+        self._fanout = fanout
 
     def release(self, events: Iterable[Event] = ()) -> None:
         """Publish these events, and those that waited behind them."""
         self.events = events
-        self._hub.advance()
+        self._fanout.advance()
 
 
-class Hub:
+class Fanout:
     """All subscribers of this process, and the most recently published events.
 
     Args:

@@ -6,8 +6,8 @@ import pytest
 
 from dock_gateway.core.errors import TooManyRequests, Unavailable
 from dock_gateway.core.event import Event, event_id
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.hub import Hub, Subscriber
 
 A, B = "goal-a", "goal-b"
 
@@ -20,8 +20,8 @@ def status(text: str, goal_id: str = A) -> Event:
     return Event(text.encode(), "goals", goal_id, "/dock")
 
 
-def make(limit: int = 3, subscribers: int = 2) -> Hub:
-    return Hub(queue_limit=limit, max_subscribers=subscribers)
+def make(limit: int = 3, subscribers: int = 2) -> Fanout:
+    return Fanout(queue_limit=limit, max_subscribers=subscribers)
 
 
 async def texts(subscriber: Subscriber) -> tuple[list[str], int]:
@@ -30,20 +30,20 @@ async def texts(subscriber: Subscriber) -> tuple[list[str], int]:
 
 
 async def test_everyone_gets_what_was_asked_for() -> None:
-    hub = make(subscribers=4)
-    everything = hub.subscribe(EventFilter(frozenset({"goals", "battery"})))
-    of_b = hub.subscribe(EventFilter(goal_id=B))
-    of_fibonacci = hub.subscribe(EventFilter(action_name="/fibonacci"))
+    fanout = make(subscribers=4)
+    everything = fanout.subscribe(EventFilter(frozenset({"goals", "battery"})))
+    of_b = fanout.subscribe(EventFilter(goal_id=B))
+    of_fibonacci = fanout.subscribe(EventFilter(action_name="/fibonacci"))
     for event in (feedback(1), feedback(2, B), Event(b"battery", "battery", droppable=True, robot="/")):
-        hub.publish(event)
+        fanout.publish(event)
     assert await texts(everything) == (["f1", "f2", "battery"], 0)
     assert await texts(of_b) == (["f2"], 0)
     assert await texts(of_fibonacci) == ([], 0)
 
 
 async def test_a_slow_reader_loses_the_oldest_feedback_and_is_told() -> None:
-    hub = make(limit=3)
-    slow = hub.subscribe(EventFilter())
+    fanout = make(limit=3)
+    slow = fanout.subscribe(EventFilter())
     for event in (
         feedback(1),
         status("executing"),
@@ -53,39 +53,39 @@ async def test_a_slow_reader_loses_the_oldest_feedback_and_is_told() -> None:
         status("succeeded"),
         feedback(5),
     ):
-        hub.publish(event)
+        fanout.publish(event)
     assert await texts(slow) == (["executing", "f3", "f4", "succeeded", "f5"], 2)
-    hub.publish(feedback(6))
+    fanout.publish(feedback(6))
     assert await texts(slow) == (["f6"], 0)
 
 
 async def test_of_scenes_only_the_newest_waits() -> None:
-    hub = make(limit=3)
-    slow = hub.subscribe(EventFilter(frozenset({"goals", "scene"})))
+    fanout = make(limit=3)
+    slow = fanout.subscribe(EventFilter(frozenset({"goals", "scene"})))
     for number in range(5):
-        hub.publish(Event(f"scene{number}".encode(), "scene", droppable=True, robot="/", supersedes=True))
-        hub.publish(status(f"s{number}"))
+        fanout.publish(Event(f"scene{number}".encode(), "scene", droppable=True, robot="/", supersedes=True))
+        fanout.publish(status(f"s{number}"))
     assert await texts(slow) == (["scene4", "s0", "s1", "s2", "s3", "s4"], 0)
 
 
 async def test_what_is_wished_for_is_told() -> None:
-    hub, changes = make(), []
-    hub.on_watch("scene", lambda: changes.append(hub.watched("scene")))
-    hub.subscribe(EventFilter())
-    reader = hub.subscribe(EventFilter(frozenset({"goals", "scene"}), robot="/robot1"))
-    hub.unsubscribe(reader)
+    fanout, changes = make(), []
+    fanout.on_watch("scene", lambda: changes.append(fanout.watched("scene")))
+    fanout.subscribe(EventFilter())
+    reader = fanout.subscribe(EventFilter(frozenset({"goals", "scene"}), robot="/robot1"))
+    fanout.unsubscribe(reader)
     assert changes == [{"/robot1"}, set()]
 
 
 async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded() -> None:
-    hub = make(limit=1)
-    stuck = hub.subscribe(EventFilter())
+    fanout = make(limit=1)
+    stuck = fanout.subscribe(EventFilter())
     for number in range(20):
-        hub.publish(feedback(number))
+        fanout.publish(feedback(number))
     for _ in range(Subscriber.HARD_LIMIT):
-        hub.publish(status("s"))
+        fanout.publish(status("s"))
     assert not stuck.overrun
-    hub.publish(status("one too many"))
+    fanout.publish(status("one too many"))
     assert stuck.overrun
     received, dropped = await texts(stuck)
     assert received == ["f19", *["s"] * Subscriber.HARD_LIMIT]
@@ -93,62 +93,62 @@ async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded() -> N
 
 
 async def test_after_clear_only_what_is_new_arrives() -> None:
-    hub = make()
-    subscriber = hub.subscribe(EventFilter())
-    hub.publish(feedback(1))
+    fanout = make()
+    subscriber = fanout.subscribe(EventFilter())
+    fanout.publish(feedback(1))
     subscriber.clear()
-    hub.publish(feedback(2))
+    fanout.publish(feedback(2))
     assert await texts(subscriber) == (["f2"], 0)
 
 
 async def test_too_many_subscribers_and_a_closing_hub() -> None:
-    hub = make(subscribers=1)
-    subscriber = hub.subscribe(EventFilter())
+    fanout = make(subscribers=1)
+    subscriber = fanout.subscribe(EventFilter())
     with pytest.raises(TooManyRequests):
-        hub.subscribe(EventFilter())
-    hub.unsubscribe(subscriber)
-    hub.unsubscribe(subscriber)
-    waiting = hub.subscribe(EventFilter())
-    hub.close()
+        fanout.subscribe(EventFilter())
+    fanout.unsubscribe(subscriber)
+    fanout.unsubscribe(subscriber)
+    waiting = fanout.subscribe(EventFilter())
+    fanout.close()
     assert await waiting.take(5) == ([], 0)
     with pytest.raises(Unavailable) as refused:
-        hub.subscribe(EventFilter())
+        fanout.subscribe(EventFilter())
     assert refused.value.code == "shutting_down"
 
 
 async def test_what_was_published_since_an_event() -> None:
     kept: list[Event] = []
-    hub = Hub(queue_limit=3, max_subscribers=2, keep=kept.append)
+    fanout = Fanout(queue_limit=3, max_subscribers=2, keep=kept.append)
     events = [Event(b"", "goals", goal_id, "/dock", id=f"{number}") for number, goal_id in enumerate([A, B, A, A])]
     for event in (*events, events[1]):
-        hub.publish(event)
-    assert hub.since("0", EventFilter()) == events[1:]
-    assert hub.since("0", EventFilter(goal_id=A)) == events[2:]
-    assert hub.since("3", EventFilter()) == []
-    assert hub.since("unknown", EventFilter()) is None
+        fanout.publish(event)
+    assert fanout.since("0", EventFilter()) == events[1:]
+    assert fanout.since("0", EventFilter(goal_id=A)) == events[2:]
+    assert fanout.since("3", EventFilter()) == []
+    assert fanout.since("unknown", EventFilter()) is None
     assert kept == events  # the double was not published again
 
 
 async def test_the_past_is_bounded() -> None:
-    hub = Hub(queue_limit=3, max_subscribers=2, recent=5)
+    fanout = Fanout(queue_limit=3, max_subscribers=2, recent=5)
     for number in range(10):
-        hub.publish(Event(b"", "goals", A, "/dock", id=f"{number}"))
-    assert hub.since("4", EventFilter()) is None
-    assert len(hub.since("5", EventFilter()) or []) == 4
+        fanout.publish(Event(b"", "goals", A, "/dock", id=f"{number}"))
+    assert fanout.since("4", EventFilter()) is None
+    assert len(fanout.since("5", EventFilter()) or []) == 4
 
 
 async def test_events_that_come_another_way_leave_the_queue() -> None:
-    hub = make()
-    subscriber = hub.subscribe(EventFilter())
+    fanout = make()
+    subscriber = fanout.subscribe(EventFilter())
     for number in range(3):
-        hub.publish(Event(f"{number}".encode(), "goals", A, "/dock", droppable=True, id=f"{number}"))
+        fanout.publish(Event(f"{number}".encode(), "goals", A, "/dock", droppable=True, id=f"{number}"))
     subscriber.catch_up("1")
     assert await texts(subscriber) == (["2"], 0)
 
 
 async def test_events_go_out_at_once_only_while_the_reader_waits_and_nothing_is_queued() -> None:
-    hub = make(limit=10)
-    reader = hub.subscribe(EventFilter())
+    fanout = make(limit=10)
+    reader = fanout.subscribe(EventFilter())
     sent: list[bytes] = []
     writable = True
 
@@ -159,22 +159,22 @@ async def test_events_go_out_at_once_only_while_the_reader_waits_and_nothing_is_
             return writable
 
     reader.writer = Writer()
-    hub.publish(feedback(1))  # nobody waits yet: the snapshot comes first
+    fanout.publish(feedback(1))  # nobody waits yet: the snapshot comes first
     assert sent == []
     assert await texts(reader) == (["f1"], 0)
 
     taking = asyncio.create_task(reader.take(5))
     await asyncio.sleep(0)
-    hub.publish(feedback(2))
+    fanout.publish(feedback(2))
     assert sent == [feedback(2).frame]
     writable = False  # the reader's buffer is full
-    hub.publish(feedback(3))
+    fanout.publish(feedback(3))
     writable = True
-    hub.publish(feedback(4))  # must not overtake
+    fanout.publish(feedback(4))  # must not overtake
     assert sent == [feedback(2).frame]
     events, _ = await taking
     assert [event.text for event in events] == ["f3", "f4"]
-    hub.publish(feedback(5))  # the taken ones are being sent
+    fanout.publish(feedback(5))  # the taken ones are being sent
     assert sent == [feedback(2).frame]
 
 
@@ -183,61 +183,61 @@ def stored(number: int) -> Event:
 
 
 async def test_what_comes_later_waits_behind_what_is_being_stored() -> None:
-    hub = make()
-    reader = hub.subscribe(EventFilter())
-    hub.publish(stored(1))
-    first, second = hub.hold(2), hub.hold(3)
-    hub.publish(stored(4))
-    hub.publish(Event(b"stop", "goals"))  # it has no place in the order
+    fanout = make()
+    reader = fanout.subscribe(EventFilter())
+    fanout.publish(stored(1))
+    first, second = fanout.hold(2), fanout.hold(3)
+    fanout.publish(stored(4))
+    fanout.publish(Event(b"stop", "goals"))  # it has no place in the order
     assert await texts(reader) == (["e1", "stop"], 0)
     second.release([stored(3)])
     assert await texts(reader) == ([], 0)
     first.release([stored(2)])
     assert await texts(reader) == (["e2", "e3", "e4"], 0)
-    hub.publish(stored(5))
+    fanout.publish(stored(5))
     assert await texts(reader) == (["e5"], 0)
-    assert [event.text for event in hub.since(stored(2).id or "", EventFilter()) or []] == ["e3", "e4", "e5"]
+    assert [event.text for event in fanout.since(stored(2).id or "", EventFilter()) or []] == ["e3", "e4", "e5"]
 
 
 async def test_a_reader_that_resumes_is_not_sent_what_it_has_had_elsewhere() -> None:
     """This gateway may be a moment behind the one that the reader was at before."""
-    hub = make()
-    reader = hub.subscribe(EventFilter())
+    fanout = make()
+    reader = fanout.subscribe(EventFilter())
     reader.after = stored(2).id or ""
     for number in range(1, 4):
-        hub.publish(stored(number))
+        fanout.publish(stored(number))
     assert await texts(reader) == (["e3"], 0)
 
 
 async def test_an_event_of_one_robot_is_offered_only_to_those_who_want_that_robot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    hub = make(subscribers=10)
-    one, two = (hub.subscribe(EventFilter(frozenset({"system"}), robot=robot)) for robot in ("/robot1", "/robot2"))
+    fanout = make(subscribers=10)
+    one, two = (fanout.subscribe(EventFilter(frozenset({"system"}), robot=robot)) for robot in ("/robot1", "/robot2"))
     asked: list[str] = []
     covers = EventFilter.covers
     monkeypatch.setattr(EventFilter, "covers", lambda self, event: asked.append(self.robot) or covers(self, event))
-    hub.publish(Event(b"stop", "system", robot="/robot1"))
+    fanout.publish(Event(b"stop", "system", robot="/robot1"))
     assert asked == ["/robot1"]
-    hub.publish(Event(b"all", "system"))
+    fanout.publish(Event(b"all", "system"))
     assert await texts(one) == (["stop", "all"], 0)
     assert await texts(two) == (["all"], 0)
-    hub.unsubscribe(one)
-    hub.unsubscribe(one)
-    hub.publish(Event(b"stop", "system", robot="/robot1"))
+    fanout.unsubscribe(one)
+    fanout.unsubscribe(one)
+    fanout.publish(Event(b"stop", "system", robot="/robot1"))
     assert await texts(one) == ([], 0)
-    assert hub.watched("system") == {"/robot2"}
+    assert fanout.watched("system") == {"/robot2"}
 
 
 async def test_events_are_counted_by_kind() -> None:
-    hub = make(limit=2)
-    slow, gone = hub.subscribe(EventFilter()), hub.subscribe(EventFilter(goal_id=A))
+    fanout = make(limit=2)
+    slow, gone = fanout.subscribe(EventFilter()), fanout.subscribe(EventFilter(goal_id=A))
     for event in (status("executing"), *(feedback(number) for number in range(4)), feedback(4, B)):
-        hub.publish(event)
-    assert hub.published == {"goals": 1, "feedback": 5}
-    assert hub.sent == {"goals": 2, "feedback": 9}
-    assert hub.dropped == 3 + 2
-    hub.unsubscribe(gone)
-    hub.unsubscribe(gone)
+        fanout.publish(event)
+    assert fanout.published == {"goals": 1, "feedback": 5}
+    assert fanout.sent == {"goals": 2, "feedback": 9}
+    assert fanout.dropped == 3 + 2
+    fanout.unsubscribe(gone)
+    fanout.unsubscribe(gone)
     assert (await texts(slow))[1] == 3
-    assert hub.dropped == 5
+    assert fanout.dropped == 5
