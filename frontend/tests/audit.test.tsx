@@ -107,6 +107,7 @@ describe("the page", () => {
       open_to: null,
       principal: { name: "Ada", kind: "token", role: "viewer", robots: [], actions: [], topics: [] },
       provider: null,
+      hub: false,
     });
     renderPage(fakeGateway(), {}, "/ui/audit");
     expect(await screen.findByText("Needs the role admin; you are viewer.")).toBeTruthy();

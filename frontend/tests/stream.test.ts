@@ -124,7 +124,7 @@ describe("stream", () => {
   });
 
   it("waits for a login when its token is no longer valid, and goes on at once after it", async () => {
-    const out = { required: true, open_to: null, principal: null, provider: null };
+    const out = { required: true, open_to: null, principal: null, provider: null, hub: false };
     vi.stubGlobal("fetch", async () => Response.json(out));
     const socket = await newest();
     socket.open();
@@ -141,7 +141,7 @@ describe("stream", () => {
 
   it("asks whether a login is needed where a handshake was refused", async () => {
     vi.stubGlobal("fetch", async () =>
-      Response.json({ required: true, open_to: null, principal: null, provider: null }),
+      Response.json({ required: true, open_to: null, principal: null, provider: null, hub: false }),
     );
     (await newest()).drop();
     await vi.advanceTimersByTimeAsync(60_000);

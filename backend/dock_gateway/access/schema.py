@@ -132,13 +132,14 @@ class Session(Schema):
     """Whether requests need a login, and who makes this one; null if its login is missing or not valid.
 
     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the
-    network; null where requests need one.
+    network; null where requests need one. `hub` is whether this is a hub of many sites, rather than a gateway.
     """
 
     required: bool
     open_to: Literal["machine", "network"] | None
     principal: Requester | None
     provider: Provider | None
+    hub: bool
 
 
 class Token(Grant):

@@ -57,13 +57,14 @@ LOGIN_REQUEST = {
 }
 
 
-def _session(settings: Settings, logins: Logins, principal: Principal | None) -> Response:
+def _session(request: Request, settings: Settings, logins: Logins, principal: Principal | None) -> Response:
     who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
     sso = logins.sso
     document = {
         "required": settings.authentication,
         "open_to": settings.open_to,
         "principal": who,
+        "hub": getattr(request.app.state, "hub", False),
         "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
     }
     response = json_response(document)
@@ -76,9 +77,9 @@ def _session(settings: Settings, logins: Logins, principal: Principal | None) ->
 async def get_session(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
     """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
     try:
-        return _session(settings, logins, await identify(request))
+        return _session(request, settings, logins, await identify(request))
     except GatewayError:
-        return _session(settings, logins, None)
+        return _session(request, settings, logins, None)
 
 
 @router.post(
@@ -102,11 +103,11 @@ async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins
     password = _read_password(fields.get("password"))
     if not settings.authentication:
         request.scope["principal"] = ANYBODY
-        return _session(settings, logins, ANYBODY)
+        return _session(request, settings, logins, ANYBODY)
     browser = browser_of(request)
     principal, secret = await logins.log_in(name, password, address_of(request), browser)
     request.scope["principal"] = principal
-    response = _session(settings, logins, principal)
+    response = _session(request, settings, logins, principal)
     keep_login(response, request, secret)
     keep_browser(response, request, logins.guard.known_cookie(name, browser))
     return response
@@ -116,9 +117,9 @@ def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fie
     secret = _read_text(read_object(fields, "token")["token"], MAX_SECRET, "token", "the secret of a token").strip()
     if not settings.authentication:
         request.scope["principal"] = ANYBODY
-        return _session(settings, logins, ANYBODY)
+        return _session(request, settings, logins, ANYBODY)
     request.scope["principal"] = principal = logins.identify_token(secret, address_of(request))
-    response = _session(settings, logins, principal)
+    response = _session(request, settings, logins, principal)
     keep_login(response, request, secret)
     return response
 
@@ -130,7 +131,7 @@ async def log_out(request: Request, settings: Part[Settings], logins: Part[Login
     with suppress(GatewayError):
         request.scope["principal"] = await identify(request)
     await logins.log_out(secret_of(request))
-    response = _session(settings, logins, None if settings.authentication else ANYBODY)
+    response = _session(request, settings, logins, None if settings.authentication else ANYBODY)
     forget_login(response, request)
     return response
 

@@ -4865,7 +4865,7 @@ export interface components {
          * @description Whether requests need a login, and who makes this one; null if its login is missing or not valid.
          *
          *     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the
-         *     network; null where requests need one.
+         *     network; null where requests need one. `hub` is whether this is a hub of many sites, rather than a gateway.
          */
         Session: {
             /** Required */
@@ -4874,6 +4874,8 @@ export interface components {
             open_to: ("machine" | "network") | null;
             principal: components["schemas"]["Requester"] | null;
             provider: components["schemas"]["Provider"] | null;
+            /** Hub */
+            hub: boolean;
         };
         /**
          * Simulator

@@ -16,6 +16,7 @@ export const ANYBODY: SessionState = {
   open_to: null,
   principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
   provider: null,
+  hub: false,
 };
 
 /** Who uses this page, as the gateway says. The login itself is a cookie, which scripts cannot read. */

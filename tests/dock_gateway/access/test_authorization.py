@@ -37,7 +37,7 @@ SOCKETS = [
 ]
 HTTPS = "https://127.0.0.1:8000"
 PASSWORD = "correct horse battery staple"
-OUT = {"required": True, "open_to": None, "principal": None, "provider": None}
+OUT = {"required": True, "open_to": None, "principal": None, "provider": None, "hub": False}
 
 pytestmark = pytest.mark.usefixtures("quick_hashes", "stopped_clock")
 
@@ -156,6 +156,7 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
             "open_to": None,
             "principal": described("operator", "token", "operator"),
             "provider": None,
+            "hub": False,
         }
         assert answer.json() == who
         attributes = answer.headers["set-cookie"].lower()
@@ -170,6 +171,7 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
             "open_to": None,
             "principal": None,
             "provider": None,
+            "hub": False,
         }
         assert not client.cookies
         assert client.get("/robots").status_code == 401
@@ -250,6 +252,7 @@ def test_without_authentication_everybody_may_do_everything() -> None:
         "open_to": "machine",
         "principal": described(None, "anybody", "admin"),
         "provider": None,
+        "hub": False,
     }
     with Site(Settings()).client() as client:
         assert client.get("/session").json() == anybody
@@ -280,6 +283,7 @@ def test_a_user_logs_in_and_out(users: Site, url: str) -> None:
             "open_to": None,
             "principal": None,
             "provider": None,
+            "hub": False,
         }
         assert list(client.cookies.values()) == [browser]  # what is no login stays
         for ended in (secret, browser):
