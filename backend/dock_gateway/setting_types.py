@@ -23,6 +23,8 @@ NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
 ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
 # A pattern of names, in which `*` stands for any text. No part between two slashes is empty.
 PATTERN = re.compile(r"(?!.*//)(?:/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)")
+# A site's name: a ROS name in lower case, as robots have it in front at the hub, and a part of subjects on the broker.
+SITE = re.compile(r"(?!hub$)[a-z][a-z0-9_]{0,39}")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
 # Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
@@ -158,6 +160,28 @@ def _check_issuer(value: str | None) -> str | None:
     return value
 
 
+def is_safe_broker(url: str) -> bool:
+    """Return whether a broker of `Brokers` is asked over TLS, or on this machine."""
+    address = urlsplit(url)
+    return address.scheme == "tls" or address.hostname in LOOPBACK_HOSTS
+
+
+def _check_brokers(parts: tuple[str, ...]) -> tuple[str, ...]:
+    for part in parts:
+        try:
+            address = urlsplit(part)
+            _ = address.port
+        except ValueError:
+            address = urlsplit("")
+        wrong = address.path.strip("/") or address.query or address.fragment or not part.isprintable()
+        if address.scheme not in ("nats", "tls") or not address.hostname or wrong:
+            # Not the part itself: a password may be in it.
+            raise ValueError(
+                "write the addresses of NATS servers like tls://nats.example.com:4222, with commas between"
+            )
+    return parts
+
+
 Seconds = Annotated[float, Field(gt=0, le=3600)]
 # 1000 years. The beginning of a much longer time would lie before the first date that there is.
 Days = Annotated[float, Field(ge=1, le=365_000)]
@@ -198,6 +222,17 @@ Patterns = Annotated[
     Texts,
     AfterValidator(_each(_matching(PATTERN, "a name such as /battery_status, or a pattern such as /robot1/*"))),
 ]
+RobotPatterns = Annotated[
+    Texts,
+    AfterValidator(_each(_matching(PATTERN, "a namespace such as /robot1, or a pattern such as /hall_a/*"))),
+]
+SiteName = Annotated[
+    str,
+    AfterValidator(
+        _matching(SITE, "a name such as berlin: up to 40 of a-z, 0-9 and _, a letter first, not hub", or_empty=True)
+    ),
+]
+Brokers = Annotated[Texts, AfterValidator(_check_brokers)]
 OwnNames = Annotated[Texts, AfterValidator(_check_own_names)]
 Algorithms = Annotated[Texts, AfterValidator(_check_algorithms)]
 RoleNames = Annotated[Texts, AfterValidator(_check_roles)]

@@ -10,7 +10,7 @@ from typing import Literal, Self
 
 import platformdirs
 from pydantic import Field, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import SettingsConfigDict
 
 from dock_gateway.setting_types import (
     LOOPBACK_HOSTS,
@@ -37,6 +37,7 @@ from dock_gateway.setting_types import (
     Topics,
     own_names,
 )
+from dock_gateway.site_settings import SiteSettings
 
 PREFIX = "DOCK_GATEWAY_"
 # Variables of the commands that are HTTP clients.
@@ -77,7 +78,7 @@ def unknown_variables(environment: Iterable[str]) -> list[str]:
     return sentences
 
 
-class Settings(BaseSettings):
+class Settings(SiteSettings):
     """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
 
     model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")
@@ -588,6 +589,11 @@ class Settings(BaseSettings):
     def recordings_folder(self) -> Path:
         """Where recordings are."""
         return self.recordings_path or data_file(f"recordings-{scope()}")
+
+    @property
+    def hub_key_file(self) -> Path:
+        """Where the private key of a hub is."""
+        return self.hub_key_path or data_file("hub.key")
 
     def counts_to_100(self, namespace: str) -> bool:
         """Whether the battery driver of a robot counts percentage to 100."""

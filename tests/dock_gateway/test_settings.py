@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from pydantic import ValidationError
 
 from dock_gateway.cli import main
-from dock_gateway.cli.options import option_name, read_settings
+from dock_gateway.cli.options import FIELDS, option_name, read_settings
 from dock_gateway.settings import Settings, unknown_variables
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
@@ -26,7 +26,7 @@ def test_every_setting_is_documented_as_it_is() -> None:
     expected = [
         f"| `DOCK_GATEWAY_{name.upper()}` | `{option_name(name)}` "
         f"| {describe_default(field.default)} | {field.description} |"
-        for name, field in Settings.model_fields.items()
+        for name, field in FIELDS
     ]
     assert rows == expected
 
@@ -144,6 +144,21 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("goal_retention_days", "nan"),
         ("goal_retention_mb", "1000000001"),
         ("audit_retention_days", "1e9"),
+        ("site", "berlin"),
+        ("site", "Berlin"),
+        ("site", "hub"),
+        ("site", "b" * 41),
+        ("hub", "nats://127.0.0.1"),
+        ("hub", "http://127.0.0.1"),
+        ("hub", "tls://nats.example.com:4222/x"),
+        ("hub", "nats.example.com"),
+        ("hub_key", "hub.json"),
+        ("hub_role", "root"),
+        ("hub_robots", "/robot1"),
+        ("hub_robots", "robot1"),
+        ("nats", "nats://nats.example.com"),
+        ("nats_credentials", "hub.creds"),
+        ("nats_ca", "ca.pem"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
@@ -260,3 +275,30 @@ def test_names_of_single_robots() -> None:
     assert settings.battery_of("/robot1") == "/power/battery"
     assert settings.battery_of("/") == "/b"
     assert settings.battery_of("/robot2") == "/robot2/battery_status"
+
+
+SITE = {"hub": "nats://127.0.0.1:4222", "site": "berlin", "hub_key": "hub.json"}
+
+
+def test_a_site_and_its_hub() -> None:
+    settings = read_settings({**SITE, "hub": "tls://ada:secret@nats.example.com, nats://[::1]:4222"})
+    assert settings.hub == ("tls://ada:secret@nats.example.com", "nats://[::1]:4222")
+    assert (settings.hub_role, settings.hub_robots) == ("operator", ())
+    assert read_settings({"nats": "nats://nats:4222", "nats_insecure": "true"}).hub_key_file.name == "hub.key"
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"site": None}, "hub needs site, the name of this site"),
+        ({"hub_key": None}, "hub needs hub_key: a file with what `dock-gateway hub-key` prints"),
+        ({"hub": None}, "site needs hub, the NATS servers"),
+        ({"hub": "nats://ada:secret@nats.example.com"}, "hub names a NATS server on another machine without TLS"),
+        ({"hub": "nats://ada:secret@nats.example.com:x"}, "like tls://nats.example.com:4222"),
+    ],
+)
+def test_a_site_that_cannot_work(change: dict[str, str | None], sentence: str) -> None:
+    with pytest.raises(click.UsageError) as refused:
+        read_settings({**SITE, **change})
+    assert sentence in refused.value.message
+    assert "secret" not in refused.value.message

@@ -22,6 +22,7 @@ COMMANDS = {
     "user": "user",
     "token": "token",
     "audit": "audit",
+    "hub-key": "hub_key",
     "replay": "replay",
     "openapi": "serve",
     "asyncapi": "serve",

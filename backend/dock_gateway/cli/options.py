@@ -7,6 +7,10 @@ import click
 from pydantic import ValidationError
 
 from dock_gateway.settings import Settings
+from dock_gateway.site_settings import SiteSettings
+
+# All settings; those of sites and hubs are the last ones.
+FIELDS = sorted(Settings.model_fields.items(), key=lambda field: field[0] in SiteSettings.model_fields)
 
 Command = Callable[..., Any]
 
@@ -18,7 +22,7 @@ def option_name(field: str) -> str:
 
 def settings_options(command: Command) -> Command:
     """Add an option for each setting. They arrive as keyword arguments; those that are not given are None."""
-    for name, field in reversed(Settings.model_fields.items()):
+    for name, field in reversed(FIELDS):
         variable = f"DOCK_GATEWAY_{name.upper()}"
         default = ",".join(field.default) if isinstance(field.default, tuple) else field.default
         command = click.option(

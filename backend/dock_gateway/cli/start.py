@@ -26,6 +26,7 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
     """
     check_exposure(settings)
     check_agents(settings)
+    check_hub(settings)
     _refuse(find_twin_fault())
     check_ros(environment)
     _check_docking(environment, needed=docking)
@@ -54,6 +55,22 @@ def check_agents(settings: Settings) -> None:
     """
     if settings.mcp and importlib.util.find_spec("mcp") is None:
         raise click.UsageError("mcp: dock-gateway[mcp] is not installed")
+
+
+def check_hub(settings: Settings) -> None:
+    """Refuse a site that cannot verify what its hub signs.
+
+    Raises:
+        click.UsageError: The file of the hub's keys cannot be used.
+    """
+    if not settings.hub or settings.hub_key is None:
+        return
+    from dock_gateway.sites.identity import KeyFault, Verifier  # noqa: PLC0415 - only sites with a hub need it
+
+    try:
+        Verifier(settings.hub_key, settings.site)
+    except KeyFault as error:
+        raise click.UsageError(str(error)) from None
 
 
 def check_ros(environment: Mapping[str, str]) -> None:

@@ -1,0 +1,37 @@
+"""`dock-gateway hub-key`, and what a start says about a file of keys."""
+
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from dock_gateway.cli import main
+from dock_gateway.cli.start import check_hub
+from dock_gateway.settings import Settings
+from dock_gateway.sites.identity import Signer
+
+
+def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
+    private, public = tmp_path / "hub.key", tmp_path / "hub.json"
+    first, second = (CliRunner().invoke(main, ["hub-key", "--hub-key-path", str(private)]) for _ in range(2))
+    assert first.exit_code == 0
+    assert first.output == second.output
+    public.write_text(first.output)
+    assert Signer.load_or_create(private).public_keys()["keys"][0]["x"] in first.output
+    check_hub(Settings(hub="nats://127.0.0.1", site="berlin", hub_key=public))
+
+
+def test_a_start_without_the_keys_of_the_hub(tmp_path: Path) -> None:
+    check_hub(Settings())
+    with pytest.raises(click.UsageError, match=r"hub_key: .* cannot be read: No such file"):
+        check_hub(Settings(hub="nats://127.0.0.1", site="berlin", hub_key=tmp_path / "hub.json"))
+
+
+def test_a_file_that_is_no_key(tmp_path: Path) -> None:
+    (path := tmp_path / "hub.key").write_text("secret")
+    result = CliRunner().invoke(main, ["hub-key", "--hub-key-path", str(path)])
+    assert (result.exit_code, result.output) == (
+        1,
+        f"Error: {path} is not the hub's key, which is a private Ed25519 key as a JWK\n",
+    )
