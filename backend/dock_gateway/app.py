@@ -17,7 +17,7 @@ from dock_gateway.automation import routes as automation_routes
 from dock_gateway.cameras import routes as camera_routes
 from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.foxglove import routes as foxglove_routes
-from dock_gateway.goals import action_routes, approval_routes, dock_routes, export_routes, note_routes
+from dock_gateway.goals import action_routes, approval_routes, cancel_routes, dock_routes, export_routes, note_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
 from dock_gateway.graph import interface_routes, parameter_routes, publish_routes, service_routes
@@ -38,6 +38,7 @@ from dock_gateway.observability.request_meter import RequestMeter
 from dock_gateway.observability.request_metrics import RequestMetrics
 from dock_gateway.recordings import routes as recording_routes
 from dock_gateway.robots import battery_routes, calibration_routes, simulator_routes
+from dock_gateway.ros.messages.battery_schema import battery_schemas
 from dock_gateway.rosbridge import routes as rosbridge_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
@@ -76,6 +77,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         note_routes,
         recording_routes,
         goal_routes,
+        cancel_routes,
         statistics_routes,
         action_routes,
         approval_routes,
@@ -157,7 +159,13 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
     for router in routers:
         require_declared(router.routes)
         app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
-    install_openapi(app, authentication=settings.authentication, unions=UNIONS, models=(Problem, StopProblem))
+    install_openapi(
+        app,
+        authentication=settings.authentication,
+        unions=UNIONS,
+        models=(Problem, StopProblem),
+        messages=battery_schemas,
+    )
     serve_document(app, "/asyncapi.json", lambda: asyncapi_document(app.openapi()))
     install_docs(app)
     install_dashboard(app, settings)

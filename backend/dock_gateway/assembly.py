@@ -18,6 +18,7 @@ from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.automation.rule import RuleEntry
 from dock_gateway.cameras.cameras import Cameras
+from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.automation import Decision
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
@@ -34,6 +35,7 @@ from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
 from dock_gateway.goals.approvals import Approvals
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.limits import LIMITS, GoalLimits
@@ -62,6 +64,7 @@ from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
@@ -73,6 +76,8 @@ from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import Acknowledgement, AuditSpool, History, RobotLabel, open_history
 from dock_gateway.storage.database import display
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+from dock_gateway.streams.gateway_present import GatewayPresent
+from dock_gateway.streams.present import Present
 from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
 from dock_gateway.webhooks.outbox import Outbox
 from dock_gateway.webhooks.webhook import WebhookEntry
@@ -120,7 +125,7 @@ async def _open(
     robots = _closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
     simulators = _closed_by(stack, Simulators(settings, bridge, fanout, robots))
-    approvals = _closed_by(stack, Approvals(settings, fanout, actions, simulators))
+    approvals = _closed_by(stack, Approvals(settings, fanout, actions.verb_of, simulators.__contains__))
     activity = Activity(robots)
     actions.on_end.append(activity.on_end)
     _follow_stops(stopper, interlock, activity, approvals)
@@ -220,15 +225,18 @@ async def _open(
             ActionRegistry: actions,
             RobotActions: robot_actions,
             Approvals: approvals,
-            Goals: Goals(actions, history),
+            DockingActions: actions.docking,
+            Goals: Goals(actions, actions.docking, history),
             Owners: Owners(actions.docking, robots, labels, history),
             Docks: _closed_by(stack, Docks(settings, bridge)),
+            Robots: robots,
             RobotRegistry: robots,
             Labels: labels,
             Simulators: simulators,
             Calibrations: Calibrations(settings, bridge),
             Stopper: stopper,
             Fleet: fleet,
+            Alerts: alerts,
             AlertBoard: alerts,
             AutomaticDocking: automation,
             Notifier: notifier,
@@ -248,6 +256,7 @@ async def _open(
             Publishing: publishing,
         }
     )
+    parts.add(Present, GatewayPresent(parts))
     _observe(parts, stack)
     return parts
 

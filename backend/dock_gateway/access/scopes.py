@@ -3,17 +3,17 @@
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
+from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.errors import NotAllowed, not_covered
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.approvals import Approvals
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Scope
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import read_goal_id
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 
 # The query and path parameters of a request, or the fields of a command.
@@ -57,12 +57,12 @@ async def _robots(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
 
 async def _dock(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
     robot = _namespace(parts, names)
-    return grant.covers_action(parts[ActionRegistry].docking.of(robot).dock), _describe_robot(robot, names)
+    return grant.covers_action(parts[DockingActions].of(robot).dock), _describe_robot(robot, names)
 
 
 async def _undock(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
     robot = _namespace(parts, names)
-    return grant.covers_action(parts[ActionRegistry].docking.of(robot).undock), _describe_robot(robot, names)
+    return grant.covers_action(parts[DockingActions].of(robot).undock), _describe_robot(robot, names)
 
 
 async def _action(_: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
@@ -89,7 +89,7 @@ async def _command_goal(parts: Parts, grant: Grant, names: Names) -> tuple[bool,
 
 
 async def _alert(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    parts[AlertBoard].get(names["alert_id"], grant)
+    parts[Alerts].get(names["alert_id"], grant)
     return True, ""
 
 
@@ -132,7 +132,7 @@ _CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]
 
 def _namespace(parts: Parts, names: Names) -> str:
     robot = names.get("robot")
-    return parts[RobotRegistry].default_namespace if robot is None else read_namespace(str(robot))
+    return parts[Robots].default_namespace if robot is None else read_namespace(str(robot))
 
 
 def _describe_robot(robot: str, names: Names) -> str:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+from dock_gateway.core.alerts import SETTLED_AFTER
 from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import fleet_event, utc_now
@@ -13,7 +14,8 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alert_rules import NO_DUPLICATES, ON_GRAPH, Alert, AlertRules
+from dock_gateway.fleet.alert import ON_GRAPH, Alert
+from dock_gateway.fleet.alert_rules import NO_DUPLICATES, AlertRules
 from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.hints import Join
@@ -23,8 +25,6 @@ from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 log = logging.getLogger(__name__)
 
 TOPIC = "robots"
-# Seconds after the start after which an acknowledged alert that has not recurred counts as ended.
-SETTLED_AFTER = 60.0
 
 
 class AlertBoard:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, JsonValue
 
-from dock_gateway.fleet.alert_rules import AlertKind
+from dock_gateway.fleet.alert import AlertKind
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
 from dock_gateway.http.bodies import GroupName, Name60, RobotName, Unique

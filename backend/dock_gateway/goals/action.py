@@ -107,6 +107,11 @@ class Action:
         return "" if self.adapter is None else self.adapter.family
 
     @property
+    def busy(self) -> bool:
+        """Whether a goal is running on it."""
+        return bool(self.tracker.running())
+
+    @property
     def default_request(self) -> Any:
         """The request that an empty body stands for; None if a body is required."""
         return None if self.adapter is None else self.adapter.default

@@ -12,9 +12,9 @@ from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.action_schema import ActionInfo, ActionList
+from dock_gateway.goals.answers import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.routes import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.schema import ActionGoal, ActionGoalPage
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation

@@ -2,6 +2,7 @@
 
 import asyncio
 import uuid
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
@@ -16,8 +17,6 @@ from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.goal import Json, Verb, fragment
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.request import wait_while_permitted
-from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
 
 # Maximum number of goals that wait, of one agent and of all. Others need places among the goals on their way.
@@ -79,16 +78,22 @@ class Approvals:
     Args:
         settings: How long they wait.
         fanout: Receives events.
-        actions: Which of them dock robots.
-        simulators: Which robots are simulated: goals to them need no approval.
+        verb_of: Returns whether an action docks or undocks a robot.
+        simulated: Returns whether a robot is simulated: goals to it need no approval.
     """
 
-    def __init__(self, settings: Settings, fanout: Fanout, actions: ActionRegistry, simulators: Simulators) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        fanout: Fanout,
+        verb_of: Callable[[str], Verb | None],
+        simulated: Callable[[str], bool],
+    ) -> None:
         self._settings = settings
         self._catalog = DockingCatalog(settings)
         self._fanout = fanout
-        self._actions = actions
-        self._simulators = simulators
+        self._verb_of = verb_of
+        self._simulated = simulated
         self._waiting: dict[str, Approval] = {}
         self._asked = asyncio.Event()
 
@@ -127,8 +132,7 @@ class Approvals:
             raise TooManyRequests(f"{count} goals of {who} already wait for a person", code="too_many_approvals")
         now = utc_now()
         expires = now + timedelta(seconds=self._settings.approval_timeout)
-        action = self._actions.get(action_name)
-        verb = None if action is None else action.verb
+        verb = self._verb_of(action_name)
         approval = Approval(principal, action_name, robot, verb, goal, now, expires)
         self._waiting[approval.approval_id] = approval
         self._publish()
@@ -146,7 +150,7 @@ class Approvals:
 
     def _is_simulated(self, action_name: str, robot: str) -> bool:
         """Whether an action can only be one of a simulated robot: it is in its namespace, and serves no other."""
-        return action_name not in self._catalog.shared and self._simulators.find(robot) is not None
+        return action_name not in self._catalog.shared and self._simulated(robot)
 
     # ------------------------------------------------------------------ answers
 

@@ -12,11 +12,12 @@ from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import Verb
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.answers import HEADERS, answer_page, answer_sent
+from dock_gateway.goals.canceling import request_cancel
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.goals.routes import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.schema import Goal, GoalPage
 from dock_gateway.http.openapi import docking_body
 from dock_gateway.http.operation import Scope, operation
@@ -187,10 +188,10 @@ def goal_routes(operations: Operations) -> APIRouter:
         responses=problems(404, 409, 422, 503, 504),
     )
     @operation(Role.AGENT, Scope.GOAL)
-    async def cancel_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
+    async def cancel_goal(goal_id: GoalId, goals: Part[Goals], actions: Part[ActionRegistry]) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
         await find_goal(goals, verb, goal_id)
-        return goal_response(await goals.cancel(goal_id), f"{path}/{goal_id}", 202)
+        return goal_response(await request_cancel(goals, actions, goal_id), f"{path}/{goal_id}", 202)
 
     return router
 

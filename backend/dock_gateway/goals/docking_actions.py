@@ -2,12 +2,32 @@
 
 import logging
 from collections.abc import Callable, Iterator, Mapping
+from typing import Protocol
 
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog, DockingPair
 from dock_gateway.core.goal import Verb
-from dock_gateway.goals.action import Action
 
 log = logging.getLogger(__name__)
+
+
+class DockingAction(Protocol):
+    """What the choice depends on."""
+
+    name: str
+    type: str
+    verb: Verb | None
+
+    @property
+    def family(self) -> str:
+        """Who defines its type."""
+
+    @property
+    def on_graph(self) -> bool:
+        """Whether it has a server, or had one a moment ago."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether a goal is running on it."""
 
 
 class DockingActions:
@@ -26,7 +46,7 @@ class DockingActions:
         on_change: Called with the namespace of a robot when another action is picked.
     """
 
-    def __init__(self, catalog: DockingCatalog, actions: Mapping[str, Action]) -> None:
+    def __init__(self, catalog: DockingCatalog, actions: Mapping[str, DockingAction]) -> None:
         self.catalog = catalog
         self.on_change: list[Callable[[str], None]] = []
         self._actions = actions
@@ -56,16 +76,16 @@ class DockingActions:
             if (found := self._actions.get(name)) is None or found.verb == verb
         )
 
-    def _pick(self, verb: Verb, namespace: str, family: str = "") -> Action | None:
+    def _pick(self, verb: Verb, namespace: str, family: str = "") -> DockingAction | None:
         offered = [*self._offered(verb, namespace)]
-        if busy := next((action for action in offered if action.tracker.running()), None):
+        if busy := next((action for action in offered if action.busy), None):
             return busy
         there = [action for action in offered if action.on_graph]
         if family and there and not self.catalog.is_configured(verb, there[0].name):
             there.sort(key=lambda action: action.family != family)  # a stable sort
         return there[0] if there else None
 
-    def _offered(self, verb: Verb, namespace: str) -> Iterator[Action]:
+    def _offered(self, verb: Verb, namespace: str) -> Iterator[DockingAction]:
         for name in self.catalog.names(verb, namespace):
             action = self._actions.get(name)
             if action is not None and action.verb == verb:

@@ -1,30 +1,41 @@
-"""The goals of all actions: found, listed and canceled by their ids, whichever action they are on."""
+"""The goals of all actions: found and listed, whichever action they are on."""
 
 from contextlib import suppress
-from typing import Any
+from typing import Any, Protocol
 
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.goals.cancellation import require_unfinished
-from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.storage import GoalFilter, History
 
 # Maximum number of goals of each kind that a new subscriber gets from the history.
 RECENT = 20
 
 
+class LiveGoals(Protocol):
+    """The goals that may still change, which are known better than the history has them."""
+
+    def goal(self, goal_id: str) -> Goal | None:
+        """Return a running or lost goal of any action."""
+
+    def running(self) -> list[Goal]:
+        """Return the running goals of all actions."""
+
+
 class Goals:
     """The goals that are running, and those of the history.
 
     Args:
-        actions: Have those that are running.
+        live: Those that are running.
+        docking: Which actions dock and undock robots.
         history: Has all of them, as they were when they were last stored.
     """
 
-    def __init__(self, actions: ActionRegistry, history: History) -> None:
-        self._actions = actions
+    def __init__(self, live: LiveGoals, docking: DockingActions, history: History) -> None:
+        self._live = live
+        self._docking = docking
         self._history = history
 
     async def get(self, goal_id: str, grant: Grant = UNLIMITED) -> Goal:
@@ -33,7 +44,7 @@ class Goals:
         Raises:
             NotFound: There is no such goal, or the grant does not cover it, which is the same to who asks.
         """
-        goal = self._actions.goal(goal_id)
+        goal = self._live.goal(goal_id)
         if goal is None or not grant.covers_action(goal.action_name):  # if the history is away, that is the same, too
             goal = await self._history.get(goal_id) or goal
         if goal is None or not grant.covers_action(goal.action_name):
@@ -49,12 +60,12 @@ class Goals:
             InvalidField: There is no goal `before` on these actions.
         """
         if before is not None:
-            last = self._actions.goal(before) or await self._history.get(before)
+            last = self._live.goal(before) or await self._history.get(before)
             if last is None or not wanted.includes(last.action_name):
                 unknown = "there is no such goal in this list"
                 raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", unknown)])
         goals = await self._history.page(wanted, limit=limit + 1, before=before)
-        current = [self._actions.goal(goal.goal_id) or goal for goal in goals[:limit]]
+        current = [self._live.goal(goal.goal_id) or goal for goal in goals[:limit]]
         return current, goals[limit - 1].goal_id if len(goals) > limit else None
 
     async def recent(self, event_filter: EventFilter) -> list[Goal]:
@@ -64,7 +75,7 @@ class Goals:
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream works without the past
             # Docking and undocking goals are queried by name, so that a busier action does not crowd them out.
-            named, all_names = event_filter.action_name, self._actions.docking.all_names
+            named, all_names = event_filter.action_name, self._docking.all_names
             queries: list[frozenset[str]] = [frozenset() if named is None else frozenset({named})]
             if named is None:
                 queries += [all_names(event_filter.robot, "dock"), all_names(event_filter.robot, "undock")]
@@ -72,26 +83,9 @@ class Goals:
                 newest += await self._history.page(
                     GoalFilter(names, event_filter.namespace, homed=event_filter.homed), limit=RECENT
                 )
-        known = [*newest, *self._actions.running()]
+        known = [*newest, *self._live.running()]
         goals = {goal.goal_id: goal for goal in known if event_filter.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
-
-    async def cancel(self, goal_id: str) -> Goal:
-        """Ask the action server to cancel a goal of any action, regardless of its sender.
-
-        Raises:
-            NotAuthenticated: The login of who cancels it has ended meanwhile (`invalid_token`).
-            NotFound: There is no such goal, or its action has no server.
-            Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
-            Unavailable: The action server is gone.
-            ServerTimeout: The server did not answer in time.
-        """
-        goal = await self.get(goal_id)
-        require_unfinished(goal)
-        action = await self._actions.find(goal.action_name)
-        goal = await self.get(goal_id)  # it may have returned or ended meanwhile
-        await action.canceler.cancel(goal)
-        return goal
 
     async def with_tags(self, goals: list[Goal]) -> list[dict[str, Any]]:
         """Return goals as JSON, with their tags."""

@@ -7,7 +7,7 @@ from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.robots.labels import Labels
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.storage import History
 
 
@@ -16,12 +16,12 @@ class Owners:
 
     Args:
         docking: Which actions dock and undock robots.
-        robots: The robots on the graph.
+        robots: The robots that are known now.
         labels: Say which robots there are besides, and their groups.
         history: Knows all actions that have had goals.
     """
 
-    def __init__(self, docking: DockingActions, robots: RobotRegistry, labels: Labels, history: History) -> None:
+    def __init__(self, docking: DockingActions, robots: Robots, labels: Labels, history: History) -> None:
         self._docking = docking
         self._robots = robots
         self._labels = labels

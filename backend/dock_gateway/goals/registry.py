@@ -344,6 +344,11 @@ class ActionRegistry:
         found = self._catalog.find(name)
         return ServerState(name, "" if found is None else found[1], available=False, answering=False)
 
+    def verb_of(self, name: str) -> Verb | None:
+        """Return whether an action docks or undocks a robot; None if it does neither, or is unknown."""
+        action = self._actions.get(name)
+        return None if action is None else action.verb
+
     def running(self) -> list[Goal]:
         """Return the running goals of all actions."""
         return [goal for action in self._actions.values() for goal in action.tracker.running()]

@@ -1,4 +1,4 @@
-"""The OpenAPI document: FastAPI's, plus the schemas of ROS messages and WebSocket events."""
+"""The OpenAPI document: FastAPI's, plus the schemas of stream events and of what else no route names."""
 
 import asyncio
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -11,10 +11,8 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import iter_route_contexts
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
-from sensor_msgs.msg import BatteryState
 
 from dock_gateway.http.operation import Operation, Scope, find_operation
-from dock_gateway.ros.messages.codec import codec
 
 SECURITY_SCHEMES = {
     "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for one"},
@@ -47,7 +45,14 @@ class Union:
     operations: Mapping[str, Operation] = field(default_factory=dict)
 
 
-def install_openapi(app: FastAPI, *, authentication: bool, unions: Iterable[Union], models: Models) -> None:
+def install_openapi(
+    app: FastAPI,
+    *,
+    authentication: bool,
+    unions: Iterable[Union],
+    models: Models,
+    messages: Callable[[], dict[str, Any]] = dict,
+) -> None:
     """Make the app serve its OpenAPI document with our schemas in it.
 
     Args:
@@ -55,12 +60,13 @@ def install_openapi(app: FastAPI, *, authentication: bool, unions: Iterable[Unio
         authentication: Whether requests need a token.
         unions: The messages of streams, which no route names.
         models: Further models that no route names.
+        messages: Returns the schemas of ROS messages, by name.
     """
     components = [*unions]
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _build(app, components, models, authentication=authentication)
+            app.openapi_schema = _build(app, components, models, messages, authentication=authentication)
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]
@@ -82,7 +88,14 @@ def serve_document(app: FastAPI, path: str, build: Callable[[], dict[str, Any]])
         return Response(made[0], media_type="application/json")
 
 
-def _build(app: FastAPI, unions: list[Union], further: Models, *, authentication: bool) -> dict[str, Any]:
+def _build(
+    app: FastAPI,
+    unions: list[Union],
+    further: Models,
+    messages: Callable[[], dict[str, Any]],
+    *,
+    authentication: bool,
+) -> dict[str, Any]:
     document = get_openapi(
         title=app.title,
         version=app.version,
@@ -104,13 +117,7 @@ def _build(app: FastAPI, unions: list[Union], further: Models, *, authentication
     schemas.update(ours["$defs"])
     for union in unions:
         schemas[union.name] = _one_of(schemas, union)
-    _add_message(schemas, "BatteryState", "null is NaN: not measured.", complete=True)
-    _add_message(
-        schemas,
-        "BatteryStateInput",
-        "Fields left out are NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).",
-        complete=False,
-    )
+    schemas.update(messages())
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
     document["components"]["schemas"] = dict(sorted(schemas.items()))
@@ -154,37 +161,6 @@ def _one_of(schemas: dict[str, Any], union: Union) -> dict[str, Any]:
         "oneOf": references,
         "discriminator": {"propertyName": union.discriminator, "mapping": mapping},
     }
-
-
-def _add_message(schemas: dict[str, Any], name: str, note: str, *, complete: bool) -> None:
-    """Add BatteryState and its nested messages, each as its own component."""
-    schema = codec(BatteryState).schema(complete=complete)
-    suffix = "" if complete else "Input"
-
-    def refer(value: Any) -> Any:
-        if isinstance(value, list):
-            return [refer(item) for item in value]
-        if not isinstance(value, dict):
-            return value
-        return {
-            key: f"{item.replace('#/$defs/', '#/components/schemas/')}{suffix}" if key == "$ref" else refer(item)
-            for key, item in _plain(value).items()
-        }
-
-    for nested, definition in schema.pop("$defs").items():
-        schemas[f"{nested}{suffix}"] = refer(definition)
-    schemas[name] = refer(schema) | {"title": name, "description": f"sensor_msgs/BatteryState. {note}"}
-
-
-def _plain(schema: dict[str, Any]) -> dict[str, Any]:
-    """Remove what type generators misread.
-
-    They treat a field with a default as always present, and a number that may be given by name as text.
-    """
-    schema = {key: value for key, value in schema.items() if key != "default"}
-    if "x-constants" in schema and "anyOf" in schema:
-        schema |= next(option for option in schema.pop("anyOf") if option.get("type") == "integer")
-    return schema
 
 
 BATTERY_INPUT: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}

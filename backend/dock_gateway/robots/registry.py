@@ -239,6 +239,10 @@ class RobotRegistry:
             raise NotFound(f"there is no robot {name}", code="robot_not_found")
         return robot
 
+    def find(self, namespace: str | None = None) -> str:
+        """Return the namespace of a robot, as `get`."""
+        return self.get(namespace).namespace
+
     async def close(self) -> None:
         """Stop publishing battery states."""
         for robot in self.all():

@@ -138,6 +138,9 @@ class Simulators:
         simulator = self._simulators.get(namespace)
         return simulator if simulator is not None and simulator.available else None
 
+    def __contains__(self, namespace: str) -> bool:
+        return self.find(namespace) is not None
+
     def document(self, namespace: str) -> dict[str, Any] | None:
         """Return the last report of a robot's simulator, even if it is gone; None if there never was one."""
         simulator = self._simulators.get(namespace)

@@ -8,6 +8,7 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
+from dock_gateway.goals.canceling import request_cancel
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -86,7 +87,8 @@ async def _submit_goal(parts: Parts, principal: Principal, command: SendGoalComm
 async def cancel_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
     """Ask the action server to cancel a goal, whoever sent it."""
     command = read_fields(CancelGoalCommand, fields)
-    return {"goal": (await parts[Goals].cancel(read_goal_id(command.goal_id))).document()}
+    goal = await request_cancel(parts[Goals], parts[ActionRegistry], read_goal_id(command.goal_id))
+    return {"goal": goal.document()}
 
 
 @operation(Role.SUPERVISOR, Scope.ROBOT)

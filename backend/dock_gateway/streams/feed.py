@@ -5,72 +5,15 @@ import time
 from collections.abc import AsyncIterator, Iterable, Iterator
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
+from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.throttle import Throttle
-from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.overview import Fleet
-from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
-from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
-from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History, LaterEvents
-
-
-async def snapshot(parts: Parts, event_filter: EventFilter) -> Event:
-    """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
-    goals = await parts[Goals].recent(event_filter)
-    robot = parts[RobotRegistry].get(event_filter.robot)
-    dock, undock = parts[ActionRegistry].servers_of(event_filter.robot)
-    fleet = {}
-    if "robots" in event_filter.topics:
-        grant = event_filter.grant or UNLIMITED
-        fleet = {
-            "robots": parts[Fleet].documents(grant=grant),
-            "alerts": parts[AlertBoard].documents(grant),
-            "approvals": parts[Approvals].documents(grant),
-        }
-    return notice(
-        "snapshot",
-        utc_now(),
-        ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
-        goals=[goal.document() for goal in goals],
-        battery=robot.battery.document(),
-        battery_publisher=robot.publisher.document(),
-        stop=parts[Stopper].state(event_filter.robot),
-        action_server=dock,
-        undock_server=undock,
-        **fleet,
-    )
-
-
-def present(parts: Parts, event_filter: EventFilter) -> list[Event]:
-    """Return the current state as events, for events that have no id and so are not replayed."""
-    name, now = event_filter.robot, utc_now()
-    publisher = parts[RobotRegistry].get(name).publisher
-    events = [
-        system_event("stop", parts[Stopper].state(name), now, robot=name),
-        system_event("battery_publisher", publisher.document(), now, robot=name),
-    ]
-    servers = parts[ActionRegistry].servers_of(name)
-    events.append(system_event("docking", servers._asdict(), now, robot=name))
-    events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
-    if (simulator := parts[Simulators].document(name)) is not None:
-        events.append(system_event("simulator", simulator, now, robot=name))
-    wanted = [event for event in events if event_filter.covers(event)]
-    if "robots" in event_filter.topics:
-        grant = event_filter.grant or UNLIMITED
-        wanted.append(fleet_event("robots", now, robots=parts[Fleet].documents(grant=grant), gone=[]))
-        wanted.append(fleet_event("alerts", now, alerts=parts[AlertBoard].documents(grant)))
-        wanted.append(fleet_event("approvals", now, approvals=parts[Approvals].documents(grant)))
-    return wanted
-
+from dock_gateway.streams.present import Present
 
 # Missed events are read from the history in pieces of PIECE events, at most MAX_PIECES pieces.
 PIECE, MAX_PIECES = 1000, 100
@@ -133,7 +76,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
         if missed.complete:
             over = await _ended_before(parts, subscriber.event_filter, after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
-            for event in permitted(subscriber, (*missed.events, *present(parts, subscriber.event_filter))):
+            for event in permitted(subscriber, (*missed.events, *parts[Present].events(subscriber.event_filter))):
                 yield event
             return
         yield notice("gap", utc_now(), after=after, count=len(missed.events))
@@ -142,7 +85,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
     if not subscriber.expelled:
-        yield await snapshot(parts, subscriber.event_filter)
+        yield await parts[Present].snapshot(subscriber.event_filter)
 
 
 def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event]:

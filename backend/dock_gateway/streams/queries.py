@@ -11,7 +11,7 @@ from dock_gateway.goals.owners import Owners
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.queries import EVENT_ID
 from dock_gateway.http.requests import read_goal_id
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
 
@@ -97,20 +97,20 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
         goal_id=None if goal is None else goal.goal_id,
         action_name=None if action is None else parts[Settings].resolve(action, None if robot is None else namespace),
         namespace=namespace,
-        robot=_read_robot(parts[RobotRegistry], robot, grant),
+        robot=_read_robot(parts[Robots], robot, grant),
         grant=grant if grant.limited or grant.topics else None,
         homed=parts[Owners].homed_in(robot),
     )
 
 
-def _read_robot(robots: RobotRegistry, robot: str | None, grant: Grant) -> str:
+def _read_robot(robots: Robots, robot: str | None, grant: Grant) -> str:
     # Whether there is such a robot or not.
     if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
         raise not_covered(f"the robot {name}")
-    found = robots.get(robot).namespace
+    found = robots.find(robot)
     if grant.covers_robot(found):
         return found
-    covered = [each.namespace for each in robots.all() if grant.covers_robot(each.namespace)]
+    covered = [each for each in robots.namespaces() if grant.covers_robot(each)]
     if not covered:
         raise not_covered(f"the robot {found}")
     return min(covered)

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 
 import orjson
 
+from dock_gateway.core.alerts import SETTLED_AFTER, Alerts
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import DeliveryState, EventType
-from dock_gateway.fleet.alerts import SETTLED_AFTER, AlertBoard
 from dock_gateway.robots.labels import NO_LABEL, Labels
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook
@@ -46,7 +46,7 @@ class Notifier:
 
     def __init__(
         self,
-        alerts: AlertBoard,
+        alerts: Alerts,
         labels: Labels,
         *,
         webhooks: SharedBook[WebhookEntry],

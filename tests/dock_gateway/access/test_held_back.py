@@ -20,8 +20,10 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.app import api_routers, create_app
 from dock_gateway.audit.log import AuditLog
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
 from dock_gateway.http.operation import operation_of
@@ -68,7 +70,7 @@ class Site:
                 History: history,
                 Logins: self.logins,
                 Quotas: Quotas(self.settings),
-                Goals: Goals(actions, history),
+                Goals: Goals(actions, DockingActions(DockingCatalog(self.settings), {}), history),
                 Owners: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
             }
         )

@@ -10,17 +10,16 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.scopes import require_covered
 from dock_gateway.app import create_app
+from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Scope, operation_of
 from dock_gateway.http.parts import Parts
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.stop import routes as stop_routes
 from dock_gateway.storage.memory import MemoryHistory
@@ -64,9 +63,9 @@ class Other(Refusing):
                 **audit_parts(),
                 Settings: SETTINGS,
                 Logins: self.logins,
-                ActionRegistry: SimpleNamespace(docking=docking),
-                RobotRegistry: SimpleNamespace(default_namespace=default_namespace),
-                AlertBoard: SimpleNamespace(get=_alert),
+                DockingActions: docking,
+                Robots: SimpleNamespace(default_namespace=default_namespace),
+                Alerts: SimpleNamespace(get=_alert),
                 Approvals: SimpleNamespace(get=_approval),
                 Goals: SimpleNamespace(get=_goal),
             }

@@ -21,8 +21,8 @@ from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.registry import RobotRegistry
@@ -56,7 +56,7 @@ class Site:
                 AuditLog: self.audit,
                 Subjects: Subjects(self.settings, self.running.get, lambda: ["/robot7"]),
                 Logins: logins,
-                ActionRegistry: SimpleNamespace(docking=DOCKING),
+                DockingActions: DOCKING,
                 Goals: SimpleNamespace(get=self._goal),
                 Stopper: SimpleNamespace(release=self._release),
                 Quotas: Quotas(self.settings),

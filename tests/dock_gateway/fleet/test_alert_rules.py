@@ -9,7 +9,8 @@ import pytest
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
+from dock_gateway.fleet.alert import Alert, AlertKind, alert_id
+from dock_gateway.fleet.alert_rules import AlertRules
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.liveness import ServerState

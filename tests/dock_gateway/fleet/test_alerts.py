@@ -11,7 +11,7 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.fleet.alert_rules import AlertKind, alert_id
+from dock_gateway.fleet.alert import AlertKind, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.storage import Acknowledgement
 from dock_gateway.storage.entries import MemoryEntries

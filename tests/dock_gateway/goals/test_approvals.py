@@ -23,9 +23,8 @@ class Site:
         self.published: list[Any] = []
         self.simulated: set[str] = set()
         fanout: Any = SimpleNamespace(watched=lambda _: True, publish=self.published.append)
-        actions: Any = SimpleNamespace(get=lambda _: SimpleNamespace(verb="dock"))
-        simulators: Any = SimpleNamespace(find=lambda robot: robot if robot in self.simulated else None)
-        self.approvals = Approvals(Settings(approval_timeout=timeout, **settings), fanout, actions, simulators)
+        settings_of = Settings(approval_timeout=timeout, **settings)
+        self.approvals = Approvals(settings_of, fanout, lambda _: "dock", self.simulated.__contains__)
 
     def ask(self, name: str = "bot", action: str = ACTION) -> "asyncio.Task[None]":
         return asyncio.create_task(self.approvals.require(agent(name), action, b'{"order":1}'))

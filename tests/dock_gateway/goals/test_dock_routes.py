@@ -21,6 +21,7 @@ from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 from dock_gateway.storage.memory import MemoryHistory
@@ -48,6 +49,8 @@ class LateServer(Parts):
                 Logins: self.logins,
                 Quotas: Quotas(SETTINGS),
                 ActionRegistry: actions,
+                DockingActions: docking,
+                Robots: robots,
                 RobotRegistry: robots,
                 RobotActions: RobotActions(SETTINGS, actions, robots),
                 Goals: SimpleNamespace(page=self._page),

@@ -23,7 +23,6 @@ class Graph:
 
     def add(self, *adapters: DockAdapter, name: str = "") -> None:
         for adapter in adapters:
-            goals: list[str] = []
             full = f"/r/{name or adapter.action_name}"
             self.actions[full] = SimpleNamespace(
                 name=full,
@@ -31,8 +30,7 @@ class Graph:
                 verb=adapter.verb,
                 family=adapter.family,
                 on_graph=True,
-                goals=goals,
-                tracker=SimpleNamespace(running=lambda goals=goals: goals),
+                busy=False,
             )
 
     def picked(self) -> tuple[str, str]:
@@ -75,10 +73,10 @@ def test_a_configured_one_comes_first() -> None:
 
 def test_one_with_a_running_goal_stays(graph: Graph) -> None:
     graph.add(nav2.DOCK, nav2.UNDOCK)
-    graph.actions["/r/dock_robot"].goals.append("a")
+    graph.actions["/r/dock_robot"].busy = True
     graph.add(charging_dock.DOCK, charging_dock.UNDOCK)
     assert graph.picked() == NAV2
-    graph.actions["/r/dock_robot"].goals.clear()
+    graph.actions["/r/dock_robot"].busy = False
     assert graph.picked() == OURS
 
 

@@ -10,12 +10,15 @@ import orjson
 import pytest
 from starlette.types import Message
 
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.goals import export_routes as exports
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.slow_clients import PacedResponse
+from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, MemoryHistory
 from tests.support.history import START_NS, make_goal
 
@@ -27,8 +30,8 @@ def history() -> MemoryHistory:
 
 @pytest.fixture
 def all_goals(history: MemoryHistory) -> Goals:
-    actions: Any = SimpleNamespace(goal=lambda _: None)
-    return Goals(actions, history)
+    live: Any = SimpleNamespace(goal=lambda _: None)
+    return Goals(live, DockingActions(DockingCatalog(Settings()), {}), history)
 
 
 async def whole(chunks: AsyncGenerator[bytes]) -> bytes:

@@ -8,6 +8,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
@@ -28,8 +30,8 @@ class Client:
         self.history = MemoryHistory(10)
         self.history.record(make_goal(1, goal_id=GOAL))
         settings = Settings(database_url="memory:")
-        actions: Any = SimpleNamespace(goal=lambda _: None)
-        goals = Goals(actions, self.history)
+        live: Any = SimpleNamespace(goal=lambda _: None)
+        goals = Goals(live, DockingActions(DockingCatalog(Settings()), {}), self.history)
         parts = Parts({**audit_parts(), Settings: settings, History: self.history, Goals: goals})
         self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 

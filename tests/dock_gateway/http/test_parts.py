@@ -7,6 +7,7 @@ from pathlib import Path
 import dock_gateway
 from dock_gateway.http.parts import Part, Parts, T
 from dock_gateway.observability.metrics import Metrics
+from dock_gateway.streams.present import Present
 
 BACKEND = Path(dock_gateway.__file__).parent
 
@@ -40,4 +41,5 @@ def made() -> set[str]:
 def test_the_gateway_has_each_part_that_is_asked_for() -> None:
     wanted = asked_for()
     assert {"Goals", "Stopper", "RobotRegistry"} <= wanted, f"nothing was found that reads as {Part.__name__}[...]"
-    assert wanted - made() == {Metrics.__name__, "AgentServer"}  # added last: one measures the others, one is an option
+    # Added last: one measures the others, one reads them, one is an option.
+    assert wanted - made() == {Metrics.__name__, Present.__name__, "AgentServer"}

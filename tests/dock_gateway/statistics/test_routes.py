@@ -47,7 +47,7 @@ class Client:
             {
                 Settings: settings,
                 History: self.history,
-                Goals: Goals(actions, self.history),
+                Goals: Goals(actions, docking, self.history),
                 Owners: Owners(docking, robots, self.labels, self.history),
             }
         )

@@ -24,12 +24,15 @@ from dock_gateway.goals.registry import ActionRegistry, DockingServers
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.events import EventStream, _sse_chunks, until_one_ends
+from dock_gateway.streams.gateway_present import GatewayPresent
+from dock_gateway.streams.present import Present
 from tests.support.tracking import A, S, Scene, scene
 
 __all__ = ["scene"]
@@ -164,11 +167,13 @@ class OneGoal(Parts):
                 Goals: SimpleNamespace(get=self._get, recent=self._recent),
                 ActionRegistry: SimpleNamespace(servers_of=lambda _: DockingServers(server, server)),
                 RobotRegistry: SimpleNamespace(get=lambda _: robot),
+                Robots: SimpleNamespace(find=lambda _: "/"),
                 Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
                 Stopper: SimpleNamespace(state=lambda _: None),
                 Simulators: SimpleNamespace(document=lambda _: None),
             }
         )
+        self.add(Present, GatewayPresent(self))
 
     async def _get(self, _: str, __: Grant = UNLIMITED) -> Goal:
         self._looks += 1

@@ -20,7 +20,7 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams import socket as socket_module
@@ -97,7 +97,7 @@ class Lookups(Parts):
                 Quotas: Quotas(settings),
                 Logins: Logins(MemoryHistory(1)),
                 Goals: SimpleNamespace(get=self._goal),
-                RobotRegistry: SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/")),
+                Robots: SimpleNamespace(find=lambda _: "/"),
                 Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
             }
         )

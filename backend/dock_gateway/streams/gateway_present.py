@@ -1,0 +1,74 @@
+"""What a gateway tells a reader of the present: goals, the state of one robot, and all robots if asked for."""
+
+from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.goals.approvals import Approvals
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.simulator import Simulators
+from dock_gateway.stop.stopper import Stopper
+
+
+class GatewayPresent:
+    """The present state of a gateway.
+
+    Args:
+        parts: The parts of the gateway.
+    """
+
+    def __init__(self, parts: Parts) -> None:
+        self._parts = parts
+
+    async def snapshot(self, event_filter: EventFilter) -> Event:
+        """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
+        parts = self._parts
+        goals = await parts[Goals].recent(event_filter)
+        robot = parts[RobotRegistry].get(event_filter.robot)
+        dock, undock = parts[ActionRegistry].servers_of(event_filter.robot)
+        fleet = {}
+        if "robots" in event_filter.topics:
+            grant = event_filter.grant or UNLIMITED
+            fleet = {
+                "robots": parts[Fleet].documents(grant=grant),
+                "alerts": parts[AlertBoard].documents(grant),
+                "approvals": parts[Approvals].documents(grant),
+            }
+        return notice(
+            "snapshot",
+            utc_now(),
+            ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
+            goals=[goal.document() for goal in goals],
+            battery=robot.battery.document(),
+            battery_publisher=robot.publisher.document(),
+            stop=parts[Stopper].state(event_filter.robot),
+            action_server=dock,
+            undock_server=undock,
+            **fleet,
+        )
+
+    def events(self, event_filter: EventFilter) -> list[Event]:
+        """Return the current state as events, for events that have no id and so are not replayed."""
+        parts = self._parts
+        name, now = event_filter.robot, utc_now()
+        publisher = parts[RobotRegistry].get(name).publisher
+        events = [
+            system_event("stop", parts[Stopper].state(name), now, robot=name),
+            system_event("battery_publisher", publisher.document(), now, robot=name),
+        ]
+        servers = parts[ActionRegistry].servers_of(name)
+        events.append(system_event("docking", servers._asdict(), now, robot=name))
+        events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
+        if (simulator := parts[Simulators].document(name)) is not None:
+            events.append(system_event("simulator", simulator, now, robot=name))
+        wanted = [event for event in events if event_filter.covers(event)]
+        if "robots" in event_filter.topics:
+            grant = event_filter.grant or UNLIMITED
+            wanted.append(fleet_event("robots", now, robots=parts[Fleet].documents(grant=grant), gone=[]))
+            wanted.append(fleet_event("alerts", now, alerts=parts[AlertBoard].documents(grant)))
+            wanted.append(fleet_event("approvals", now, approvals=parts[Approvals].documents(grant)))
+        return wanted

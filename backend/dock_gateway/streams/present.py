@@ -1,0 +1,19 @@
+"""What a reader of a stream is told of the present."""
+
+from typing import Protocol
+
+from dock_gateway.core.event import Event
+from dock_gateway.core.filters import EventFilter
+
+
+class Present(Protocol):
+    """The present state, as a reader's event filter covers it."""
+
+    async def snapshot(self, event_filter: EventFilter) -> Event:
+        """Return the first message of a reader who knows nothing yet.
+
+        Its `ends_goal` says whether the reader wants a single goal, which has ended.
+        """
+
+    def events(self, event_filter: EventFilter) -> list[Event]:
+        """Return the current state as events, for a reader who resumes: events without an id are not replayed."""
