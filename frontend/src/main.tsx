@@ -1,3 +1,4 @@
+import { apiAddress, sitePrefix } from "./api/site";
 import "./layout/styles";
 import { MantineProvider } from "@mantine/core";
 import { Notifications } from "@mantine/notifications";
@@ -19,7 +20,7 @@ import { openStream, streamUrl } from "./stream/stream";
 
 takeFailure(window);
 const { location } = window;
-const http = createHttp(location.origin);
+const http = createHttp(apiAddress());
 const store = new FleetStore();
 const fleet: FleetServices = {
   http,
@@ -43,7 +44,7 @@ root.render(
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
           {/* A change of the address is on the page at once: the next one begins with it. */}
-          <BrowserRouter useTransitions={false}>
+          <BrowserRouter basename={`${sitePrefix()}/`} useTransitions={false}>
             <App />
           </BrowserRouter>
         </FleetProvider>

@@ -6,6 +6,7 @@ import { Link } from "react-router";
 import { logOut, logOutEverywhere } from "../api/access";
 import { toClientError } from "../api/errors";
 import { hasSession, useSession } from "../api/session";
+import { pageSite } from "../api/site";
 import { useFleet } from "../fleet/context";
 import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
@@ -42,8 +43,12 @@ export function useAccountEntries(onPassword: () => void): AccountEntry[] {
   const logOut = useLogOut();
   const entries: AccountEntry[] = [];
   if (principal?.role === "admin") {
-    entries.push({ name: open_to === null ? "Users" : "What this means", to: "/ui/users" });
-    entries.push({ name: "Tokens", to: "/ui/tokens" }, { name: "Audit", to: "/ui/audit" });
+    // On the page of a site people and tokens are those of the hub, whose pages have them.
+    if (pageSite() === null) {
+      entries.push({ name: open_to === null ? "Users" : "What this means", to: "/ui/users" });
+      entries.push({ name: "Tokens", to: "/ui/tokens" });
+    }
+    entries.push({ name: "Audit", to: "/ui/audit" });
   }
   if (principal?.kind === "user") entries.push({ name: "Change password …", onClick: onPassword });
   if (open_to === null) entries.push({ name: "Log out", onClick: () => logOut() });

@@ -1,6 +1,7 @@
 import { Alert, Anchor, Code, Stack, Text } from "@mantine/core";
 import { Link, useLocation } from "react-router";
 import { type SessionState, useSession } from "../api/session";
+import { pageSite } from "../api/site";
 import { Command } from "../ui/CopyButton";
 import { Kept, useKept } from "../ui/kept";
 
@@ -64,9 +65,11 @@ export function OpenBanner() {
     >
       <Text size="sm">
         Everyone who reaches this gateway may move its robots.{" "}
-        <Anchor component={Link} to="/ui/users" inherit>
-          What this means, and how to change it
-        </Anchor>
+        {pageSite() === null && (
+          <Anchor component={Link} to="/ui/users" inherit>
+            What this means, and how to change it
+          </Anchor>
+        )}
       </Text>
     </Alert>
   );

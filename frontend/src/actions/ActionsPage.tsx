@@ -1,6 +1,7 @@
 import type { ActionInfo } from "@dock-gateway/client";
 import { Group, Skeleton, Stack, Text, TextInput } from "@mantine/core";
 import { useSearchParams } from "react-router";
+import { apiAddress } from "../api/site";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { PageTitle, Section } from "../ui/Section";
@@ -85,7 +86,7 @@ function Skeletons() {
 
 /** The next step where there is no action to try. */
 function TryFibonacci() {
-  const { origin } = window.location;
+  const address = apiAddress();
   return (
     <Section title="An action to try">
       <Text size="sm">
@@ -96,11 +97,11 @@ function TryFibonacci() {
         <Command line="fibonacci_action_server" what="the command that starts the Fibonacci action server" />
         <Text size="sm">Then send it a goal from here, or with</Text>
         <Command
-          line={sendLine(origin, "/fibonacci", '{"order": 10}')}
+          line={sendLine(address, "/fibonacci", '{"order": 10}')}
           what="the command that sends a Fibonacci goal"
         />
         <Text size="sm">Every other action on the graph appears here, too; the same list in a terminal:</Text>
-        <Command line={`curl -s ${origin}/actions`} what="the command that lists the actions" />
+        <Command line={`curl -s ${address}/actions`} what="the command that lists the actions" />
       </Stack>
     </Section>
   );

@@ -3,6 +3,7 @@ import { Anchor, Button, Checkbox, Code, Group, Stack, Text } from "@mantine/cor
 import { useLocalStorage } from "@mantine/hooks";
 import { type FormEvent, useCallback, useId, useState } from "react";
 import { Link } from "react-router";
+import { apiAddress } from "../api/site";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { heldStops } from "../stop/held";
 import { Command } from "../ui/CopyButton";
@@ -103,10 +104,7 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
           <Text size="sm" mb={2}>
             The same from a terminal
           </Text>
-          <Command
-            line={sendLine(window.location.origin, name, body)}
-            what="the command that sends this goal"
-          />
+          <Command line={sendLine(apiAddress(), name, body)} what="the command that sends this goal" />
         </div>
       ) : (
         <Text size="sm" c="dimmed">

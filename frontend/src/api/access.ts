@@ -1,4 +1,5 @@
 import { type components, deadline, type Http, type paths, settle } from "@dock-gateway/client";
+import { atServer } from "./site";
 
 type Schemas = components["schemas"];
 
@@ -20,20 +21,20 @@ export type LoginBody = paths["/session"]["post"]["requestBody"]["content"]["app
 
 /** Logs this browser in; throws a ClientError with `invalid_login` or `invalid_token` where that is wrong. */
 export function logIn(http: Http, body: LoginBody): Promise<Schemas["Session"]> {
-  return settle(http.POST("/session", { body, signal: deadline() }));
+  return settle(http.POST("/session", { body, signal: deadline(), ...atServer() }));
 }
 
 export function logOut(http: Http): Promise<Schemas["Session"]> {
-  return settle(http.DELETE("/session", { signal: deadline() }));
+  return settle(http.DELETE("/session", { signal: deadline(), ...atServer() }));
 }
 
 export async function logOutEverywhere(http: Http): Promise<void> {
-  await settle(http.DELETE("/sessions", { signal: deadline() }));
+  await settle(http.DELETE("/sessions", { signal: deadline(), ...atServer() }));
 }
 
 /** Changes the own password; every other browser is logged out. */
 export async function changePassword(http: Http, body: { old: string; new: string }): Promise<void> {
-  await settle(http.PUT("/session/password", { body, signal: deadline() }));
+  await settle(http.PUT("/session/password", { body, signal: deadline(), ...atServer() }));
 }
 
 /** By name. */

@@ -9,6 +9,7 @@ import {
   type paths,
   settle,
 } from "@dock-gateway/client";
+import { apiPath } from "./site";
 
 /** What `GET /goals` can be narrowed by. */
 export type GoalQuery = Omit<NonNullable<paths["/goals"]["get"]["parameters"]["query"]>, "limit" | "cursor">;
@@ -87,12 +88,12 @@ export async function picturedGoals(http: Http, goalIds: readonly string[]): Pro
 
 /** Where the last picture of the robot's camera in the recording of a goal is. */
 export function thumbnailUrl(goalId: string): string {
-  return `/goals/${encodeURIComponent(goalId)}/thumbnail`;
+  return apiPath(`/goals/${encodeURIComponent(goalId)}/thumbnail`);
 }
 
 /** Where the recording of a goal is downloaded. */
 export function recordingUrl(goalId: string): string {
-  return `/goals/${encodeURIComponent(goalId)}/recording.mcap`;
+  return apiPath(`/goals/${encodeURIComponent(goalId)}/recording.mcap`);
 }
 
 /** Where the goals that a list is narrowed to are downloaded. */
@@ -101,12 +102,12 @@ export function goalsExportUrl(query: GoalQuery, format: ExportFormat): string {
   for (const [name, value] of Object.entries(query)) {
     for (const each of Array.isArray(value) ? value : [value]) parameters.append(name, String(each));
   }
-  return `/goals/export?${parameters}`;
+  return apiPath(`/goals/export?${parameters}`);
 }
 
 /** Where one goal with its events is downloaded. */
 export function goalExportUrl(goalId: string, format: ExportFormat): string {
-  return `/goals/${encodeURIComponent(goalId)}/export?format=${format}`;
+  return apiPath(`/goals/${encodeURIComponent(goalId)}/export?format=${format}`);
 }
 
 export type GoalNotes = components["schemas"]["GoalNotes"];

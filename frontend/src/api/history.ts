@@ -7,6 +7,7 @@ import {
   type Statistics,
   settle,
 } from "@dock-gateway/client";
+import { apiPath } from "./site";
 
 /** One request or command, as it was recorded. */
 export type AuditRecord = components["schemas"]["AuditRecord"];
@@ -30,7 +31,7 @@ export function listAudit(http: Http, query: AuditQuery, cursor: number | null):
 export function auditExportUrl(query: AuditQuery, format: "csv" | "json"): string {
   const parameters = new URLSearchParams({ format });
   for (const [name, value] of Object.entries(query)) parameters.set(name, String(value));
-  return `/audit/export?${parameters}`;
+  return apiPath(`/audit/export?${parameters}`);
 }
 
 export type StatisticsQuery = NonNullable<paths["/statistics"]["get"]["parameters"]["query"]>;

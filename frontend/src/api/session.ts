@@ -1,11 +1,18 @@
 import type { components } from "@dock-gateway/client";
 import { useSyncExternalStore } from "react";
 import { OPERATIONS } from "./operations.gen";
+import { apiPath, pageSite } from "./site";
 
-export type SessionState = components["schemas"]["Session"];
-type Principal = components["schemas"]["Requester"];
-export type Provider = components["schemas"]["Provider"];
-export type Role = components["schemas"]["Role"];
+/** On the page of a site: who is logged in at the hub, and what the site lets them do. `hub` is true on the hub's own pages only. */
+export interface SessionState extends Schema<"Session"> {
+  /** Why the hub does not let this page reach its site; null where it does. */
+  trouble?: Schema<"Problem"> | null;
+}
+
+type Schema<Name extends keyof components["schemas"]> = components["schemas"][Name];
+type Principal = Schema<"Requester">;
+export type Provider = Schema<"Provider">;
+export type Role = Schema<"Role">;
 
 /** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */
 const ANSWER_MS = 3000;
@@ -37,7 +44,8 @@ export class Session {
   /** Takes what a login or a logout was answered. What was asked before it no longer counts. */
   set(state: SessionState): void {
     this.#asking = null;
-    this.#take(state);
+    if (pageSite() === null || state.principal === null) this.#take(state);
+    else void this.ask();
   }
 
   #take(state: SessionState): void {
@@ -49,10 +57,9 @@ export class Session {
   /** Asks the gateway; without an answer it stays as it was. */
   readonly ask = (): Promise<void> => {
     if (this.#asking !== null) return this.#asking;
-    const asking: Promise<void> = fetch("/session", { signal: AbortSignal.timeout(ANSWER_MS) })
-      .then(async (answer) => {
-        const state = answer.ok ? ((await answer.json()) as SessionState) : this.#state;
-        if (this.#asking === asking) this.#take(state);
+    const asking: Promise<void> = askServer()
+      .then((state) => {
+        if (state !== null && this.#asking === asking) this.#take(state);
       })
       .catch(() => {})
       .finally(() => {
@@ -84,6 +91,25 @@ export class Session {
     this.#listeners.add(listener);
     return () => this.#listeners.delete(listener);
   };
+}
+
+/** Who uses this page, and what they may do; null where the gateway gives no such answer. */
+async function askServer(): Promise<SessionState | null> {
+  const signal = AbortSignal.timeout(ANSWER_MS);
+  const site = pageSite() === null ? null : fetch(apiPath("/session"), { signal }).catch(() => null);
+  const answer = await fetch("/session", { signal });
+  if (!answer.ok) return null;
+  const state = (await answer.json()) as SessionState;
+  return site === null ? state : atSite({ ...state, hub: false }, await site);
+}
+
+/** The login at a hub with what a site lets them do, by what it answers; where it does not, as the hub has it. */
+async function atSite(state: SessionState, answer: Response | null): Promise<SessionState> {
+  if (state.principal === null || answer === null) return state;
+  const document = await answer.json().catch(() => null);
+  if (!answer.ok) return { ...state, trouble: document as Schema<"Problem"> | null };
+  const { name, kind } = state.principal;
+  return { ...state, principal: { ...(document as SessionState).principal, name, kind } as Principal };
 }
 
 /** Whether somebody of this kind may be logged in in several browsers. */

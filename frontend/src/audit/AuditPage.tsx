@@ -2,6 +2,7 @@ import { Badge, Button, Group, Skeleton, Stack, Table, Text } from "@mantine/cor
 import { Link } from "react-router";
 import { type AuditRecord, type AuditPage as AuditRecords, auditExportUrl, listAudit } from "../api/history";
 import { useForbidden } from "../api/session";
+import { apiAddress } from "../api/site";
 import { useFleet, useNaming } from "../fleet/context";
 import { codeWords } from "../goal/words";
 import { goalPath } from "../goals/GoalsTable";
@@ -122,9 +123,7 @@ function NoRecords({ filtered, onClear }: Omit<ListedProps, "list">) {
   return (
     <Empty
       title="No records yet"
-      examples={
-        <Command line={`curl -s ${window.location.origin}/audit`} what="the command that lists the records" />
-      }
+      examples={<Command line={`curl -s ${apiAddress()}/audit`} what="the command that lists the records" />}
     >
       The first command, such as Dock or Stop, is recorded here. The same list in a terminal:
     </Empty>

@@ -2,6 +2,7 @@ import { isTerminal } from "@dock-gateway/client";
 import { Skeleton, Stack, Text, Title } from "@mantine/core";
 import { Suspense } from "react";
 import { useParams } from "react-router";
+import { apiAddress } from "../api/site";
 import { useNaming } from "../fleet/context";
 import { goalTitle } from "../goal/words";
 import { Command } from "../ui/CopyButton";
@@ -48,7 +49,7 @@ function WatchedGoal() {
           <Text size="sm" c="dimmed">
             The goals that the gateway knows:
           </Text>
-          <Command line={`curl '${window.location.origin}/goals'`} what="the command that lists goals" />
+          <Command line={`curl '${apiAddress()}/goals'`} what="the command that lists goals" />
         </Stack>
       </>
     );

@@ -1,5 +1,6 @@
 import { Button, Group, Skeleton, Stack, Table, Text } from "@mantine/core";
 import { goalsExportUrl } from "../api/goals";
+import { apiAddress } from "../api/site";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
@@ -86,9 +87,7 @@ function NoGoals({ filtered, onClear }: { filtered: boolean; onClear: () => void
   return (
     <Empty
       title="No goals yet"
-      examples={
-        <Command line={`curl -X POST ${window.location.origin}/dock`} what="the command that docks" />
-      }
+      examples={<Command line={`curl -X POST ${apiAddress()}/dock`} what="the command that docks" />}
     >
       Every goal on every action of the ROS graph is listed here: those sent from these pages, over HTTP, and
       by other ROS nodes. Send the first one from a robot's page or an action's, or from a terminal:

@@ -4,6 +4,7 @@ import { keepPreviousData } from "@tanstack/react-query";
 import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
 import { picturedGoals } from "../api/goals";
+import { apiAddress } from "../api/site";
 import { useFleet, useNaming } from "../fleet/context";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { goalName, goalTitle, outcome } from "../goal/words";
@@ -185,8 +186,7 @@ export function GoalsCard() {
       {goals.length === 0 ? (
         <Text size="sm" c="dimmed">
           Every goal on the docking and undocking actions is listed here: those sent from this page, over
-          HTTP, and by other ROS nodes. Press Dock, or type{" "}
-          <em>curl -X POST {window.location.origin}/dock</em>
+          HTTP, and by other ROS nodes. Press Dock, or type <em>curl -X POST {apiAddress()}/dock</em>
         </Text>
       ) : (
         <GoalsTable goals={goals.slice(0, shown)} oneRobot />

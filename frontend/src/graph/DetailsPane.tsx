@@ -3,6 +3,7 @@ import { useMediaQuery } from "@mantine/hooks";
 import type { ReactNode } from "react";
 import { Link } from "react-router";
 import type { Graph, GraphAction, GraphNode, GraphService } from "../api/graph";
+import { apiAddress } from "../api/site";
 import { Command, CopyButton } from "../ui/CopyButton";
 import { ServiceCall } from "./calls";
 import { clientsOf } from "./filter";
@@ -68,7 +69,7 @@ function Hint() {
         <Kbd>Enter</Kbd> chooses it, <Kbd>+</Kbd> <Kbd>−</Kbd> <Kbd>0</Kbd> bring it closer, farther, and all
         of it into sight. The mouse drags things, and the wheel zooms with <Kbd>Ctrl</Kbd>.
       </Text>
-      <Command line={`curl ${window.location.origin}/graph`} what="the command that reads the graph" />
+      <Command line={`curl ${apiAddress()}/graph`} what="the command that reads the graph" />
     </Stack>
   );
 }
@@ -193,7 +194,7 @@ function ActionDetails({ action, change }: { action: GraphAction; change: Change
       servers={servers}
       unserved="None: goals are not answered."
       clients={clients}
-      line={`curl ${window.location.origin}/actions${name}`}
+      line={`curl ${apiAddress()}/actions${name}`}
       change={change}
     >
       <Stack gap={4}>

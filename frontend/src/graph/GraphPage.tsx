@@ -4,6 +4,7 @@ import { useMediaQuery } from "@mantine/hooks";
 import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
 import { Suspense, useDeferredValue, useMemo } from "react";
 import { type Graph, gatewayNode, readGraph, type TaggedGraph } from "../api/graph";
+import { apiAddress } from "../api/site";
 import { useFleet } from "../fleet/context";
 import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
@@ -127,7 +128,7 @@ function EmptyGraph({ filtered }: { filtered: boolean }) {
         <Text size="sm">
           A simulated robot: <Code>dock-gateway up</Code>. The same as this page, in a terminal:
         </Text>
-        <Command line={`curl ${window.location.origin}/graph`} what="the command that reads the graph" />
+        <Command line={`curl ${apiAddress()}/graph`} what="the command that reads the graph" />
       </Stack>
     </Paper>
   );

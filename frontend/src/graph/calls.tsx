@@ -4,6 +4,7 @@ import { isHeld, quoted } from "../actions/actions";
 import { createCallsApi, servicePath, topicPath, type Use } from "../api/calls";
 import type { GraphService, GraphTopic } from "../api/graph";
 import { type Command as Operation, useForbidden } from "../api/session";
+import { apiAddress } from "../api/site";
 import { useFleet, useFleetTopic, useWhyNot } from "../fleet/context";
 import { heldStops } from "../stop/held";
 import { CommandErrorAlert } from "../ui/errors";
@@ -22,7 +23,7 @@ export function useCallsApi() {
 
 /** The command line that sends a message to a path, for any POSIX shell. */
 export function postLine(method: "POST" | "PATCH", path: string, body: string): string {
-  return `curl -sX ${method} ${window.location.origin}${path} -H 'Content-Type: application/json' -d ${quoted(body)}`;
+  return `curl -sX ${method} ${apiAddress()}${path} -H 'Content-Type: application/json' -d ${quoted(body)}`;
 }
 
 /** Calls a service that the gateway may call; else why not. */

@@ -2,6 +2,7 @@ import { Anchor, Text, Title } from "@mantine/core";
 import { Suspense } from "react";
 import { Link, Route, Routes } from "react-router";
 import { Entrance } from "../access/Entrance";
+import { pageSite } from "../api/site";
 import { Announcements } from "../notifications/Announcements";
 import OverviewPage from "../pages/overview/OverviewPage";
 import RobotPage from "../pages/robot/RobotPage";
@@ -37,6 +38,7 @@ function Wall() {
 
 /** The pages, in what they have in common. */
 export function App() {
+  const ofSite = pageSite() !== null;
   return (
     <Entrance>
       <Announcements />
@@ -54,8 +56,8 @@ export function App() {
             <Route path="statistics" element={<StatisticsPage />} />
             <Route path="automation" element={<AutomationPage />} />
             <Route path="notifications" element={<NotificationsPage />} />
-            <Route path="users" element={<UsersPage />} />
-            <Route path="tokens" element={<TokensPage />} />
+            {!ofSite && <Route path="users" element={<UsersPage />} />}
+            {!ofSite && <Route path="tokens" element={<TokensPage />} />}
             <Route path="audit" element={<AuditPage />} />
             <Route path="graph" element={<GraphPage />} />
           </Route>

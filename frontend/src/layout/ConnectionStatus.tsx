@@ -1,12 +1,16 @@
 import { Alert, Badge, Text, Tooltip } from "@mantine/core";
 import { useSession } from "../api/session";
+import { pageSite } from "../api/site";
 import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
 import { Time } from "../ui/Time";
 import classes from "./layout.module.css";
 
 /** Only what is wrong has a colour. */
-const PHASES: Record<ConnectionPhase | "logged out", { label: string; color?: string; hint: string }> = {
+const PHASES: Record<
+  ConnectionPhase | "logged out" | "site away",
+  { label: string; color?: string; hint: string }
+> = {
   connecting: { label: "connecting", hint: "Waiting for the gateway's first message." },
   live: { label: "live", hint: "What you see is what the gateway says now." },
   reconnecting: {
@@ -19,6 +23,11 @@ const PHASES: Record<ConnectionPhase | "logged out", { label: string; color?: st
     color: "orange",
     hint: "Your login has ended: nothing is live until you log in.",
   },
+  "site away": {
+    label: "site away",
+    color: "red",
+    hint: "The hub does not reach the site, or does not let you see it; still trying.",
+  },
   gone: {
     label: "gateway gone",
     color: "red",
@@ -28,8 +37,9 @@ const PHASES: Record<ConnectionPhase | "logged out", { label: string; color?: st
 
 export function ConnectionStatus() {
   const { phase } = useFleetTopic("connection");
-  const loggedOut = useSession().principal === null;
-  const { label, color, hint } = PHASES[loggedOut ? "logged out" : phase];
+  const { principal, trouble } = useSession();
+  const away = trouble != null && phase !== "live";
+  const { label, color, hint } = PHASES[principal === null ? "logged out" : away ? "site away" : phase];
   return (
     <Tooltip label={hint} multiline maw={280}>
       <Badge
@@ -48,6 +58,16 @@ export function ConnectionStatus() {
 /** Says, above everything, that what is below is not live. */
 export function ConnectionBanner() {
   const { phase, since, reason } = useFleetTopic("connection");
+  const { trouble } = useSession();
+  if (trouble != null && phase !== "live")
+    return (
+      <Alert color="red" title={`${pageSite()} cannot be reached`}>
+        <Text size="sm">
+          {trouble.detail} What you see below is what was known at <Time value={since} />. This page
+          reconnects by itself. Stop is still tried when you press it.
+        </Text>
+      </Alert>
+    );
   if (phase === "live" || phase === "connecting") return null;
   const gone = phase === "gone";
   return (

@@ -8,6 +8,7 @@ import {
 } from "@mantine/core";
 import { Link } from "react-router";
 import { Account } from "../access/Account";
+import { pageSite } from "../api/site";
 import { SearchButton } from "../search/SearchButton";
 import { StopButton } from "../stop/StopButton";
 import { Icon, Tool } from "../ui/Tool";
@@ -21,9 +22,7 @@ export function Header() {
     <header className={classes.header}>
       <Container size="xl" w="100%" className={classes.container}>
         <div className={classes.bar}>
-          <Link to="/" className={classes.name}>
-            dock-gateway
-          </Link>
+          <Name />
           <Navigation />
           <ConnectionStatus />
           <Group gap="sm" wrap="nowrap" className={classes.actions}>
@@ -40,6 +39,26 @@ export function Header() {
         </div>
       </Container>
     </header>
+  );
+}
+
+/** The way to the overview; on the page of a site also to that of all sites. */
+function Name() {
+  const site = pageSite();
+  if (site === null)
+    return (
+      <Link to="/" className={classes.name}>
+        dock-gateway
+      </Link>
+    );
+  return (
+    <div className={classes.name}>
+      <a href="/" title="dock-gateway: all sites">
+        All sites
+      </a>
+      <span aria-hidden="true"> / </span>
+      <Link to="/">{site}</Link>
+    </div>
   );
 }
 

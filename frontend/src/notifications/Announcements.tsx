@@ -1,6 +1,7 @@
 import type { Alert } from "@dock-gateway/client";
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
+import { siteKey } from "../api/site";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { robotPath } from "../fleet/names";
@@ -8,7 +9,7 @@ import { isCovered } from "../fleet/robotChoice";
 import { notify, type Preferences, playSound, usePreferences } from "./announce";
 
 /** The tab that announces alerts holds it, so that several tabs make one sound. */
-const LOCK = "dock-gateway-announcer";
+const LOCK = siteKey("dock-gateway-announcer");
 
 /** Announces each alert that begins while the page is open, as this browser is set to. */
 export function Announcements(): null {
@@ -29,7 +30,7 @@ export function Announcements(): null {
     if (desktop)
       for (const alert of fresh)
         notify({
-          tag: alert.id,
+          tag: siteKey(alert.id),
           title: alert.robot === null ? alert.title : `${naming.nameOf(alert.robot)}: ${alert.title}`,
           body: alert.detail,
           critical: alert.severity === "critical",

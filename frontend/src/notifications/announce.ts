@@ -1,3 +1,4 @@
+import { siteKey } from "../api/site";
 import { ALL_ROBOTS, type RobotChoice } from "../fleet/robotChoice";
 import { Kept, useKept } from "../ui/kept";
 
@@ -76,7 +77,9 @@ export interface Preferences {
   robots: RobotChoice;
 }
 
-const chosen = new Kept<Preferences>("dock-gateway-announcements", read, (value) => JSON.stringify(value));
+const chosen = new Kept<Preferences>(siteKey("dock-gateway-announcements"), read, (value) =>
+  JSON.stringify(value),
+);
 
 export function preferences(): Preferences {
   return chosen.value;

@@ -1,5 +1,6 @@
 import { EventStream, type StreamHandlers, type StreamOptions } from "@dock-gateway/client";
 import { session } from "../api/session";
+import { apiPath } from "../api/site";
 
 export type StreamLocation = Pick<Location, "protocol" | "host">;
 
@@ -9,7 +10,7 @@ type StreamQuery = Record<string, string | null>;
 /** Where the events are, for a page at `location`; what is null is not asked for. */
 export function streamUrl(location: StreamLocation, query: StreamQuery, path = "/ws/feedback"): string {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  const url = new URL(`${scheme}//${location.host}${path}`);
+  const url = new URL(`${scheme}//${location.host}${apiPath(path)}`);
   for (const [name, value] of Object.entries(query)) if (value !== null) url.searchParams.set(name, value);
   return url.href;
 }
@@ -22,7 +23,9 @@ export function openStream(url: string, handlers: StreamHandlers, options: Strea
       onEvent: handlers.onEvent,
       onConnection: (input) => {
         handlers.onConnection(input);
-        if (input.kind === "closed" && input.refused) void session.ask();
+        const refused = input.kind === "closed" && input.refused;
+        const back = input.kind === "snapshot" && session.state.trouble != null;
+        if (refused || back) void session.ask();
       },
     },
     { ...options, before: () => session.loggedIn().then(() => undefined) },

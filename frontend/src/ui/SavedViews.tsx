@@ -1,6 +1,7 @@
 import { Anchor, Button, Group, Popover, Stack, Text, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import { Link } from "react-router";
+import { siteKey } from "../api/site";
 import { keep, readKept } from "./kept";
 import { ReasonButton } from "./ReasonButton";
 import classes from "./SavedViews.module.css";
@@ -184,7 +185,7 @@ const MAX_VIEWS = 50;
 
 const MAX_VIEW_NAME = 60;
 
-const keyOf = (page: string) => `dock-gateway-views-${page}`;
+const keyOf = (page: string) => siteKey(`dock-gateway-views-${page}`);
 
 /** The views that are kept in this browser for a page, by name. What is not one, or the second of a name, is left out. */
 export function readViews(page: string): SavedView[] {

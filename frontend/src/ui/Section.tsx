@@ -1,5 +1,6 @@
 import { Group, Paper, Stack, Title } from "@mantine/core";
 import { createContext, type ReactNode, useContext, useEffect, useId } from "react";
+import { pageSite } from "../api/site";
 
 interface SectionProps {
   title: string;
@@ -35,7 +36,8 @@ export const TitlePrefixProvider = TitlePrefixContext.Provider;
 export function usePageTitle(title: string): void {
   const prefix = useContext(TitlePrefixContext);
   useEffect(() => {
-    document.title = `${prefix}${title} · dock-gateway`;
+    const site = pageSite();
+    document.title = `${prefix}${title}${site === null ? "" : ` · ${site}`} · dock-gateway`;
   }, [prefix, title]);
 }
 

@@ -3,6 +3,7 @@ import { Anchor, Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } f
 import { Suspense, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { AlertList } from "../../alerts/AlertList";
+import { apiAddress } from "../../api/site";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
 import { useAddress } from "../../ui/address";
@@ -97,7 +98,7 @@ function OverviewSkeleton() {
 
 /** What to do where no robot is on the graph. */
 function NoRobot() {
-  const battery = `curl -sX PUT ${window.location.origin}/battery/publisher -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`;
+  const battery = `curl -sX PUT ${apiAddress()}/battery/publisher -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`;
   return (
     <Section title="No robot yet">
       <Text size="sm">

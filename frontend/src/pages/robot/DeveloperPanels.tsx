@@ -1,5 +1,6 @@
 import { Code, Stack, Text } from "@mantine/core";
 import { useSession } from "../../api/session";
+import { apiAddress } from "../../api/site";
 import { PublisherCard } from "../../battery/PublisherCard";
 import { CalibrationCard } from "../../docking/CalibrationCard";
 import { currentGoal } from "../../goal/words";
@@ -34,7 +35,7 @@ export function CurlCard() {
         </Text>
       )}
       <div className={classes.commands}>
-        {commands(window.location, robot, `goals/${goal?.goal_id ?? "GOAL_ID"}`).map(({ what, line }) => (
+        {commands(robot, `goals/${goal?.goal_id ?? "GOAL_ID"}`).map(({ what, line }) => (
           <div key={what}>
             <Text size="sm" mb={2}>
               {what}
@@ -48,25 +49,25 @@ export function CurlCard() {
 }
 
 /** @param robot Its namespace; null for the one that the gateway is configured for. */
-function commands(location: Location, robot: string | null, goal: string): { what: string; line: string }[] {
-  const { origin, host, protocol } = location;
+function commands(robot: string | null, goal: string): { what: string; line: string }[] {
+  const address = apiAddress();
   // A shell takes a question mark for a pattern.
   const url = (base: string) => (robot === null ? base : `'${base}?robot=${robot}'`);
-  const stream = url(`${protocol === "https:" ? "wss" : "ws"}://${host}/ws/feedback`);
+  const stream = url(`${address.replace(/^http/, "ws")}/ws/feedback`);
   return [
-    { what: "Dock", line: `curl -sX POST ${url(`${origin}/dock`)}` },
+    { what: "Dock", line: `curl -sX POST ${url(`${address}/dock`)}` },
     {
       what: "Dock, and wait for the end",
-      line: `curl -sX POST ${url(`${origin}/dock`)} -H 'Prefer: wait=60'`,
+      line: `curl -sX POST ${url(`${address}/dock`)} -H 'Prefer: wait=60'`,
     },
-    { what: "Look at the goal", line: `curl -s ${origin}/${goal}` },
-    { what: "Cancel it", line: `curl -sX POST ${origin}/${goal}/cancel` },
-    { what: "Undock", line: `curl -sX POST ${url(`${origin}/undock`)}` },
-    { what: "Stop the robot, and keep it stopped", line: `curl -sX POST ${url(`${origin}/stop`)}` },
-    { what: "Release the stop", line: `curl -sX DELETE ${url(`${origin}/stop`)}` },
+    { what: "Look at the goal", line: `curl -s ${address}/${goal}` },
+    { what: "Cancel it", line: `curl -sX POST ${address}/${goal}/cancel` },
+    { what: "Undock", line: `curl -sX POST ${url(`${address}/undock`)}` },
+    { what: "Stop the robot, and keep it stopped", line: `curl -sX POST ${url(`${address}/stop`)}` },
+    { what: "Release the stop", line: `curl -sX DELETE ${url(`${address}/stop`)}` },
     {
       what: "Publish a low battery once a second",
-      line: `curl -sX PUT ${url(`${origin}/battery/publisher`)} -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`,
+      line: `curl -sX PUT ${url(`${address}/battery/publisher`)} -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`,
     },
     { what: "Watch the feedback", line: `websocat ${stream}` },
   ];
