@@ -62,6 +62,8 @@ class SiteSettings(BaseSettings):
             raise ValueError("hub needs site, the name of this site, such as berlin")
         elif self.hub_key is None:
             raise ValueError("hub needs hub_key: a file with what `dock-gateway hub-key` prints at the hub")
+        elif self.hub_role == "admin" and self.hub_robots:
+            raise ValueError("hub_robots limits no admin, who can change any limit: choose a lower hub_role")
         return self
 
     @model_validator(mode="after")

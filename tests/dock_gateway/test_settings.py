@@ -292,6 +292,7 @@ def test_a_site_and_its_hub() -> None:
     [
         ({"site": None}, "hub needs site, the name of this site"),
         ({"hub_key": None}, "hub needs hub_key: a file with what `dock-gateway hub-key` prints"),
+        ({"hub_role": "admin", "hub_robots": "/robot1"}, "hub_robots limits no admin"),
         ({"hub": None}, "site needs hub, the NATS servers"),
         ({"hub": "nats://ada:secret@nats.example.com"}, "hub names a NATS server on another machine without TLS"),
         ({"hub": "nats://ada:secret@nats.example.com:x"}, "like tls://nats.example.com:4222"),

@@ -67,13 +67,16 @@ async def _admit(connection: HTTPConnection, operation: Operation) -> Principal:
 
 
 async def identify(connection: HTTPConnection) -> Principal:
-    """Return who makes a request.
+    """Return who makes a request. Of one through the tunnel, the hub has signed that.
 
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
         NotAllowed: It has an access token of the identity provider that gives no role (`no_role`).
         Unavailable: It has one, and the provider has not answered yet (`provider_unavailable`).
     """
+    principal: Principal | None = connection.scope.get("hub")
+    if principal is not None:
+        return principal
     parts = parts_of(connection)
     ticket = connection.query_params.get(TICKET) if connection.scope["type"] == "websocket" else None
     if ticket is None and not parts[Settings].authentication:

@@ -18,7 +18,7 @@ from dock_gateway.access.sessions import MAX_SESSIONS, PERSON_PREFIX, PREFIX, Pe
 from dock_gateway.access.single_sign_on import SingleSignOn, no_provider
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
-from dock_gateway.core.access import Kind, PersonSession, Principal, Session, Token, User
+from dock_gateway.core.access import HUB, OF_HUB, Kind, PersonSession, Principal, Session, Token, User, is_of_hub
 from dock_gateway.core.errors import (
     Conflict,
     NotAllowed,
@@ -134,7 +134,7 @@ class Logins:
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
         principal = principal.login or principal
-        if principal.credential is None:
+        if principal.credential is None or principal.kind is Kind.HUB:  # whose login ends ends its streams
             return True
         match principal.kind:
             case Kind.SERVICE:
@@ -165,14 +165,14 @@ class Logins:
             yield
         finally:
             ends.discard(end)
+            if not ends:
+                self._streams.pop(principal, None)
 
     def _end_streams(self) -> None:
         for principal, ends in list(self._streams.items()):
             if not self.is_valid(principal):
                 for end in list(ends):
                     end()
-            if not ends:
-                del self._streams[principal]
 
     # ------------------------------------------------------------------ tokens
 
@@ -189,6 +189,7 @@ class Logins:
         if name.lower().startswith(PERSON_NAMES):
             detail = f"names that begin with {PERSON_NAMES} are for the identity provider"
             raise Conflict(detail, code="user_exists")
+        _refuse_hub(name)
         return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
     async def revoke_token(self, token_id: str) -> None:
@@ -369,6 +370,7 @@ class Logins:
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new user.
         """
+        _refuse_hub(name)
         hashed = await self._passwords.hash(password)
 
         def add(user: User | None) -> User:
@@ -430,3 +432,9 @@ class Logins:
                 raise Conflict("this is the last admin; add another admin first", code="last_admin")
 
         return check
+
+
+def _refuse_hub(name: str) -> None:
+    if is_of_hub(name):
+        detail = f"the name {HUB}, and names that begin with {OF_HUB}, are for a hub and its users"
+        raise Conflict(detail, code="user_exists")

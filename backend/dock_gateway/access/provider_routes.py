@@ -16,7 +16,7 @@ from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.grant import Role
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import address_of, cookie_name, keep_login
+from dock_gateway.http.principal import NOT_THROUGH_HUB, address_of, cookie_name, keep_login
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import NO_QUERY, json_response, known_query
 
@@ -35,7 +35,7 @@ REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the bro
     status_code=303,
     response_class=RedirectResponse,
     responses={**REDIRECT, **problems(404, 422, 503)},
-    dependencies=[Depends(known_query("page"))],
+    dependencies=[NOT_THROUGH_HUB, Depends(known_query("page"))],
 )
 @public_operation()
 async def begin_login(
@@ -68,6 +68,7 @@ async def begin_login(
     status_code=303,
     response_class=RedirectResponse,
     responses={**REDIRECT, **problems(401, 403, 404, 409, 429, 503)},
+    dependencies=[NOT_THROUGH_HUB],
 )
 @public_operation(Audit.STORED_FIRST)
 async def finish_login(request: Request, logins: Part[Logins]) -> Response:

@@ -1,7 +1,6 @@
 """`/session`: who makes a request, the login of a browser, and tickets for WebSockets."""
 
 from contextlib import suppress
-from dataclasses import asdict
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -15,11 +14,12 @@ from dock_gateway.access.tickets import LIFETIME, Tickets
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
-from dock_gateway.core.grant import Role
+from dock_gateway.core.grant import LIMITS, Role
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import (
+    NOT_THROUGH_HUB,
     address_of,
     browser_of,
     forget_login,
@@ -58,11 +58,14 @@ LOGIN_REQUEST = {
 
 
 def _session(request: Request, settings: Settings, logins: Logins, principal: Principal | None) -> Response:
-    who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
+    who = None
+    if principal is not None:
+        limits = {limit: getattr(principal.grant, limit) for limit in LIMITS}
+        who = {"name": principal.name, "kind": principal.kind, "role": principal.grant.role, **limits}
     sso = logins.sso
     document = {
         "required": settings.authentication,
-        "open_to": settings.open_to,
+        "open_to": None if "hub" in request.scope else settings.open_to,
         "principal": who,
         "hub": getattr(request.app.state, "hub", False),
         "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
@@ -75,7 +78,10 @@ def _session(request: Request, settings: Settings, logins: Logins, principal: Pr
 @router.get("", name="get_session", response_model=Session, responses=problems(422))
 @public_operation()
 async def get_session(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
-    """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
+    """Return who makes the request, and whether requests need a login. `principal` is null without a valid one.
+
+    At a site, through its hub: whom the hub speaks for (`kind` is `hub`), and what they may do here.
+    """
     try:
         return _session(request, settings, logins, await identify(request))
     except GatewayError:
@@ -88,6 +94,7 @@ async def get_session(request: Request, settings: Part[Settings], logins: Part[L
     response_model=Session,
     responses=problems(400, 401, 408, 413, 415, 422, 429, 503),
     openapi_extra=body(LOGIN_REQUEST, required=True),
+    dependencies=[NOT_THROUGH_HUB],
 )
 @public_operation(Audit.STORED_FIRST)
 async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
@@ -124,7 +131,7 @@ def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fie
     return response
 
 
-@router.delete("", name="log_out", response_model=Session, responses=problems(422, 503))
+@router.delete("", name="log_out", response_model=Session, responses=problems(422, 503), dependencies=[NOT_THROUGH_HUB])
 @public_operation(Audit.STORED_FIRST)
 async def log_out(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
     """End the session of the browser. A token is only forgotten: it stays valid."""
@@ -136,7 +143,14 @@ async def log_out(request: Request, settings: Part[Settings], logins: Part[Login
     return response
 
 
-@router.post("/ticket", name="issue_ticket", status_code=201, response_model=Ticket, responses=problems(401, 403, 422))
+@router.post(
+    "/ticket",
+    name="issue_ticket",
+    status_code=201,
+    response_model=Ticket,
+    responses=problems(401, 403, 422),
+    dependencies=[NOT_THROUGH_HUB],
+)
 @operation(Role.VIEWER, Scope.ANY)
 async def issue_ticket(request: Request, tickets: Part[Tickets]) -> Response:
     """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.

@@ -22,7 +22,7 @@ from dock_gateway.agents.reading import follow, goal_document
 from dock_gateway.agents.schema import GoalAnswer
 from dock_gateway.agents.tools import Tool, answer_approval
 from dock_gateway.audit.trail import audited_command
-from dock_gateway.core.access import Principal
+from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import NotFound
 from dock_gateway.goals.approvals import MAX_WAITING, Approval, Approvals
 from dock_gateway.goals.goals import Goals
@@ -161,7 +161,8 @@ class Call:
         settings, session = self._parts[Settings], self._context.session
         capabilities = session.client_capabilities
         asks = capabilities is not None and capabilities.elicitation is not None
-        counts = settings.approval_by_client or not settings.authentication
+        open_here = not settings.authentication and self._principal.kind is not Kind.HUB
+        counts = settings.approval_by_client or open_here
         return asks and counts and session.protocol_version in MODERN_PROTOCOL_VERSIONS
 
     async def _asked(self, command: "asyncio.Task[Fields]") -> Approval | None:

@@ -8,6 +8,9 @@ from enum import StrEnum
 
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 
+# The name of a hub that asks nobody for a login, and what the names of a hub's users begin with, as a site has them.
+HUB = "hub"
+OF_HUB = "hub:"
 # Time after which a session that is not used ends.
 IDLE = timedelta(days=7)
 
@@ -19,6 +22,7 @@ class Kind(StrEnum):
     USER = "user"
     PERSON = "person"
     SERVICE = "service"
+    HUB = "hub"
     ANYBODY = "anybody"
 
 
@@ -174,7 +178,7 @@ class Principal:
         name: Their name; None where the gateway does not ask who it is.
         kind: The kind of credential.
         grant: Their grant.
-        credential: Id of the token or the session; None where the gateway does not ask for one.
+        credential: Id of the token or the session, or of the hub's key; None where the gateway does not ask for one.
         expires_at: Until when the access token of a service is valid.
         key: Thumbprint of the provider's key that has signed it.
         client: The agent's program, as it calls itself.
@@ -204,6 +208,22 @@ class Principal:
         if self.name is None:
             return idempotency_key
         return hashlib.sha256(json.dumps([self.name, idempotency_key]).encode()).hexdigest()
+
+
+def is_of_hub(name: str) -> bool:
+    """Return whether a name is that of a hub or of one of its users, which no user and no token of a site has."""
+    return name.lower() == HUB or name.lower().startswith(OF_HUB)
+
+
+def hub_principal(name: str | None, grant: Grant, key: str) -> Principal:
+    """Return who makes a request through the hub.
+
+    Args:
+        name: Their name at the hub; None where it asks nobody for a login.
+        grant: What they may do here.
+        key: Id of the key with which the hub has signed that.
+    """
+    return Principal(HUB if name is None else f"{OF_HUB}{name}", Kind.HUB, grant, key)
 
 
 # Everybody, where the gateway does not ask who it is.

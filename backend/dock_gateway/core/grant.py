@@ -60,6 +60,18 @@ class Grant:
         """Whether it leaves out any robot or action."""
         return bool(self.robots or self.actions)
 
+    def narrowed(self, role: Role, robots: tuple[str, ...]) -> "Grant":
+        """Return what both this grant and another limit allow.
+
+        Args:
+            role: The highest role.
+            robots: Patterns of the namespaces of robots; empty means every robot.
+        """
+        lower = min(self.role, role, key=list(Role).index)
+        if not self.robots or not robots:
+            return replace(self, role=lower, robots=self.robots or robots)
+        return NarrowedGrant(lower, self.robots, self.actions, self.topics, within=robots)
+
     def covers_robot(self, namespace: str) -> bool:
         """Return whether a robot is one of theirs."""
         return bool(self._robots.fullmatch(f"{namespace.rstrip('/')}/_"))
@@ -119,6 +131,22 @@ class Grant:
     @cached_property
     def _topics(self) -> re.Pattern[str]:
         return match_any(map(expression, self.topics))
+
+
+@dataclass(frozen=True)
+class NarrowedGrant(Grant):
+    """A grant with a further limit: both must cover a robot.
+
+    Attributes:
+        within: The further limit: patterns of namespaces, as in `robots`.
+    """
+
+    within: tuple[str, ...] = ()
+
+    @cached_property
+    def _robots(self) -> re.Pattern[str]:
+        both = (Grant(self.role, robots)._robots.pattern for robots in (self.within, self.robots))  # noqa: SLF001 - its own
+        return re.compile("(?=(?:{})\\Z)(?:{})".format(*both), re.DOTALL)
 
 
 # Someone who may do everything.

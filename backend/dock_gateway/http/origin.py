@@ -40,7 +40,7 @@ class OriginGuard:
         Raises:
             NotAllowed: The page or the host name is foreign.
         """
-        if scope["type"] in ("http", "websocket"):
+        if scope["type"] in ("http", "websocket") and "hub" not in scope:  # the hub has checked its own visitors
             try:
                 self._check(scope)
             except NotAllowed as error:

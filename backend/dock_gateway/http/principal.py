@@ -9,7 +9,8 @@ from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 
 from dock_gateway.core.access import Principal
-from dock_gateway.core.grant import Grant
+from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.requests import read_json, read_key
 
 SCHEME = "bearer"
@@ -28,6 +29,30 @@ def principal_of(connection: HTTPConnection) -> Principal:
     """Return who makes a request that was authorized."""
     principal: Principal = connection.scope["principal"]
     return principal
+
+
+async def refuse_hub(connection: HTTPConnection) -> None:
+    """Refuse a request that came through the hub, for `Depends`: it is about logins of this gateway.
+
+    Raises:
+        NotAllowed: It did (`not_through_hub`).
+    """
+    if "hub" in connection.scope:
+        raise NotAllowed("logins of a site are not for its hub: log in at the hub", code="not_through_hub")
+
+
+async def refuse_hub_below_admin(connection: HTTPConnection) -> None:
+    """Refuse a request that came through the hub, for `Depends`, unless an admin makes it.
+
+    Raises:
+        NotAllowed: They are no admin here (`not_through_hub`).
+    """
+    if "hub" in connection.scope and principal_of(connection).grant.role is not Role.ADMIN:
+        raise NotAllowed("through the hub, this needs the role admin at the site", code="not_through_hub")
+
+
+# What goes into `dependencies` of a route or a router.
+NOT_THROUGH_HUB, ADMIN_THROUGH_HUB = Depends(refuse_hub), Depends(refuse_hub_below_admin)
 
 
 async def depend_on_grant(connection: HTTPConnection) -> Grant:

@@ -48,11 +48,13 @@ class Identity:
     Attributes:
         name: Their name at the hub; None where the hub asks nobody for a login.
         grant: What they may do at the site, in its own names.
+        key: Id of the key that has signed it.
         expires_at: Until when this can be used, in seconds since 1970 by the site's clock.
     """
 
     name: str | None
     grant: Grant
+    key: str
     expires_at: float
 
 
@@ -172,7 +174,7 @@ class Verifier:
             IdentityReused: It was used already.
             TooManyRequests: Too many were used in the last minute.
         """
-        claims = self._read(token)
+        claims, key = self._read(token)
         if (claims.aud, claims.instance) != (self._site, instance):
             raise _refusal("it is for another site, or for another process of this one")
         if (claims.htm, claims.htu) != (method, path):
@@ -182,9 +184,9 @@ class Verifier:
         if claims.iat > now + AHEAD or claims.exp > claims.iat + LIFETIME:
             raise _refusal("it is not valid yet, or for too long")
         self._use(claims, now)
-        return Identity(claims.sub, claims.grant, claims.exp)
+        return Identity(claims.sub, claims.grant, key, claims.exp)
 
-    def _read(self, token: str) -> _Claims:
+    def _read(self, token: str) -> tuple[_Claims, str]:
         if len(token) > MAX_TOKEN:
             raise _refusal("it is too long")
         try:
@@ -196,7 +198,7 @@ class Verifier:
             raise _refusal("its signature is wrong, or none of the hub") from None
         if signed.header.get("typ") != KIND:
             raise _refusal("it was signed for another purpose")
-        return claims
+        return claims, str(signed.header.get("kid"))
 
     def _use(self, claims: _Claims, now: float) -> None:
         while self._used and (oldest := next(iter(self._used.items())))[1] <= now:

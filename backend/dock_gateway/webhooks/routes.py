@@ -10,6 +10,7 @@ from dock_gateway.http.bodies import body_schema, read_signed
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import ADMIN_THROUGH_HUB
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     NO_QUERY,
@@ -23,7 +24,7 @@ from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
 from dock_gateway.webhooks.webhook import WebhookBody
 
-router = APIRouter(tags=["Webhooks"], prefix="/webhooks")
+router = APIRouter(tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_THROUGH_HUB])
 
 
 async def _webhook_id_in_path(webhook_id: Annotated[str, SLUG_IN_PATH]) -> str:

@@ -1486,6 +1486,8 @@ export interface paths {
         /**
          * Get Session
          * @description Return who makes the request, and whether requests need a login. `principal` is null without a valid one.
+         *
+         *     At a site, through its hub: whom the hub speaks for (`kind` is `hub`), and what they may do here.
          */
         get: operations["get_session"];
         put?: never;
@@ -3760,7 +3762,7 @@ export interface components {
          * @description The credential of a request.
          * @enum {string}
          */
-        Kind: "token" | "user" | "person" | "service" | "anybody";
+        Kind: "token" | "user" | "person" | "service" | "hub" | "anybody";
         /**
          * Label
          * @description The display name of a robot, null if it has none, and the groups that it is in.

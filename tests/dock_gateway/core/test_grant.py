@@ -43,6 +43,19 @@ def robots(*patterns: str) -> Grant:
     return Grant(Role.OPERATOR, robots=patterns)
 
 
+@given(
+    own=st.lists(NAMES | st.sampled_from(["/", "*/robot1", "/*"]), max_size=2).map(tuple),
+    within=st.lists(NAMES | st.sampled_from(["/", "/hall_a/*"]), max_size=2).map(tuple),
+    robot=NAMES,
+)
+def test_a_narrowed_grant_covers_what_both_do(own: tuple[str, ...], within: tuple[str, ...], robot: str) -> None:
+    narrowed = robots(*own).narrowed(Role.VIEWER, within)
+    assert narrowed.role is Role.VIEWER
+    assert narrowed.covers_robot(robot) == (robots(*own).covers_robot(robot) and robots(*within).covers_robot(robot))
+    assert narrowed.limited == bool(own or within)
+    assert robots().narrowed(Role.ADMIN, ()).role is Role.OPERATOR
+
+
 @pytest.mark.parametrize(
     ("patterns", "inside", "outside"),
     [

@@ -51,6 +51,7 @@ def refusal(verifier: Verifier, token: str, *request: str, now: float = NOW) -> 
 def test_what_the_hub_signs(signer: Signer, verifier: Verifier, name: str | None, grant: Grant) -> None:
     said = verifier.verify(signed(signer, name, grant), *REQUEST, NOW + 1)
     assert (said.name, said.grant, said.expires_at) == (name, grant, NOW + LIFETIME)
+    assert said.key == signer.public_keys()["keys"][0]["kid"]
 
 
 def test_one_request_only(signer: Signer, verifier: Verifier) -> None:
