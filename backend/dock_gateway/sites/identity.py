@@ -111,7 +111,16 @@ class Signer:
         return {"keys": [{**self._key.as_dict(private=False), **named}]}
 
     def sign(
-        self, site: str, instance: str, name: str | None, grant: Grant, method: str, path: str, now: float
+        self,
+        site: str,
+        instance: str,
+        name: str | None,
+        grant: Grant,
+        method: str,
+        path: str,
+        now: float,
+        *,
+        lifetime: float = LIFETIME,
     ) -> str:
         """Return who asks, signed for one request.
 
@@ -123,6 +132,7 @@ class Signer:
             method: The request's method.
             path: Its path at the site, without the query.
             now: The time by the site's clock, in seconds since 1970.
+            lifetime: Seconds after which the site does not begin with the request any more, at most `LIFETIME`.
         """
         claims = {
             "iss": ISSUER,
@@ -137,7 +147,7 @@ class Signer:
             "htu": path,
             "jti": uuid.uuid4().hex,
             "iat": now,
-            "exp": now + LIFETIME,
+            "exp": now + min(lifetime, LIFETIME),
         }
         return jwt.encode(self._header, claims, self._key, [ALGORITHM])
 

@@ -75,6 +75,13 @@ def test_clocks(signer: Signer, verifier: Verifier) -> None:
     assert refusal(verifier, signed(signer, now=NOW - LIFETIME)) == "it has expired"
 
 
+def test_a_deadline(signer: Signer, verifier: Verifier) -> None:
+    instance, method, path = REQUEST
+    token = signer.sign("berlin", instance, "alice", GRANT, method, path, NOW, lifetime=5)
+    assert refusal(verifier, token, now=NOW + 5) == "it has expired"
+    verifier.verify(token, *REQUEST, NOW + 4)
+
+
 def test_used_ones_are_forgotten_when_they_have_expired(
     signer: Signer, verifier: Verifier, monkeypatch: pytest.MonkeyPatch
 ) -> None:
