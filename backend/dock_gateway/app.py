@@ -1,18 +1,14 @@
-"""The ASGI application."""
+"""The ASGI application of a gateway."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, nullcontext
-from typing import TypedDict
 
-from fastapi import APIRouter, Depends, FastAPI
-from starlette.middleware.cors import CORSMiddleware
+from fastapi import APIRouter, FastAPI
 
-from dock_gateway import __version__
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
-from dock_gateway.access.authorization import authorize
+from dock_gateway.application import Contents, build_app
 from dock_gateway.assembly import open_gateway
 from dock_gateway.audit import routes as audit_routes
-from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.automation import routes as automation_routes
 from dock_gateway.cameras import routes as camera_routes
 from dock_gateway.fleet import routes as fleet_routes
@@ -22,20 +18,11 @@ from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
 from dock_gateway.graph import interface_routes, parameter_routes, publish_routes, service_routes
 from dock_gateway.graph import routes as graph_routes
-from dock_gateway.http.dashboard import install_dashboard
-from dock_gateway.http.docs import install_docs
-from dock_gateway.http.methods import HeadAsGet, allowed_methods
-from dock_gateway.http.openapi import Union, install_openapi, serve_document
-from dock_gateway.http.operation import require_declared
-from dock_gateway.http.origin import OriginGuard
+from dock_gateway.http.openapi import Union
 from dock_gateway.http.parts import Parts
-from dock_gateway.http.problems import install_problems, problems
-from dock_gateway.http.schema import Problem
-from dock_gateway.http.upgrades import install_upgrades
 from dock_gateway.maps import routes as map_routes
+from dock_gateway.observability import metrics_routes
 from dock_gateway.observability import routes as health_routes
-from dock_gateway.observability.request_meter import RequestMeter
-from dock_gateway.observability.request_metrics import RequestMetrics
 from dock_gateway.recordings import routes as recording_routes
 from dock_gateway.robots import battery_routes, calibration_routes, simulator_routes
 from dock_gateway.ros.messages.battery_schema import battery_schemas
@@ -51,7 +38,6 @@ from dock_gateway.streams.schema import EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
 from dock_gateway.webhooks import routes as webhook_routes
 
-DESCRIPTION = "Drive ROS 2 actions from a browser, curl or a WebSocket."
 # What streams and `/ws` send, and what `/ws` reads.
 UNIONS = (
     Union("Event", EVENTS, "A message of an event stream."),
@@ -60,12 +46,13 @@ UNIONS = (
     Union("Answer", ANSWERS, "The answer to a command of /ws.", discriminator=None),
     Union("Command", COMMAND_SCHEMAS, "A command of /ws.", "op", "validation", socket.OPERATIONS),
 )
-
-
-class State(TypedDict):
-    """State that lives as long as the app runs."""
-
-    parts: Parts
+CONTENTS = Contents(
+    description="Drive ROS 2 actions from a browser, curl or a WebSocket.",
+    unions=UNIONS,
+    models=(StopProblem,),
+    messages=battery_schemas,
+    asyncapi=asyncapi_document,
+)
 
 
 def api_routers() -> tuple[APIRouter, ...]:
@@ -100,6 +87,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         token_routes,
         audit_routes,
         health_routes,
+        metrics_routes,
         socket,
         topics,
         rosbridge_routes,
@@ -126,6 +114,15 @@ async def _serve_agents(parts: Parts) -> AsyncIterator[None]:
         yield
 
 
+@asynccontextmanager
+async def _open(settings: Settings, parts: Parts | None) -> AsyncIterator[Parts]:
+    async with (
+        open_gateway(settings) if parts is None else nullcontext(parts) as opened,
+        _serve_agents(opened) if settings.mcp else nullcontext(),
+    ):
+        yield opened
+
+
 def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
     """Create the application.
 
@@ -134,77 +131,5 @@ def create_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
         parts: Those of an open gateway. Without them, the application joins the ROS graph at startup and leaves it at
             shutdown.
     """
-
-    @asynccontextmanager
-    async def lifespan(_: FastAPI) -> AsyncIterator[State]:
-        async with (
-            open_gateway(settings) if parts is None else nullcontext(parts) as opened,
-            _serve_agents(opened) if settings.mcp else nullcontext(),
-        ):
-            yield {"parts": opened}
-
-    app = FastAPI(
-        title="dock-gateway",
-        version=__version__,
-        description=DESCRIPTION,
-        lifespan=lifespan,
-        openapi_url=None,
-        docs_url=None,
-        redoc_url=None,
-        redirect_slashes=False,  # `install_problems` does
-        swagger_ui_oauth2_redirect_url=None,
-        generate_unique_id_function=lambda route: route.name,
-    )
     routers = (*api_routers(), *_agent_routers(settings))
-    for router in routers:
-        require_declared(router.routes)
-        app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
-    install_openapi(
-        app,
-        authentication=settings.authentication,
-        unions=UNIONS,
-        models=(Problem, StopProblem),
-        messages=battery_schemas,
-    )
-    serve_document(app, "/asyncapi.json", lambda: asyncapi_document(app.openapi()))
-    install_docs(app)
-    install_dashboard(app, settings)
-    routes = [route for router in routers for route in router.routes]
-    install_upgrades(app, routes)
-    allowed = allowed_methods([*routes, *app.routes])
-    if settings.allowed_origins:
-        app.add_middleware(
-            CORSMiddleware,
-            allow_origins=settings.allowed_origins,
-            allow_methods=("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"),
-            allow_headers=(
-                "Authorization",
-                "Content-Type",
-                "Idempotency-Key",
-                "If-None-Match",
-                "If-Range",
-                "Last-Event-ID",
-                "Prefer",
-                "Range",
-                "Traceparent",
-                "Tracestate",
-                "X-Request-ID",
-            ),
-            expose_headers=(
-                "Accept-Ranges",
-                "Content-Disposition",
-                "Content-Range",
-                "ETag",
-                "Location",
-                "Retry-After",
-                "X-Request-ID",
-            ),
-            allow_private_network=True,  # a robot's address is usually in one
-        )
-    app.add_middleware(AuditTrail)
-    app.add_middleware(OriginGuard, settings=settings)
-    install_problems(app, allowed)  # the last middleware added is the outermost
-    app.state.requests = RequestMetrics()
-    app.add_middleware(RequestMeter, metrics=app.state.requests)
-    app.add_middleware(HeadAsGet)
-    return app
+    return build_app(settings, routers, lambda: _open(settings, parts), CONTENTS)

@@ -8,6 +8,8 @@ from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextma
 from functools import partial
 from typing import Protocol, TypeVar
 
+from prometheus_client import CollectorRegistry
+
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.single_sign_on import open_single_sign_on
 from dock_gateway.access.tickets import Tickets
@@ -54,6 +56,8 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.maps.service import Maps
+from dock_gateway.observability.gateway_collector import GatewayCollector
+from dock_gateway.observability.goal_metrics import GoalMetrics
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.traces import open_traces
 from dock_gateway.recordings.recorder import Recorder
@@ -349,7 +353,9 @@ def _observe(parts: Parts, stack: AsyncExitStack) -> None:
     """Measure the parts, and trace their goals if that is configured."""
     if traces := open_traces(parts):
         _closed_by(stack, traces)
-    parts.add(Metrics, _closed_by(stack, Metrics(parts)))
+    registry = CollectorRegistry()
+    GoalMetrics(registry, parts)
+    parts.add(Metrics, _closed_by(stack, Metrics(GatewayCollector(parts), registry)))
 
 
 def _subscribe_on_demand(

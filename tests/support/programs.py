@@ -12,4 +12,4 @@ PROGRAMS = {
 }
 for module in MODULES.values():
     import_module(module)
-import_module("dock_gateway.cli.server")  # which `dock-gateway serve` imports when it runs
+import_module("dock_gateway.cli.gateway")  # which `dock-gateway serve` imports when it runs

@@ -72,7 +72,7 @@ def test_lines_for_people(shared_domain: int) -> None:
         goal_id = dock(gateway, "job-17")
         line = gateway.process.wait_for(f"goal {goal_id} on ")
     assert line.startswith("[INFO] [20")
-    assert gateway.process.wait_for(" with rmw_").endswith(f"cli.server]: {describe_ros(os.environ)}")
+    assert gateway.process.wait_for(" with rmw_").endswith(f"cli.gateway]: {describe_ros(os.environ)}")
     assert line.endswith("goal_machine]: " + f"goal {goal_id} on /connect_to_charging_dock, pending, origin gateway")
     others = [line for line in gateway.process.own_lines if "[dock_gateway.audit]" not in line]
     assert not any("job-17" in line for line in others)  # only records of the audit log name the request

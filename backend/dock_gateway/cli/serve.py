@@ -24,13 +24,13 @@ def serve(**options: str | None) -> None:
     settings = read_settings(options)
     check_start(settings, os.environ)
     load_ros(os.environ)
-    from dock_gateway.cli.server import run  # noqa: PLC0415
+    from dock_gateway.cli.gateway import run_gateway  # noqa: PLC0415
     from dock_gateway.core.errors import GatewayError  # noqa: PLC0415
     from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415 - see above
 
     variables = " ".join(sorted(name for name in os.environ if name.startswith(ROS_PREFIXES)))
     try:
-        started = run(settings)
+        started = run_gateway(settings)
     except CertificateError as error:
         raise click.UsageError(str(error)) from None
     except GatewayError as error:

@@ -1,4 +1,4 @@
-"""The server process: uvicorn with our connections, and streams that end with a reason."""
+"""The server process of a gateway or a hub: uvicorn with our connections, and streams that end with a reason."""
 
 import asyncio
 import gc
@@ -8,19 +8,16 @@ import signal
 import socket
 import time
 from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
 from typing import cast
 
 import uvicorn
 from starlette.types import ASGIApp
 from uvicorn.config import STARTUP_FAILURE
 
-from dock_gateway.app import create_app
-from dock_gateway.assembly import open_gateway
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.doctor.environment import describe_ros
-from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.edge.certificates import Certificates, load_certificates
 from dock_gateway.http.edge.connection import Connection
 from dock_gateway.http.edge.forwarded import ForwardedHeaders
@@ -33,7 +30,6 @@ from dock_gateway.http.own_ports import OwnPorts
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.request_id import RequestId
 from dock_gateway.settings import Settings, unknown_variables
-from robot_io import ros_variables
 
 log = logging.getLogger(__name__)
 
@@ -42,6 +38,8 @@ GRACE = 1
 FAREWELL = 0.5
 
 ConnectionFactory = Callable[..., Connection]
+OpenParts = Callable[[Settings], AbstractAsyncContextManager[Parts]]
+CreateApp = Callable[[Settings, Parts], ASGIApp]
 
 
 class Server(uvicorn.Server):
@@ -54,12 +52,12 @@ class Server(uvicorn.Server):
         self._own_ports: dict[int, str] = {}
         self._tasks = Tasks("watching the certificate")
 
-    async def serve_gateway(self, parts: Parts, settings: Settings) -> None:
+    async def serve_app(self, app: ASGIApp, parts: Parts, settings: Settings) -> None:
         """Serve until a signal arrives. Return at once if one has arrived before."""
         if self.should_exit:
             return
         self._parts = parts
-        app: ASGIApp = RequestId(SecurityHeaders(create_app(settings, parts), tls=settings.tls))
+        app = RequestId(SecurityHeaders(app, tls=settings.tls))
         own = {settings.rosbridge_port: "/rosbridge", settings.foxglove_port: "/foxglove"}
         self._own_ports = {port: path for port, path in own.items() if port is not None}
         self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
@@ -101,7 +99,6 @@ class Server(uvicorn.Server):
         if self._parts is not None:
             fanout = self._parts[Fanout]
             fanout.close()
-            self._parts[ActionRegistry].release_all()
             deadline = time.monotonic() + FAREWELL
             while len(fanout) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
                 await asyncio.sleep(0.01)
@@ -109,19 +106,21 @@ class Server(uvicorn.Server):
         await self._tasks.close()
 
 
-def run(settings: Settings) -> bool:
+def run(settings: Settings, open_parts: OpenParts, create_app: CreateApp) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started.
+
+    Args:
+        settings: The settings.
+        open_parts: Opens the parts, until the server has shut down.
+        create_app: Makes the application of them.
 
     Raises:
         CertificateError: A certificate or key cannot be used.
     """
     certificates = load_certificates(settings)
     configure_logs(settings)
-    log.info("%s", describe_ros(os.environ))
     for sentence in unknown_variables(os.environ):
         log.warning(sentence)
-    for finding in ros_variables.check(os.environ):
-        log.warning("%s", finding.sentence)
     raise_file_limit()
     _say_who_may_use(settings)
     config = uvicorn.Config(
@@ -135,7 +134,7 @@ def run(settings: Settings) -> bool:
         **edge_options(settings),
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
-        return runner.run(_serve(Server(config, certificates), settings))
+        return runner.run(_serve(Server(config, certificates), settings, open_parts, create_app))
 
 
 def _say_who_may_use(settings: Settings) -> None:
@@ -154,10 +153,10 @@ def _say_who_may_use(settings: Settings) -> None:
             )
 
 
-async def _serve(server: Server, settings: Settings) -> bool:
+async def _serve(server: Server, settings: Settings, open_parts: OpenParts, create_app: CreateApp) -> bool:
     with server.capture_signals():  # from now on, and until everything is closed
         if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal closed, which uvicorn does not handle
-        async with open_gateway(settings) as parts:
-            await server.serve_gateway(parts, settings)
+        async with open_parts(settings) as parts:
+            await server.serve_app(create_app(settings, parts), parts, settings)
     return server.started

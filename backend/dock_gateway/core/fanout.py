@@ -186,6 +186,7 @@ class Fanout:
         self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
         self._on_watch: dict[str, Callable[[], None]] = {}
         self.closing = False
+        self.on_close: list[Callable[[], None]] = []  # called when streams are to end, maybe twice
 
     def __len__(self) -> int:
         return len(self._subscribers)
@@ -294,6 +295,8 @@ class Fanout:
         self.closing = True
         for subscriber in self._subscribers:
             subscriber.wake()
+        for listener in self.on_close:
+            listener()
 
 
 def _keys(event_filter: EventFilter) -> Iterator[tuple[str, str | None]]:

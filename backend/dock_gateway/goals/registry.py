@@ -95,6 +95,7 @@ class ActionRegistry:
         self.on_lost: list[Callable[[Goal], None]] = []
         self._fanout = fanout
         interlock.on_latch.append(self._stop_under)
+        fanout.on_close.append(self._release_all)
         self._history = history
         self._actions: dict[str, Action] = {}
         self._configured_namespace = parent_of(settings.resolve("dock"))
@@ -378,7 +379,7 @@ class ActionRegistry:
         for action in self._actions.values():
             do(action)
 
-    def release_all(self) -> None:
+    def _release_all(self) -> None:
         """Wake every caller that waits for a goal, as the gateway is about to close."""
         self.each(lambda action: action.tracker.release_all())
 

@@ -1,4 +1,4 @@
-"""All metrics of one gateway."""
+"""All metrics of a gateway or a hub."""
 
 import asyncio
 import platform
@@ -21,9 +21,6 @@ from prometheus_client.registry import Collector
 
 from dock_gateway import __version__
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.http.parts import Parts
-from dock_gateway.observability.gateway_collector import GatewayCollector
-from dock_gateway.observability.goal_metrics import GoalMetrics
 from dock_gateway.observability.request_metrics import NAMESPACE, RequestMetrics
 
 # Seconds between two measurements of the event loop's lag.
@@ -35,16 +32,15 @@ disable_created_metrics()  # type: ignore[no-untyped-call]
 
 
 class Metrics:
-    """The metrics of one gateway, and those of its process.
+    """The metrics of a gateway or a hub, and those of its process.
 
     Args:
-        parts: The parts of the gateway, which are measured.
+        state: Reads the state of the parts.
+        registry: Has what is counted.
     """
 
-    def __init__(self, parts: Parts) -> None:
-        self._registry = registry = CollectorRegistry()
-        self._state = GatewayCollector(parts)
-        GoalMetrics(registry, parts)
+    def __init__(self, state: Collector, registry: CollectorRegistry) -> None:
+        self._state, self._registry = state, registry
         ProcessCollector(registry=registry)
         PlatformCollector(registry=registry)
         GCCollector(registry=registry)

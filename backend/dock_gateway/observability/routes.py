@@ -1,24 +1,22 @@
-"""`/healthz` and `/readyz`, for supervisors and load balancers, and `/metrics`, for Prometheus."""
+"""`/healthz` and `/readyz` of a gateway, for supervisors and load balancers."""
 
 from dataclasses import replace
 
 from fastapi import APIRouter, Depends, Request
-from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import Response
 
 from dock_gateway import __version__
 from dock_gateway.access.authorization import identify
 from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.grant import UNLIMITED, Role
+from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.http.operation import Scope, operation, public_operation
+from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, json_response, known_query
-from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.schema import Health, Readiness
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge, ros_environment
@@ -99,10 +97,3 @@ async def _sees_everything(request: Request) -> bool:
         return not (await identify(request)).grant.limited
     except GatewayError:
         return False
-
-
-@router.get("/metrics", response_class=PlainTextResponse)
-@operation(Role.VIEWER, Scope.EVERY)
-async def metrics(request: Request, metrics: Part[Metrics]) -> Response:
-    """Return the gateway's metrics in Prometheus' text format."""
-    return Response(await metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)

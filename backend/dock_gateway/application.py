@@ -1,0 +1,145 @@
+"""An ASGI application of routers, with all that a gateway and a hub have in common."""
+
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypedDict
+
+from fastapi import APIRouter, Depends, FastAPI
+from starlette.middleware.cors import CORSMiddleware
+
+from dock_gateway import __version__
+from dock_gateway.access.authorization import authorize
+from dock_gateway.audit.trail import AuditTrail
+from dock_gateway.http.dashboard import install_dashboard
+from dock_gateway.http.docs import install_docs
+from dock_gateway.http.methods import HeadAsGet, allowed_methods
+from dock_gateway.http.openapi import Models, Union, install_openapi, serve_document
+from dock_gateway.http.operation import require_declared
+from dock_gateway.http.origin import OriginGuard
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.problems import install_problems, problems
+from dock_gateway.http.schema import Problem
+from dock_gateway.http.upgrades import install_upgrades
+from dock_gateway.observability.request_meter import RequestMeter
+from dock_gateway.observability.request_metrics import RequestMetrics
+from dock_gateway.settings import Settings
+
+Document = dict[str, Any]
+
+
+class State(TypedDict):
+    """State that lives as long as the app runs."""
+
+    parts: Parts
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What the documents of an API say besides its routes.
+
+    Attributes:
+        description: What the API is for.
+        unions: The messages of streams, which no route names.
+        models: Further models that no route names.
+        messages: Returns the schemas of ROS messages, by name.
+        asyncapi: Makes the AsyncAPI document from the OpenAPI document, if there is one.
+    """
+
+    description: str
+    unions: Sequence[Union] = ()
+    models: Models = ()
+    messages: Callable[[], Document] = dict
+    asyncapi: Callable[[Document], Document] | None = None
+
+
+def build_app(
+    settings: Settings,
+    routers: Sequence[APIRouter],
+    open_parts: Callable[[], AbstractAsyncContextManager[Parts]],
+    contents: Contents,
+) -> FastAPI:
+    """Build an application.
+
+    Args:
+        settings: The settings.
+        routers: The routers of the API, in the order in which they are asked.
+        open_parts: Opens the parts, which the routes find by their types, until the application has shut down.
+        contents: What its documents say besides.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[State]:
+        async with open_parts() as parts:
+            yield {"parts": parts}
+
+    app = FastAPI(
+        title="dock-gateway",
+        version=__version__,
+        description=contents.description,
+        lifespan=lifespan,
+        openapi_url=None,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,  # `install_problems` does
+        swagger_ui_oauth2_redirect_url=None,
+        generate_unique_id_function=lambda route: route.name,
+    )
+    for router in routers:
+        require_declared(router.routes)
+        app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
+    install_openapi(
+        app,
+        authentication=settings.authentication,
+        unions=contents.unions,
+        models=(Problem, *contents.models),
+        messages=contents.messages,
+    )
+    if contents.asyncapi is not None:
+        serve_document(app, "/asyncapi.json", partial(_asyncapi, app, contents.asyncapi))
+    install_docs(app)
+    install_dashboard(app, settings)
+    routes = [route for router in routers for route in router.routes]
+    install_upgrades(app, routes)
+    allowed = allowed_methods([*routes, *app.routes])
+    if settings.allowed_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.allowed_origins,
+            allow_methods=("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"),
+            allow_headers=(
+                "Authorization",
+                "Content-Type",
+                "Idempotency-Key",
+                "If-None-Match",
+                "If-Range",
+                "Last-Event-ID",
+                "Prefer",
+                "Range",
+                "Traceparent",
+                "Tracestate",
+                "X-Request-ID",
+            ),
+            expose_headers=(
+                "Accept-Ranges",
+                "Content-Disposition",
+                "Content-Range",
+                "ETag",
+                "Location",
+                "Retry-After",
+                "X-Request-ID",
+            ),
+            allow_private_network=True,  # a robot's address is usually in one
+        )
+    app.add_middleware(AuditTrail)
+    app.add_middleware(OriginGuard, settings=settings)
+    install_problems(app, allowed)  # the last middleware added is the outermost
+    app.state.requests = RequestMetrics()
+    app.add_middleware(RequestMeter, metrics=app.state.requests)
+    app.add_middleware(HeadAsGet)
+    return app
+
+
+def _asyncapi(app: FastAPI, make: Callable[[Document], Document]) -> Document:
+    return make(app.openapi())

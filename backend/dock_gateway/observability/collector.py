@@ -1,0 +1,86 @@
+"""The state of the parts that a gateway and a hub have, read when it is scraped."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from prometheus_client import Metric
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
+from prometheus_client.registry import Collector
+
+from dock_gateway.core.alerts import Alerts
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.webhook import DeliveryState
+from dock_gateway.http.parts import Parts
+from dock_gateway.observability.request_metrics import NAMESPACE
+from dock_gateway.storage import History
+from dock_gateway.webhooks.notifier import Notifier
+from dock_gateway.webhooks.webhook import SEVERITIES
+
+OUTCOMES = {
+    DeliveryState.DELIVERED: "delivered",
+    DeliveryState.PENDING: "to_be_repeated",
+    DeliveryState.FAILED: "given_up",
+}
+
+
+class PartsCollector(Collector):
+    """Reads streams, the history, alerts and webhooks."""
+
+    def __init__(self, parts: Parts) -> None:
+        self.parts = parts
+
+    def collect(self) -> Iterator[Metric]:
+        """Yield the metrics as they are now. Call it on the event loop."""
+        yield from self._streams()
+        yield from self._history()
+        yield from self._alerts()
+
+    def _streams(self) -> Iterator[Metric]:
+        fanout = self.parts[Fanout]
+        yield gauge("stream_subscribers", "Readers of event streams, and WebSockets at /ws", len(fanout))
+        yield counters(
+            "events_published", "Events by kind; feedback is that received from ROS", "kind", fanout.published
+        )
+        yield counters("events_sent", "Events handed to readers of streams, by kind", "kind", fanout.sent)
+        yield counter("events_dropped", "Events that slow readers did not get", fanout.dropped)
+
+    def _history(self) -> Iterator[Metric]:
+        stats = self.parts[History].stats()
+        yield gauge("history_waiting", "Entries in memory that are not in the database yet", stats.waiting)
+        yield gauge("history_spooled", "Entries on disk that are not in the database yet", stats.spooled)
+        yield counter("history_dropped", "Feedback and battery events that were not stored", stats.dropped)
+        yield gauge("database_reachable", "Whether the database answers", stats.database_reachable)
+
+    def _alerts(self) -> Iterator[Metric]:
+        alerts = Counter({str(severity): 0 for severity in SEVERITIES})
+        alerts.update(alert["severity"] for alert in self.parts[Alerts].documents())
+        yield gauges("alerts", "Active alerts", "severity", alerts)
+        attempts = {outcome: self.parts[Notifier].attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
+        yield counters("webhook_attempts", "Attempts to send an alert to a webhook", "outcome", attempts)
+
+
+def gauge(name: str, text: str, value: float) -> Metric:
+    """Return a number that goes up and down."""
+    return GaugeMetricFamily(f"{NAMESPACE}_{name}", text, value)
+
+
+def gauges(name: str, text: str, label: str, values: Mapping[str, float]) -> Metric:
+    """Return such numbers, by the value of a label."""
+    return _filled(GaugeMetricFamily(f"{NAMESPACE}_{name}", text, labels=[label]), values)
+
+
+def counter(name: str, text: str, value: float) -> Metric:
+    """Return a number that only goes up."""
+    return CounterMetricFamily(f"{NAMESPACE}_{name}", text, value)
+
+
+def counters(name: str, text: str, label: str, values: Mapping[str, float]) -> Metric:
+    """Return such numbers, by the value of a label."""
+    return _filled(CounterMetricFamily(f"{NAMESPACE}_{name}", text, labels=[label]), values)
+
+
+def _filled(family: GaugeMetricFamily | CounterMetricFamily, values: Mapping[str, float]) -> Metric:
+    """Return a metric with a series for each value of its label."""
+    for value, number in values.items():
+        family.add_metric([value], number)
+    return family

@@ -1,0 +1,19 @@
+"""`/metrics`, for Prometheus."""
+
+from fastapi import APIRouter, Request
+from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
+from starlette.responses import PlainTextResponse, Response
+
+from dock_gateway.core.grant import Role
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.observability.metrics import Metrics
+
+router = APIRouter(tags=["Health"])
+
+
+@router.get("/metrics", response_class=PlainTextResponse)
+@operation(Role.VIEWER, Scope.EVERY)
+async def metrics(request: Request, metrics: Part[Metrics]) -> Response:
+    """Return the gateway's metrics in Prometheus' text format."""
+    return Response(await metrics.text(request.app.state.requests), media_type=CONTENT_TYPE_PLAIN_0_0_4)
