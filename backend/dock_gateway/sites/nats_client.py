@@ -1,0 +1,128 @@
+"""One connection to a NATS server, with nats-py. It ends once, and takes with it whatever was not sent."""
+
+import asyncio
+import contextlib
+import logging
+import ssl
+from pathlib import Path
+from typing import Any
+
+from nats import errors
+from nats.aio.client import Client, RawCredentials
+
+from dock_gateway.sites.servers import Server
+
+# Seconds for each step of a connection: TCP, TLS, the server's greeting.
+CONNECT_TIMEOUT = 5.0
+# Above everything that `Broker` lets wait: nats-py never makes a publisher wait, as it could not be cancelled.
+UNLIMITED = 1 << 40
+
+
+class ConnectFailed(Exception):
+    """No connection came about. The text is one sentence without secrets."""
+
+
+class NatsClient(Client):
+    """A connection that never reconnects: nats-py would then send what waits, which are commands of before.
+
+    Attributes:
+        lost: Set as soon as the connection is over.
+        reason: Why, as far as it is known.
+    """
+
+    def __init__(self, server: Server) -> None:
+        super().__init__()
+        self.server = server
+        self.lost = asyncio.Event()
+        self.reason = ""
+
+    @property
+    def usable(self) -> bool:
+        """Whether a message can be sent now."""
+        return self.is_connected and not self.lost.is_set()
+
+    async def start(self, *, name: str, ca: Path | None, credentials: Path | None, on_error: Any) -> None:
+        """Connect.
+
+        Raises:
+            ConnectFailed: There is no server, it refuses the login, or the certificate is not valid.
+        """
+
+        async def failed(error: Exception) -> None:
+            self.reason = str(error) or type(error).__name__
+            await on_error(error)
+
+        user, password = self.server.user, self.server.password
+        try:
+            await self.connect(
+                [str(self.server)],
+                name=name,
+                error_cb=failed,
+                allow_reconnect=False,
+                max_reconnect_attempts=1,
+                reconnect_time_wait=0,
+                connect_timeout=CONNECT_TIMEOUT,  # type: ignore[arg-type]  # seconds
+                pending_size=UNLIMITED,
+                tls=ssl.create_default_context(cafile=ca),
+                user_credentials=None if credentials is None else RawCredentials(read_credentials(credentials)),
+                user=None if password is None else user,
+                password=password,
+                token=user if password is None else None,
+            )
+        except (OSError, errors.Error, ValueError) as error:
+            raise ConnectFailed(self.reason or str(error) or type(error).__name__) from None
+
+    async def abandon(self) -> None:
+        """Close the connection at once, with everything that was not sent."""
+        self.lost.set()
+        self._forget_pending()
+        writer = getattr(self._transport, "_io_writer", None)
+        if writer is not None:
+            writer.transport.abort()
+            with contextlib.suppress(errors.Error, OSError, TimeoutError):
+                async with asyncio.timeout(1):
+                    await self.close()
+
+    def _forget_pending(self) -> None:
+        self._pending = []
+        self._pending_data_size = 0
+
+    async def _close(self, status: int, do_cbs: bool = True) -> None:  # noqa: FBT001, FBT002 - as in nats-py
+        # All ends of a connection come by here. nats-py would first wait until a server that is stuck reads the rest.
+        self.lost.set()
+        self._forget_pending()
+        await super()._close(status, do_cbs)
+
+    def _connect_command(self) -> bytes:
+        # nats-py goes on in the clear where a server, or who claims to be it, offers no TLS.
+        if self.server.tls and not self._server_info.get("tls_required"):
+            raise errors.Error("the server offers no TLS, which tls:// asks for")
+        return super()._connect_command()
+
+
+def read_credentials(path: Path) -> str:
+    """Read a `.creds` file.
+
+    Raises:
+        ValueError: It cannot be read, or is none. nats-py would search for its end for ever.
+    """
+    try:
+        text = path.read_text("ascii")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"the NATS credentials in {path} cannot be read: {error}") from None
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    for mark in ("BEGIN NATS USER JWT", "BEGIN USER NKEY SEED"):
+        if not any(mark in line for line in lines[:-1]):
+            raise ValueError(f"{path} is no file of NATS credentials: it has no {mark!r}")
+    return "\n".join(lines) + "\n"
+
+
+def one_line(record: logging.LogRecord) -> bool:
+    """Make one line of a record with a traceback: what others send is no error of the program."""
+    if record.exc_info:
+        record.msg, record.args = f"{record.getMessage()}: {record.exc_info[1]!r}", ()
+        record.exc_info = None
+    return True
+
+
+logging.getLogger("nats.aio.client").addFilter(one_line)
