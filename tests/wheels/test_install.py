@@ -96,7 +96,7 @@ def test_the_core_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Pa
     folder = tmp_path / "environment"
     run(environment, "uv", "venv", "--python", PYTHON, str(folder))
     here = ("--python", str(folder / "bin/python"))
-    run(environment, "uv", "pip", "install", *here, "--no-build", "--find-links", str(DIST), "dock-gateway-core")
+    run(environment, "uv", "pip", "install", *here, "--find-links", str(DIST), "dock-gateway-core")
     names = {line.partition("==")[0] for line in run(environment, "uv", "pip", "freeze", *here).splitlines()}
     assert "dock-gateway-core" in names
     (sources,) = folder.glob("lib/python*/site-packages/robot_io/action_tutorials_interfaces")
@@ -121,7 +121,26 @@ def test_the_client_docks_without_ros_and_gateway(environment: dict[str, str], t
         assert run(here_only, "python", str(ROOT / "examples/dock.py")).endswith("succeeded\n")
 
 
-@pytest.mark.parametrize("name", ["dock_gateway", "dock_gateway_core"])
+def test_a_hub_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Path) -> None:
+    folder = tmp_path / "environment"
+    run(environment, "uv", "venv", "--python", PYTHON, str(folder))
+    here = ("--python", str(folder / "bin/python"))
+    how = ("--constraints", str(ROOT / "requirements.lock"), "--refresh-package", "dock-gateway-hub")
+    run(environment, "uv", "pip", "install", *here, *how, "--find-links", str(DIST), "dock-gateway-hub")
+    names = {line.partition("==")[0] for line in run(environment, "uv", "pip", "freeze", *here).splitlines()}
+    assert not [name for name in names if name.startswith(("ros-", "action-")) or name.endswith("-msgs")]
+    assert [path.name for path in folder.glob("bin/*dock*")] == ["dock-gateway"]
+    only = environment | {"PATH": str(folder / "bin"), "HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)}
+    assert '"keys"' in run(only, "dock-gateway", "hub-key")
+    assert "Usage" in run(only, "dock-gateway", "stop", "--help")
+    for command in ("serve", "up", "openapi", "asyncapi"):
+        done = subprocess.run(
+            [folder / "bin/dock-gateway", command], env=only, capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr.count("\n"), done.stderr[:7]) == (1, 1, "Error: "), done.stderr
+
+
+@pytest.mark.parametrize("name", ["dock_gateway", "dock_gateway_core", "dock_gateway_hub"])
 def test_a_gateway_fits_beside_the_client(name: str) -> None:
     (gateway,) = DIST.glob(f"{name}-*.whl")
     (client,) = DIST.glob("dock_gateway_client-*.whl")

@@ -42,18 +42,24 @@ def serve(**options: str | None) -> None:
 @click.command()
 def openapi() -> None:
     """Print the OpenAPI document: requests and answers."""
-    from dock_gateway.app import create_app  # noqa: PLC0415 - see above
-
-    _print(create_app(Settings()).openapi())
+    _print(_openapi())
 
 
 @click.command()
 def asyncapi() -> None:
     """Print the AsyncAPI document: streams, and the commands of /ws."""
-    from dock_gateway.app import create_app  # noqa: PLC0415 - see above
-    from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415
+    document = _openapi()
+    from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415 - see above
 
-    _print(asyncapi_document(create_app(Settings()).openapi()))
+    _print(asyncapi_document(document))
+
+
+def _openapi() -> dict[str, Any]:
+    try:
+        from dock_gateway.app import create_app  # noqa: PLC0415 - see above
+    except ModuleNotFoundError as error:
+        raise click.ClickException(f"a gateway's documents describe ROS messages, which need ROS: {error}") from None
+    return create_app(Settings()).openapi()
 
 
 def _print(document: dict[str, Any]) -> None:

@@ -16,6 +16,9 @@ from robot_io.startup import find_load_fault, find_ros_fault
 # The packages of the docking actions that can be used.
 DOCKING_PACKAGES = tuple(dict.fromkeys(adapter.action_type.partition("/")[0] for adapter in ADAPTERS["dock"]))
 
+# Those of the program. Each holds all that it needs of it.
+DISTRIBUTIONS = ("dock-gateway", "dock-gateway-core", "dock-gateway-hub")
+
 
 def check_environment(
     settings: Settings, environment: Mapping[str, str], docking_fault: str | None = None
@@ -63,10 +66,11 @@ def find_exposure_fault(settings: Settings) -> str | None:
 
 
 def find_twin_fault() -> str | None:
-    """Return that both distributions of the program are installed, which own the same files; None if one is."""
-    both = ("dock-gateway", "dock-gateway-core")
-    if all(any(distributions(name=name)) for name in both):
-        return f"{' and '.join(both)} are both installed: run `pip uninstall {' '.join(both)}`, and install one of them"
+    """Return that several distributions of the program are installed, which own the same files; None if one is."""
+    found = [name for name in DISTRIBUTIONS if any(distributions(name=name))]
+    if len(found) > 1:
+        names = " ".join(found)
+        return f"{' and '.join(found)} are installed together: run `pip uninstall {names}`, and install one of them"
     return None
 
 
