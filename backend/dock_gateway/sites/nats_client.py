@@ -87,7 +87,7 @@ class NatsClient(Client):
         self._pending = []
         self._pending_data_size = 0
 
-    async def _close(self, status: int, do_cbs: bool = True) -> None:  # noqa: FBT001, FBT002 - as in nats-py
+    async def _close(self, status: int, do_cbs: bool = True) -> None:
         # All ends of a connection come by here. nats-py would first wait until a server that is stuck reads the rest.
         self.lost.set()
         self._forget_pending()
