@@ -5,65 +5,36 @@ the response's `warning`.
 """
 
 import asyncio
-import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
 from http import HTTPStatus
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request
-from starlette.datastructures import QueryParams
 from starlette.responses import Response
 
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.access import Principal
-from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import principal_of, signed
+from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
-    ROBOT_PATTERN,
     RobotQuery,
     RobotsQuery,
     json_response,
     known_query,
-    name_schema,
     read_json,
-    read_name,
-    read_object,
     read_wait,
 )
+from dock_gateway.stop.requests import PREFER, STOP_REQUEST, noting, read_robots, read_stop, warning
 from dock_gateway.stop.schema import StopReport, StopState
 from dock_gateway.stop.stopper import Stopper
 
-log = logging.getLogger(__name__)
-
 router = APIRouter(tags=["Stop"])
 only_robot = Depends(known_query("robot"))
-
-FIELDS = ("latch", "by")
-MAX_NAME = 100
-STOP_REQUEST = {
-    "type": "object",
-    "additionalProperties": False,
-    "properties": {
-        "latch": {
-            "type": "boolean",
-            "description": "Whether goals are refused until the stop is released; true by default",
-        },
-        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Name of who stops the robot"},
-        "robot": {
-            "type": ["string", "null"],
-            "description": "The robot, if it is not in the query",
-            **ROBOT_PATTERN,
-        },
-    },
-}
-PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=2"}]
 
 
 async def stop_robots(
@@ -93,64 +64,11 @@ async def stop_robots(
         Unavailable: Zero velocity could not be published.
     """
     wrong = [] if wrong is None else wrong
-    how: dict[str, Any] = {"by": principal.name}
-    with _noting(wrong):
-        how = _read_stop(read_object(signed(principal, value), *FIELDS))
-    if wrong:
-        log.warning("a stop is carried out although parts of the request are invalid: %s", _warning(wrong)["detail"])
+    how = read_stop(principal, value, wrong)
     report = vars(await stopper.stop(*robots, **how, wait=wait))
     if (problem := report.pop("problem")) is not None:
         wrong.insert(0, problem)
-    return {**report, "warning": _warning(wrong) if wrong else None}
-
-
-@contextmanager
-def _noting(wrong: list[GatewayError]) -> Iterator[None]:
-    """Append any error to `wrong`, and go on without that part of the request."""
-    try:
-        yield
-    except GatewayError as error:
-        wrong.append(error)
-    except Exception:
-        log.exception("a part of a stop could not be read")
-        wrong.append(MalformedRequest("a part of the request could not be read", code="malformed_request"))
-
-
-def _warning(wrong: list[GatewayError]) -> dict[str, Any]:
-    """Merge all errors into one problem, named after the first."""
-    errors = [entry for error in wrong for entry in error.extra.get("errors", ())]
-    detail = "; ".join(error.detail for error in wrong)
-    return {**wrong[0].problem(), "detail": detail} | ({"errors": errors} if errors else {})
-
-
-def _read_stop(fields: dict[str, Any]) -> dict[str, Any]:
-    latch, by = fields.get("latch", True), fields.get("by")
-    if not isinstance(latch, bool):
-        raise InvalidField([FieldError("latch", "true or false", got(latch))])
-    return {"latch": latch, "by": None if by is None else read_name(by, MAX_NAME)}
-
-
-def _read_robots(query: QueryParams, value: object, wrong: list[GatewayError]) -> list[str]:
-    """Return the robots to stop (none is the configured one), and remove a name from the body.
-
-    Raises:
-        InvalidField: It is unclear which: the body names another than the query, or none is named and an unknown
-            parameter may be a misspelt `robot`.
-    """
-    robots: list[Any] = query.getlist("robot")
-    if isinstance(value, dict) and (isinstance(value.get("robot"), str) or not robots):
-        named = value.pop("robot", None)
-        if (named is not None and set(robots) - {named}) or not isinstance(named, str | None):
-            raise InvalidField([FieldError("robot", "one robot, that of the query if it has one", got(named))])
-        robots = [] if named is None else [named]
-    unknown = [name for name in query if name != "robot"]
-    if unknown:
-        expected, detail = "robot and nothing else", "got an unknown parameter"
-        error = InvalidField([FieldError(f"query.{name[:100]}", expected, detail) for name in unknown[:20]])
-        if not robots:
-            raise error
-        wrong.append(error)
-    return robots
+    return {**report, "warning": warning(wrong) if wrong else None}
 
 
 @router.post(
@@ -177,11 +95,11 @@ async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = No
     value: Any = {}
     wait = 0.0
     wrong: list[GatewayError] = []
-    with _noting(wrong):
+    with noting(wrong):
         value = await _read_body(request, stopper)
-    with _noting(wrong):
+    with noting(wrong):
         wait = read_wait(request)
-    robots = _read_robots(request.query_params, value, wrong)
+    robots = read_robots(request.query_params, value, wrong)
     if robots:
         audited(request, robot=robots_text(robots))
     return json_response(await stop_robots(stopper, principal_of(request), robots, value, wait=wait, wrong=wrong))
@@ -197,8 +115,8 @@ async def _read_body(request: Request, stopper: Stopper) -> Any:
     await asyncio.wait({reading}, timeout=timing.begin_within)
     if not reading.done():
         wrong: list[GatewayError] = []
-        with _noting(wrong):
-            await stopper.stop(*_read_robots(request.query_params, {}, []), latch=False)
+        with noting(wrong):
+            await stopper.stop(*read_robots(request.query_params, {}, []), latch=False)
         status, code = (wrong[0].status, wrong[0].code) if wrong else (HTTPStatus.OK, None)
         await Trail(request.scope).record(status, code)
     return await reading

@@ -9,7 +9,7 @@ from dock_gateway.goals.schema import ActionGoal
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.battery_routes import MAX_RATE, MIN_RATE
 from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
-from dock_gateway.stop.routes import STOP_REQUEST
+from dock_gateway.stop.requests import STOP_REQUEST
 from dock_gateway.stop.schema import StopProblem, StopReport, StopState
 from dock_gateway.streams.queries import MAX_RATE as MAX_EVENTS
 from dock_gateway.streams.queries import MIN_RATE as MIN_EVENTS
