@@ -14,7 +14,7 @@ const LAYERS = [
   ...["fleet", "access", "goal", "stop", "alerts", "approvals"],
   // Features.
   ...["battery", "docking", "scene", "cameras", "simulator", "automation", "actions", "goals", "operations"],
-  ...["statistics", "audit", "notifications", "graph"],
+  ...["statistics", "audit", "notifications", "graph", "sites"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],
 ];

@@ -1,3 +1,4 @@
+import { placeOf } from "./api/hub";
 import { apiAddress, sitePrefix } from "./api/site";
 import "./layout/styles";
 import { MantineProvider } from "@mantine/core";
@@ -21,11 +22,17 @@ import { openStream, streamUrl } from "./stream/stream";
 takeFailure(window);
 const { location } = window;
 const http = createHttp(apiAddress());
+const httpOf = (name: string) => {
+  const { prefix } = placeOf(name);
+  return prefix === "" ? http : createHttp(location.origin + prefix);
+};
 const store = new FleetStore();
 const fleet: FleetServices = {
   http,
   gateway: createGateway(http),
-  gatewayOf: (robot) => createGateway(http, robot),
+  httpOf,
+  gatewayOf: (robot) =>
+    robot === null ? createGateway(http) : createGateway(httpOf(robot), placeOf(robot).name),
   store,
   openRobot: (robot) => openRobot(location, http, robot),
 };

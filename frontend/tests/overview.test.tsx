@@ -429,6 +429,7 @@ describe("the list's view", () => {
     expect(view).toEqual({
       text: "robot",
       group: "Hall 1",
+      site: null,
       show: "docked",
       sort: "battery",
       descending: true,

@@ -9,6 +9,7 @@ import { MemoryRouter } from "react-router";
 import { vi } from "vitest";
 import type { Gateway } from "../src/api/client";
 import { createHttp } from "../src/api/http";
+import { placeOf } from "../src/api/hub";
 import { createQueryClient } from "../src/api/queryClient";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
@@ -87,8 +88,10 @@ export function robotServices(
     scene,
     around: new Surroundings(),
   };
+  const http = createHttp("http://gateway:8000");
   const fleet: FleetServices = {
-    http: createHttp("http://gateway:8000"),
+    http,
+    httpOf: (name) => createHttp(`http://gateway:8000${placeOf(name).prefix}`),
     gateway,
     gatewayOf,
     store: store.fleet,

@@ -3,6 +3,7 @@ import { Anchor, Code, Group, Paper, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
 import { answerApproval } from "../api/client";
+import { ownId } from "../api/hub";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import { robotPath } from "../fleet/names";
 import { dockOf } from "../goal/words";
@@ -30,9 +31,9 @@ export function ApprovalBanner() {
 const Question = memo(function Question({ approval }: { approval: Approval }) {
   const { approval_id, agent, client, robot, action_name, verb, goal, expires_at } = approval;
   const naming = useNaming();
-  const { http, store } = useFleet();
+  const { httpOf, store } = useFleet();
   const answer = useCommand(async (allow: boolean) => {
-    await answerApproval(http, approval_id, allow);
+    await answerApproval(httpOf(robot), ownId(approval_id, robot), allow);
     store.setAnswered(approval_id);
   });
   const forbidden = useWhyNot("POST /approvals/{approval_id}");

@@ -4,8 +4,8 @@ import { type AuditRecord, type AuditPage as AuditRecords, auditExportUrl, listA
 import { useForbidden } from "../api/session";
 import { apiAddress } from "../api/site";
 import { useFleet, useNaming } from "../fleet/context";
+import { goalPath } from "../fleet/names";
 import { codeWords } from "../goal/words";
-import { goalPath } from "../goals/GoalsTable";
 import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
 import { Downloads } from "../ui/Downloads";
@@ -203,7 +203,7 @@ function About({ record: { robot, goal_id, action_name, subject } }: { record: A
       {action_name !== null && <Breakable text={action_name} />}
       {goal_id !== null && GOAL_ID.test(goal_id) && (
         <div>
-          <Link to={goalPath(goal_id)}>Goal {goal_id.slice(0, 8)}</Link>
+          <Link to={goalPath(goal_id, null)}>Goal {goal_id.slice(0, 8)}</Link>
         </div>
       )}
       {subject !== null && <div className={classes.subject}>{subject}</div>}

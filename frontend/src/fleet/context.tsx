@@ -10,6 +10,8 @@ import type { FleetStore, FleetTopic, FleetTopics } from "./store";
 /** What every page has. */
 export interface FleetServices {
   http: Http;
+  /** The API of the gateway that a robot or an action is of: that of its site, on a page of a hub about all sites. */
+  httpOf(name: string): Http;
   /** Commands for the robot that the gateway is configured for; its Stop stops those in namespaces below, too. */
   gateway: Gateway;
   /** Commands for one robot, the configured one for null. */

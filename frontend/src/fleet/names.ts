@@ -1,4 +1,5 @@
 import type { Robot } from "@dock-gateway/client";
+import { placeOf } from "../api/hub";
 
 /** What a robot is called, and the groups that it is in. */
 export type Label = Pick<Robot, "name" | "display_name" | "groups">;
@@ -153,8 +154,19 @@ export function withTab(query: URLSearchParams, tab: Tab): URLSearchParams {
   return changed;
 }
 
-/** Where a robot's page is. */
+/** Where a robot's page is; at a hub that of its site. */
 export function robotPath(robot: string, tab: Tab = OPERATE): string {
-  const path = `/ui/robot?robot=${encodeURIComponent(robot).replaceAll("%2F", "/")}`;
+  const { prefix, name } = placeOf(robot);
+  const path = `${prefix}/ui/robot?robot=${encodeURIComponent(name).replaceAll("%2F", "/")}`;
   return tab === OPERATE ? path : `${path}&tab=${tab}`;
+}
+
+/**
+ * Where a goal's page is; at a hub that of its site.
+ *
+ * @param name Of its robot or its action; where it is not known, a hub looks the goal up.
+ */
+export function goalPath(goalId: string, name: string | null): string {
+  const prefix = name === null ? "" : placeOf(name).prefix;
+  return `${prefix}/ui/goals/${encodeURIComponent(goalId)}`;
 }

@@ -20,11 +20,13 @@ export function placeWords(docked: boolean | null): string {
 
 /**
  * How a robot can be reached. `unreachable`: nothing of it answers, neither a docking server nor a battery that was heard
- * before. `gone`: its battery is heard, but its docking servers have left the graph.
+ * before. `gone`: its battery is heard, but its docking servers have left the graph. `away`: its site is not connected to the
+ * hub, and what is known of the robot is as it was then.
  */
-export type Link = "connected" | "silent" | "duplicate" | "gone" | "battery" | "unreachable";
+export type Link = "away" | "connected" | "silent" | "duplicate" | "gone" | "battery" | "unreachable";
 
-export function linkOf({ dock, undock, battery }: Pick<Robot, "dock" | "undock" | "battery">): Link {
+export function linkOf({ dock, undock, battery, site_state = "connected" }: Linked): Link {
+  if (site_state !== "connected") return "away";
   const servers = [dock, undock].filter((server) => server !== null);
   const available = servers.filter((server) => server.available);
   if (available.some((server) => server.duplicate)) return "duplicate";
@@ -37,10 +39,15 @@ export function linkOf({ dock, undock, battery }: Pick<Robot, "dock" | "undock" 
   return servers.length > 0 ? "gone" : "battery";
 }
 
+interface Linked extends Pick<Robot, "dock" | "undock" | "battery"> {
+  /** At a hub: whether the robot's site is connected. */
+  site_state?: string;
+}
+
 /** Whether no command would reach the robot's docking servers. */
 export function isUnreachable(robot: Robot): boolean {
   const link = linkOf(robot);
-  return link === "unreachable" || link === "gone" || link === "silent";
+  return link === "unreachable" || link === "gone" || link === "silent" || link === "away";
 }
 
 export const LINK_WORDS: Record<Link, string> = {
@@ -50,9 +57,11 @@ export const LINK_WORDS: Record<Link, string> = {
   gone: "No docking server",
   battery: "Battery only",
   unreachable: "Unreachable",
+  away: "Site unreachable",
 };
 
 export const LINK_HINTS: Record<Link, string> = {
+  away: "The hub does not reach its site. What is shown is what was last known; the robot may have moved since.",
   connected: "Its action servers answer.",
   silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
   duplicate: "More than one action server serves its docking action: shut down all but one.",

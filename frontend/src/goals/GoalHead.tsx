@@ -7,7 +7,7 @@ import { goalExportUrl } from "../api/goals";
 import { whyForbidden } from "../api/session";
 import { SentByRule } from "../automation/rules";
 import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
-import { isBelow } from "../fleet/names";
+import { goalPath, isBelow } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { advice, goalTitle, meaning, whyNotCancel } from "../goal/words";
 import { CopyButton } from "../ui/CopyButton";
@@ -22,7 +22,6 @@ import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import { goalsPath } from "./filter";
 import { NamedMessage } from "./GoalMessages";
-import { goalPath } from "./GoalsTable";
 import classes from "./goalPage.module.css";
 import { RecordedPicture, RecordingButton } from "./RecordingButton";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
@@ -185,7 +184,7 @@ function SentAgain({ goal, onClose }: { goal: AnyGoal; onClose: () => void }) {
     >
       <Text component="div" size="sm">
         The answer of the action server: <GoalStatusBadge status={goal.status} />.{" "}
-        <Anchor component={Link} to={goalPath(goal.goal_id)} size="sm">
+        <Anchor component={Link} to={goalPath(goal.goal_id, goal.action_name)} size="sm">
           Watch the new goal
         </Anchor>
       </Text>

@@ -4,8 +4,10 @@ import { keepPreviousData } from "@tanstack/react-query";
 import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
 import { picturedGoals } from "../api/goals";
+import { ofHub } from "../api/hub";
 import { apiAddress } from "../api/site";
 import { useFleet, useNaming } from "../fleet/context";
+import { goalPath } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { goalName, goalTitle, outcome } from "../goal/words";
 import { useTopic } from "../store/context";
@@ -75,7 +77,7 @@ interface GoalRowProps {
 
 const GoalRow = memo(function GoalRow({ goal, title, oneRobot, pictured }: GoalRowProps) {
   const navigate = useNavigate();
-  const path = goalPath(goal.goal_id);
+  const path = goalPath(goal.goal_id, goal.action_name);
   const open = ({ target }: MouseEvent) => {
     const meant = !(target instanceof Element && target.closest("a")) && !window.getSelection()?.toString();
     if (meant) navigate(path);
@@ -155,15 +157,11 @@ function usePictured(goals: readonly RowGoal[]): ReadonlySet<string> {
   const { data } = useAnswer({
     queryKey: ["pictured", ...ids],
     queryFn: async () => new Set(await picturedGoals(http, ids)),
-    enabled: ids.length > 0,
+    // A hub has no recordings: those are at the sites.
+    enabled: ids.length > 0 && !ofHub(),
     placeholderData: keepPreviousData,
   });
   return data ?? NONE;
-}
-
-/** Where the page of a goal is. */
-export function goalPath(goalId: string): string {
-  return `/ui/goals/${encodeURIComponent(goalId)}`;
 }
 
 const PAGE = 10;

@@ -1,6 +1,7 @@
 import { NativeSelect, type NativeSelectProps } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { listTags } from "../api/goals";
+import { ofHub } from "../api/hub";
 import { useFleet } from "../fleet/context";
 
 interface TagSelectProps extends Pick<NativeSelectProps, "label" | "aria-label"> {
@@ -33,6 +34,6 @@ export const TAGS_KEY = ["tags"] as const;
 /** The tags that goals have; none while they are not known. */
 export function useTags(): readonly string[] {
   const { http } = useFleet();
-  const { data } = useQuery({ queryKey: TAGS_KEY, queryFn: () => listTags(http) });
+  const { data } = useQuery({ queryKey: TAGS_KEY, queryFn: () => listTags(http), enabled: !ofHub() });
   return data ?? [];
 }

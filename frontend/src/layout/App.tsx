@@ -1,7 +1,8 @@
 import { Anchor, Text, Title } from "@mantine/core";
-import { Suspense } from "react";
+import { Suspense, useEffect } from "react";
 import { Link, Route, Routes } from "react-router";
 import { Entrance } from "../access/Entrance";
+import { useSession } from "../api/session";
 import { pageSite } from "../api/site";
 import { Announcements } from "../notifications/Announcements";
 import OverviewPage from "../pages/overview/OverviewPage";
@@ -22,6 +23,9 @@ const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 const UsersPage = lazyPart(() => import("../access/UsersPage"));
 const TokensPage = lazyPart(() => import("../access/TokensPage"));
 const AuditPage = lazyPart(() => import("../audit/AuditPage"));
+const SitesPage = lazyPart(() => import("../sites/SitesPage"));
+const SiteMapsPage = lazyPart(() => import("../pages/map/SiteMapsPage"));
+const GoalAtSite = lazyPart(() => import("../goals/GoalAtSite"));
 const MapPage = lazyPart(() => import("../pages/map/MapPage"));
 const WallPage = lazyPart(() => import("../pages/wall/WallPage"));
 
@@ -39,6 +43,7 @@ function Wall() {
 /** The pages, in what they have in common. */
 export function App() {
   const ofSite = pageSite() !== null;
+  const { hub } = useSession();
   return (
     <Entrance>
       <Announcements />
@@ -47,25 +52,33 @@ export function App() {
         <Route element={<Shell />}>
           <Route index element={<OverviewPage />} />
           <Route path="ui">
-            <Route path="robot" element={<RobotPage />} />
-            <Route path="map" element={<MapPage />} />
+            {!hub && <Route path="robot" element={<RobotPage />} />}
+            <Route path="map" element={hub ? <SiteMapsPage /> : <MapPage />} />
             <Route path="goals" element={<GoalsPage />} />
-            <Route path="goals/:goalId" element={<GoalPage />} />
-            <Route path="actions" element={<ActionsPage />} />
-            <Route path="actions/*" element={<ActionPage />} />
+            <Route path="goals/:goalId" element={hub ? <GoalAtSite /> : <GoalPage />} />
+            {!hub && <Route path="actions" element={<ActionsPage />} />}
+            {!hub && <Route path="actions/*" element={<ActionPage />} />}
             <Route path="statistics" element={<StatisticsPage />} />
-            <Route path="automation" element={<AutomationPage />} />
+            {!hub && <Route path="automation" element={<AutomationPage />} />}
             <Route path="notifications" element={<NotificationsPage />} />
+            {hub && <Route path="sites" element={<SitesPage />} />}
             {!ofSite && <Route path="users" element={<UsersPage />} />}
             {!ofSite && <Route path="tokens" element={<TokensPage />} />}
             <Route path="audit" element={<AuditPage />} />
-            <Route path="graph" element={<GraphPage />} />
+            {!hub && <Route path="graph" element={<GraphPage />} />}
           </Route>
+          {hub && <Route path="sites/:site/*" element={<ToSite />} />}
           <Route path="*" element={<NotFoundPage />} />
         </Route>
       </Routes>
     </Entrance>
   );
+}
+
+/** The page of a site is loaded as a page of its own: it shares nothing with those about all sites. */
+function ToSite(): null {
+  useEffect(() => window.location.replace(window.location.href), []);
+  return null;
 }
 
 /** For an address that is no page. */

@@ -3,7 +3,7 @@ import { useId, useState } from "react";
 import { NavLink } from "react-router";
 import { AccountLines } from "../access/Account";
 import { AlertCount } from "../alerts/marks";
-import { PAGES } from "../pages/pages";
+import { pagesHere } from "../pages/pages";
 import { Tool } from "../ui/Tool";
 import classes from "./layout.module.css";
 
@@ -17,7 +17,7 @@ export function Navigation() {
     <Menu />
   ) : (
     <nav aria-label="Pages" className={classes.navigation}>
-      <Pages className={classes.row} pages={PAGES.filter(({ button }) => !button)} />
+      <Pages className={classes.row} pages={pagesHere().filter(({ button }) => !button)} />
     </nav>
   );
 }
@@ -47,7 +47,7 @@ function Menu() {
         <AlertCount />
       </span>
       <div id={listId} hidden={!opened} className={classes.list}>
-        <Pages className={classes.links} pages={PAGES} counted={false} onChoose={close} />
+        <Pages className={classes.links} pages={pagesHere()} counted={false} onChoose={close} />
         <AccountLines className={classes.page ?? ""} onChoose={close} />
       </div>
     </nav>
@@ -56,7 +56,7 @@ function Menu() {
 
 interface PagesProps {
   className: string | undefined;
-  pages: typeof PAGES;
+  pages: ReturnType<typeof pagesHere>;
   /** Whether the overview's link says how many alerts there are. */
   counted?: boolean;
   onChoose?: () => void;

@@ -1,6 +1,6 @@
 import { Suspense, useEffect, useState } from "react";
 import { useLocation, useNavigate } from "react-router";
-import { PAGES } from "../pages/pages";
+import { pagesHere } from "../pages/pages";
 import { isTextField } from "../stop/keys";
 import { Dialog } from "../ui/Dialog";
 import { Guarded } from "../ui/Guarded";
@@ -76,7 +76,7 @@ export class Letters {
     if (event.key === "?") return { kind: "list" };
     if (event.key === "/") return { kind: "search" };
     if (since <= SECOND_WITHIN_MS) {
-      const page = PAGES.find(({ letter }) => letter === event.key);
+      const page = pagesHere().find(({ letter }) => letter === event.key);
       if (page !== undefined) return { kind: "page", to: page.to };
     }
     if (event.key === "g") this.#g = event.timeStamp;

@@ -1,10 +1,16 @@
 import type { GoalSummary, Robot, Verb } from "@dock-gateway/client";
+import { ofHub } from "../api/hub";
 import { whyNotSend } from "../docking/families";
 import { whyNotCancel } from "../goal/words";
 
 /** What can be done to robots, one or several, from any page. */
 export const OPERATIONS = ["dock", "undock", "cancel", "stop"] as const;
 export type Operation = (typeof OPERATIONS)[number];
+
+/** What can be done from this page: on those of a hub robots can be stopped, and the rest is done at their sites. */
+export function operationsHere(): readonly Operation[] {
+  return ofHub() ? ["stop"] : OPERATIONS;
+}
 
 export const OPERATION_NAMES: Record<Operation, string> = {
   dock: "Dock",

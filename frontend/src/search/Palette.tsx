@@ -10,7 +10,7 @@ import { createGoalsApi } from "../api/goals";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isThere } from "../fleet/words";
 import { useOperate } from "../operations/context";
-import { PAGES } from "../pages/pages";
+import { pagesHere } from "../pages/pages";
 import { useStopping } from "../stop/everywhere";
 import { find, goalIdOf, type Item } from "./items";
 import classes from "./search.module.css";
@@ -108,7 +108,7 @@ function useFound(query: string) {
         groups: naming.groups(),
         actions: actions ?? [],
         goals,
-        pages: PAGES,
+        pages: pagesHere(),
         live,
       }),
     [query, robots, naming, actions, goals, live],

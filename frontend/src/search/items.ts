@@ -1,7 +1,7 @@
 import { type ActionInfo, type AnyGoal, actionPath, type Robot } from "@dock-gateway/client";
-import { byName, isFound, Naming, namespaceWords, robotName, robotPath } from "../fleet/names";
+import { byName, goalPath, isFound, Naming, namespaceWords, robotName, robotPath } from "../fleet/names";
 import { goalTitle } from "../goal/words";
-import { OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../operations/operation";
+import { OPERATION_NAMES, type Operation, operationsHere, whyNot } from "../operations/operation";
 
 /** Something that the search leads to or does. */
 export interface Item {
@@ -78,7 +78,7 @@ interface Command {
 /** `dock robot2` */
 function commandOf(wanted: string): Command | null {
   const [verb = "", ...rest] = wanted.split(/\s+/);
-  const operation = OPERATIONS.find((each) => each === verb);
+  const operation = operationsHere().find((each) => each === verb);
   return operation === undefined ? null : { operation, rest: rest.join(" ") };
 }
 
@@ -89,7 +89,7 @@ function commandItems({ operation, rest }: Command, found: readonly Robot[], liv
 
 function commandsFor(found: readonly Robot[], live: boolean): Item[] {
   if (found.length > FEW) return [];
-  return found.flatMap((robot) => OPERATIONS.map((operation) => commandItem(operation, robot, live)));
+  return found.flatMap((robot) => operationsHere().map((operation) => commandItem(operation, robot, live)));
 }
 
 const STOP_ALL: Item = {
@@ -149,12 +149,12 @@ function actionItems(actions: readonly ActionInfo[], wanted: string): Item[] {
 }
 
 function goalItem(goal: AnyGoal, naming: Naming): Item {
-  const { goal_id, status } = goal;
+  const { goal_id, action_name, status } = goal;
   return {
     id: `goal ${goal_id}`,
     label: `Goal ${goal_id.slice(0, 8)}`,
     description: `${goalTitle(goal, naming)}, ${status}`,
-    does: { to: `/ui/goals/${goal_id}` },
+    does: { to: goalPath(goal_id, action_name) },
   };
 }
 

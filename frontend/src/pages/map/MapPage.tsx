@@ -20,39 +20,52 @@ const FRESHNESS_MS = 400;
 /** All robots whose poses share a frame on one map, and the others beside it. */
 export default function MapPage() {
   const scenes = useFleetScenes();
-  const frames = useSyncExternalStore(scenes.subscribe, () => scenes.frames);
-  const robots = useFleetTopic("robots");
-  const alerts = useFleetTopic("alerts");
-  const { placed, missing } = useMemo(
-    () => placement(robots.values(), frames ?? new Map(), alerts),
-    [robots, frames, alerts],
-  );
+  const known = useFleetTopic("robots");
+  const robots = useMemo(() => [...known.values()], [known]);
   return (
     <Stack gap="md">
       <PageTitle title="Map" />
-      <div className={classes.page}>
-        <Section title="Robots" aside={<Fresh scenes={scenes} />}>
-          {frames === null ? (
-            <Skeleton className={classes.frame ?? ""} />
-          ) : placed.length > 0 ? (
-            <FleetMap scenes={scenes} placed={placed} />
-          ) : (
-            <NoRobots />
-          )}
-        </Section>
-        {frames !== null && missing.length > 0 && <NotShown missing={missing} />}
-      </div>
+      <RobotsMap title="Robots" scenes={scenes} robots={robots} />
     </Stack>
   );
 }
 
+interface RobotsMapProps {
+  title: string;
+  scenes: FleetScenes;
+  robots: readonly Robot[];
+}
+
+/** The map of robots, with those that are not on it. */
+export function RobotsMap({ title, scenes, robots }: RobotsMapProps) {
+  const frames = useSyncExternalStore(scenes.subscribe, () => scenes.frames);
+  const alerts = useFleetTopic("alerts");
+  const { placed, missing } = useMemo(
+    () => placement(robots, frames ?? new Map(), alerts),
+    [robots, frames, alerts],
+  );
+  return (
+    <div className={classes.page}>
+      <Section title={title} aside={<Fresh scenes={scenes} />}>
+        {frames === null ? (
+          <Skeleton className={classes.frame ?? ""} />
+        ) : placed.length > 0 ? (
+          <FleetMap scenes={scenes} placed={placed} />
+        ) : (
+          <NoRobots />
+        )}
+      </Section>
+      {frames !== null && missing.length > 0 && <NotShown missing={missing} />}
+    </div>
+  );
+}
+
+export const ASKED = { include: "scenes,maps", feedback: "false" };
+
 /** The scenes of all robots, for as long as the page is shown. */
 function useFleetScenes(): FleetScenes {
   const [scenes] = useState(() => new FleetScenes());
-  useEffect(
-    () => openStream(streamUrl(window.location, { include: "scenes,maps", feedback: "false" }), scenes),
-    [scenes],
-  );
+  useEffect(() => openStream(streamUrl(window.location, ASKED), scenes), [scenes]);
   return scenes;
 }
 

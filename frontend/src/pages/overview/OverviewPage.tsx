@@ -3,6 +3,7 @@ import { Anchor, Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } f
 import { Suspense, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { AlertList } from "../../alerts/AlertList";
+import { ofHub } from "../../api/hub";
 import { apiAddress } from "../../api/site";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
@@ -14,6 +15,7 @@ import { RobotView } from "../robot/RobotPage";
 import { overviewView } from "./list";
 import classes from "./overview.module.css";
 
+const SiteStrip = lazyPart(() => import("../../sites/SiteStrip"));
 const RobotTable = lazyPart(() => import("./RobotTable"));
 
 /** All robots; where there is a single one, the page of that. */
@@ -23,7 +25,24 @@ export default function OverviewPage() {
   const live = useFleetLive();
   const [told, setTold] = useState(false);
   if (!told && (live || robots.size > 0)) setTold(true);
-  return told ? <Known robots={robots} /> : <OverviewSkeleton />;
+  if (!told) return <OverviewSkeleton />;
+  return ofHub() ? <OfSites robots={robots} /> : <Known robots={robots} />;
+}
+
+/** The robots of all sites of a hub. */
+function OfSites({ robots }: { robots: ReadonlyMap<string, Robot> }) {
+  const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
+  const [{ group }] = useAddress(overviewView);
+  return (
+    <>
+      <Heading />
+      <AlertList group={group} />
+      <Suspense fallback={<Skeleton height={360} />}>
+        <SiteStrip />
+        {there.length > 0 && <RobotTable robots={there} />}
+      </Suspense>
+    </>
+  );
 }
 
 function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {

@@ -8,10 +8,10 @@ import { LinkState } from "../../fleet/badges";
 import { robotName, robotPath } from "../../fleet/names";
 import { linkOf, placeWords } from "../../fleet/words";
 import { useOperate } from "../../operations/context";
-import { moveOf, OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../../operations/operation";
+import { moveOf, OPERATION_NAMES, type Operation, operationsHere, whyNot } from "../../operations/operation";
 import { Icon } from "../../ui/Tool";
 import { BatteryMeter, LastCell, NowCell } from "./cells";
-import type { Sort } from "./list";
+import { type Sort, siteOf } from "./list";
 import classes from "./overview.module.css";
 
 const MARKS: Record<Exclude<Attention, 0>, { mark: Mark; words: string }> = {
@@ -55,6 +55,7 @@ export const RobotRow = memo(function RobotRow({
       data-robot={robot.name}
       data-index={index}
       data-selected={selected || undefined}
+      data-away={link === "away" || undefined}
       aria-rowindex={index + 2}
     >
       <Table.Td className={classes.selectCell}>
@@ -85,6 +86,7 @@ export const RobotRow = memo(function RobotRow({
         </span>
         {robot.groups.length > 0 && <span className={classes.groupLine}>{robot.groups.join(", ")}</span>}
       </Table.Th>
+      {shown.has("site") && <Table.Td className={classes.wide}>{siteOf(robot)}</Table.Td>}
       {shown.has("place") && (
         <Table.Td className={classes.wide}>
           <span className={classes.place} data-docked={String(robot.docked)}>
@@ -100,7 +102,7 @@ export const RobotRow = memo(function RobotRow({
       {shown.has("goal") && (
         <Table.Td>
           <div className={classes.now}>
-            <NowCell robot={robot} live={live} />
+            <NowCell robot={robot} live={live && link !== "away"} />
           </div>
         </Table.Td>
       )}
@@ -152,7 +154,7 @@ const RowMenu = memo(function RowMenu({ robot, live }: { robot: Robot; live: boo
       </Menu.Target>
       <Menu.Dropdown>
         {opened &&
-          OPERATIONS.map((operation, index) => (
+          operationsHere().map((operation, index) => (
             <Item
               key={operation}
               operation={operation}

@@ -1,11 +1,12 @@
 import type { Robot } from "@dock-gateway/client";
-import { Button, Paper, Table, Text, TextInput } from "@mantine/core";
+import { Button, NativeSelect, Paper, Table, Text, TextInput } from "@mantine/core";
 import { Fragment, useMemo, useRef, useState } from "react";
 import { attentionOf } from "../../alerts/order";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
+import { byName } from "../../fleet/names";
 import { GroupSelect } from "../../fleet/RobotFields";
 import { useAddress } from "../../ui/address";
-import { type Attentions, listed, matches, overviewView, SHOW_WORDS, SHOWS, type View } from "./list";
+import { type Attentions, listed, matches, overviewView, SHOW_WORDS, SHOWS, siteOf, type View } from "./list";
 import classes from "./overview.module.css";
 import { RobotRow } from "./RobotRow";
 import { TableBar } from "./TableBar";
@@ -88,7 +89,7 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
             <Button
               variant="default"
               size="compact-md"
-              onClick={() => change({ show: "all", text: "", group: null })}
+              onClick={() => change({ show: "all", text: "", group: null, site: null })}
             >
               Show all {robots.length}
             </Button>
@@ -119,6 +120,7 @@ function Filters({ robots, attentions, view, onChange }: FiltersProps) {
     () => SHOWS.map((show) => robots.filter((robot) => matches(robot, show, attentions)).length),
     [robots, attentions],
   );
+  const sites = useMemo(() => [...new Set(robots.map(siteOf))].sort(byName), [robots]);
   return (
     <div className={classes.filters}>
       <fieldset className={classes.shows}>
@@ -137,6 +139,15 @@ function Filters({ robots, attentions, view, onChange }: FiltersProps) {
         ))}
       </fieldset>
       <div className={classes.choices}>
+        {sites.length > 1 && (
+          <NativeSelect
+            className={classes.group ?? ""}
+            aria-label="Site"
+            value={view.site ?? ""}
+            onChange={(event) => onChange({ site: event.currentTarget.value || null })}
+            data={[{ value: "", label: "All sites" }, ...sites]}
+          />
+        )}
         <GroupSelect
           className={classes.group ?? ""}
           aria-label="Group"

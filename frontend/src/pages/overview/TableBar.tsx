@@ -3,7 +3,7 @@ import { Button, CloseButton, Menu } from "@mantine/core";
 import { Link } from "react-router";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { useOperate } from "../../operations/context";
-import { OPERATION_NAMES, OPERATIONS, whyNot } from "../../operations/operation";
+import { OPERATION_NAMES, operationsHere, whyNot } from "../../operations/operation";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { SavedViews } from "../../ui/SavedViews";
 import { overviewView, type View } from "./list";
@@ -76,7 +76,7 @@ function Bulk({ names }: { names: readonly string[] }) {
   return (
     <fieldset className={classes.bulk}>
       <legend className={classes.legend}>Commands for the selected robots</legend>
-      {OPERATIONS.map((operation) => (
+      {operationsHere().map((operation) => (
         <ReasonButton
           key={operation}
           size="compact-md"

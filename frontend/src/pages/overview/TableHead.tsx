@@ -1,6 +1,7 @@
 import { Checkbox, Table, VisuallyHidden } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { useMemo } from "react";
+import { ofHub } from "../../api/hub";
 import { readColumns, type Sort, type View } from "./list";
 import classes from "./overview.module.css";
 import type { Selection } from "./useSelection";
@@ -83,6 +84,7 @@ interface Column {
 
 const COLUMNS: readonly Column[] = [
   { sort: "name", name: "Robot" },
+  { sort: "site", name: "Site", wide: true },
   { sort: "place", name: "Dock status", wide: true },
   { sort: "battery", name: "Battery" },
   { sort: "goal", name: "Now" },
@@ -121,7 +123,9 @@ export function useColumns(
   });
   const hidden = useMemo(() => inAddress ?? readColumns(kept), [inAddress, kept]);
   const choice = useMemo(() => {
-    const there = COLUMNS.filter(({ sort }) => grouped || sort !== "groups");
+    const there = COLUMNS.filter(
+      ({ sort }) => (grouped || sort !== "groups") && (ofHub() || sort !== "site"),
+    );
     const shown = there.filter(({ sort }) => sort === "name" || !hidden.includes(sort));
     return {
       shown: new Set(shown.map(({ sort }) => sort)),

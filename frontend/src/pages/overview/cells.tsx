@@ -6,6 +6,7 @@ import { type Charge, ChargeBar, chargeOf } from "../../battery/BatteryCard";
 import { CHARGING, FULL, formatQuantity, statusWords } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";
 import { useFleetLive } from "../../fleet/context";
+import { goalPath } from "../../fleet/names";
 import { ageWords, linkOf } from "../../fleet/words";
 import { goalName, lastWords, runningWords, soFarWords } from "../../goal/words";
 import { believed } from "../../store/batterySeries";
@@ -22,7 +23,7 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
       {latched && <Badge color="red">Stopped{by !== null && ` by ${by}`}</Badge>}
       {goal !== undefined && (
         <Running
-          goalId={goal.goal_id}
+          path={goalPath(goal.goal_id, goal.action_name)}
           words={runningWords(goal)}
           since={Date.parse(goal.created_at)}
           retries={goal.retries ?? 0}
@@ -34,14 +35,19 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
         <span className={classes.quiet}>and {others.map((each) => goalName(each)).join(", ")}</span>
       )}
       {goal === undefined && !latched && (
-        <span className={classes.empty}>{linkOf(robot) === "unreachable" ? "Unknown" : "Idle"}</span>
+        <span className={classes.empty}>{isSilent(robot) ? "Unknown" : "Idle"}</span>
       )}
     </>
   );
 }
 
+function isSilent(robot: Robot): boolean {
+  const link = linkOf(robot);
+  return link === "unreachable" || link === "away";
+}
+
 interface RunningProps {
-  goalId: string;
+  path: string;
   words: string;
   since: number;
   retries: number;
@@ -49,10 +55,10 @@ interface RunningProps {
   live: boolean;
 }
 
-const Running = memo(function Running({ goalId, words, since, retries, stalled, live }: RunningProps) {
+const Running = memo(function Running({ path, words, since, retries, stalled, live }: RunningProps) {
   return (
     <span className={classes.running}>
-      <Anchor component={Link} to={`/ui/goals/${goalId}`} inherit className={classes.above}>
+      <Anchor component={Link} to={path} inherit className={classes.above}>
         {words}
       </Anchor>
       {live && <Elapsed since={since} />}
@@ -70,7 +76,9 @@ function Elapsed({ since }: { since: number }) {
 export function LastCell({ robot }: { robot: Robot }) {
   const goal = robot.last_goal;
   if (goal === null) return <span className={classes.empty}>No goals yet</span>;
-  return <Last goalId={goal.goal_id} words={lastWords(goal)} {...outcomeOf(goal)} />;
+  return (
+    <Last path={goalPath(goal.goal_id, goal.action_name)} words={lastWords(goal)} {...outcomeOf(goal)} />
+  );
 }
 
 function outcomeOf({ status, finished_at, updated_at }: GoalSummary) {
@@ -81,20 +89,20 @@ function outcomeOf({ status, finished_at, updated_at }: GoalSummary) {
 const SIGNS = { good: "✓", neutral: "–", bad: "✕" } as const;
 
 interface LastProps {
-  goalId: string;
+  path: string;
   words: string;
   outcome: keyof typeof SIGNS;
   at: string;
 }
 
-const Last = memo(function Last({ goalId, words, outcome, at }: LastProps) {
+const Last = memo(function Last({ path, words, outcome, at }: LastProps) {
   return (
     <span className={classes.last}>
       <span className={classes.sign} data-outcome={outcome} aria-hidden="true">
         {SIGNS[outcome]}
       </span>
       <span>
-        <Anchor component={Link} to={`/ui/goals/${goalId}`} inherit className={classes.above}>
+        <Anchor component={Link} to={path} inherit className={classes.above}>
           {words}
         </Anchor>{" "}
         <span className={classes.quiet}>

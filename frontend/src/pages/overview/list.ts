@@ -1,5 +1,6 @@
 import type { Robot } from "@dock-gateway/client";
 import type { Attention } from "../../alerts/order";
+import { placeOf } from "../../api/hub";
 import { byName, isFound, robotName } from "../../fleet/names";
 import { isUnreachable, linkOf } from "../../fleet/words";
 import { Address, oneOf, optional, text } from "../../ui/address";
@@ -19,7 +20,7 @@ export const SHOW_WORDS: Record<Show, string> = {
 };
 
 /** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
-const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
+const SORTS = ["attention", "name", "site", "place", "battery", "goal", "last", "groups", "link"] as const;
 export type Sort = (typeof SORTS)[number];
 
 /** How the list is looked at; kept in the page's address. */
@@ -29,6 +30,8 @@ export interface View {
   text: string;
   /** Robots in this group alone; null for all. */
   group: string | null;
+  /** At a hub: robots of this site alone; null for all. */
+  site: string | null;
   sort: Sort;
   descending: boolean;
   /** Columns that are not shown; null for the choice of this browser. */
@@ -38,6 +41,7 @@ export interface View {
 export const overviewView = new Address<View>({
   text: text("q"),
   group: optional("group"),
+  site: optional("site"),
   show: oneOf("show", SHOWS, "all"),
   sort: oneOf("sort", SORTS, "attention"),
   descending: {
@@ -86,6 +90,7 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
       (robot) =>
         isFound(robot, view.text) &&
         (view.group === null || robot.groups.includes(view.group)) &&
+        (view.site === null || siteOf(robot) === view.site) &&
         matches(robot, view.show, attentions),
     )
     .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
@@ -95,6 +100,7 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
 const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
   attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
   name: (a, b) => byName(robotName(a), robotName(b)),
+  site: (a, b) => byName(siteOf(a), siteOf(b)),
   place: (a, b) => placeRank(a) - placeRank(b),
   battery: (a, b) => chargeOf(a) - chargeOf(b),
   goal: (a, b) => goalRank(a) - goalRank(b),
@@ -102,6 +108,11 @@ const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => numb
   groups: (a, b) => groupsRank(a) - groupsRank(b) || byName(a.groups.join(), b.groups.join()),
   link: (a, b) => LINK_RANK[linkOf(a)] - LINK_RANK[linkOf(b)],
 };
+
+/** The site of a robot; empty but at a hub. */
+export function siteOf({ name }: Pick<Robot, "name">): string {
+  return placeOf(name).site ?? "";
+}
 
 function placeRank({ docked }: Robot): number {
   return docked === null ? 2 : docked ? 0 : 1;
@@ -129,4 +140,12 @@ function groupsRank({ groups }: Robot): number {
   return groups.length === 0 ? 1 : 0;
 }
 
-const LINK_RANK = { unreachable: 0, gone: 1, duplicate: 2, silent: 3, battery: 4, connected: 5 } as const;
+const LINK_RANK = {
+  away: -1,
+  unreachable: 0,
+  gone: 1,
+  duplicate: 2,
+  silent: 3,
+  battery: 4,
+  connected: 5,
+} as const;

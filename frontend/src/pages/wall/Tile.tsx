@@ -11,6 +11,7 @@ import { LINK_WORDS, linkOf, placeWords } from "../../fleet/words";
 import { runningWords, soFarWords } from "../../goal/words";
 import { believed } from "../../store/batterySeries";
 import { freshnessOf } from "../../store/context";
+import { siteOf } from "../overview/list";
 import classes from "./wall.module.css";
 
 interface TileProps {
@@ -24,23 +25,30 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
   const [goal] = robot.goals;
   const { latched, by } = robot.stop;
   const link = linkOf(robot);
+  const site = siteOf(robot);
   return (
     <li
       className={classes.tile}
       data-testid={`tile ${robot.name}`}
+      data-away={link === "away" || undefined}
       data-attention={attention === 3 ? "critical" : attention === 2 ? "warning" : undefined}
     >
       <div className={classes.name}>
         {attention >= 2 && <SeverityMark mark={attention === 3 ? "critical" : "warning"} />}
         <h2>{robotName(robot)}</h2>
       </div>
-      <div className={classes.place}>{placeWords(robot.docked)}</div>
+      <div className={classes.place}>
+        {site !== "" && `${site}, `}
+        {placeWords(robot.docked)}
+      </div>
       <Battery battery={robot.battery} charging={robot.charging} live={live} />
       <div className={classes.now}>
         {latched ? (
           <Badge color="red" className={classes.badge ?? ""}>
             Stopped{by !== null && ` by ${by}`}
           </Badge>
+        ) : link === "away" ? (
+          <span className={classes.wrong}>{LINK_WORDS[link]}</span>
         ) : goal !== undefined ? (
           <>
             <span className={classes.goal}>{runningWords(goal)}</span>

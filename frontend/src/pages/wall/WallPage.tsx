@@ -2,12 +2,14 @@ import { useElementSize } from "@mantine/hooks";
 import { useCallback, useEffect, useMemo, useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 import { attentionOf } from "../../alerts/order";
+import { ofHub } from "../../api/hub";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
+import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { useStopping } from "../../stop/everywhere";
 import { useStopKeys } from "../../stop/keys";
 import { usePageTitle } from "../../ui/Section";
-import { listed, overviewView } from "../overview/list";
+import { listed, overviewView, siteOf } from "../overview/list";
 import { Clock, State, WallAlerts } from "./head";
 import { gridFor, Tile } from "./Tile";
 import { WallMap } from "./WallMap";
@@ -37,7 +39,8 @@ export default function WallPage() {
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
   const shown = useMemo(() => {
     const view = { ...overviewView.initial, group, sort: "name" as const };
-    return listed([...robots.values()].filter(isThere), view, attentions);
+    const all = listed([...robots.values()].filter(isThere), view, attentions);
+    return ofHub() ? all.sort((a, b) => byName(siteOf(a), siteOf(b))) : all;
   }, [robots, group, attentions]);
   const [only] = shown;
   const { ref, width, height } = useElementSize();
@@ -78,7 +81,7 @@ export default function WallPage() {
             <li className={classes.none}>{group === null ? "No robot yet" : `No robot is in ${group}`}</li>
           )}
         </ul>
-        {only !== undefined && shown.length === 1 && <WallMap robot={only.name} />}
+        {only !== undefined && shown.length === 1 && !ofHub() && <WallMap robot={only.name} />}
       </div>
     </main>
   );

@@ -1,0 +1,74 @@
+import type { GatewayEvent, Robot } from "@dock-gateway/client";
+import { Stack, Text } from "@mantine/core";
+import { useEffect, useMemo, useRef, useState } from "react";
+import { useFleetTopic } from "../../fleet/context";
+import { byName } from "../../fleet/names";
+import { isThere } from "../../fleet/words";
+import { openStream, streamUrl } from "../../stream/stream";
+import { PageTitle, Section } from "../../ui/Section";
+import { watchSight } from "../../ui/sight";
+import { siteOf } from "../overview/list";
+import { ASKED, RobotsMap } from "./MapPage";
+import { FleetScenes } from "./stage";
+
+/** At a hub: a map for each site. */
+export default function SiteMapsPage() {
+  const robots = useFleetTopic("robots");
+  const sites = useMemo(() => bySite([...robots.values()].filter(isThere)), [robots]);
+  return (
+    <Stack gap="md">
+      <PageTitle title="Maps" />
+      {sites.length === 0 && <Text>No robot yet.</Text>}
+      {sites.map(([site, robots]) => (
+        <SiteMap key={site} site={site} robots={robots} />
+      ))}
+    </Stack>
+  );
+}
+
+function bySite(robots: readonly Robot[]): [string, Robot[]][] {
+  const sites = new Map<string, Robot[]>();
+  for (const robot of robots) sites.set(siteOf(robot), [...(sites.get(siteOf(robot)) ?? []), robot]);
+  return [...sites].sort(([one], [other]) => byName(one, other));
+}
+
+/** The map of a site, which is asked for while it is in sight. */
+function SiteMap({ site, robots }: { site: string; robots: readonly Robot[] }) {
+  const box = useRef<HTMLDivElement>(null);
+  const [scenes] = useState(() => new FleetScenes());
+  const [inSight, setInSight] = useState(false);
+  useEffect(() => (box.current === null ? undefined : watchSight(box.current, setInSight)), []);
+  useEffect(() => {
+    if (!inSight) return;
+    const url = streamUrl(window.location, ASKED, `/sites/${site}/ws/feedback`);
+    return openStream(url, {
+      onEvent: (event) => scenes.onEvent(atHub(event, site)),
+      onConnection: scenes.onConnection,
+    });
+  }, [inSight, scenes, site]);
+  const away = robots.every((robot) => "site_state" in robot && robot.site_state !== "connected");
+  return (
+    <div ref={box}>
+      {away ? (
+        <Section title={site}>
+          <Text>The site is not connected: where its robots are now is not known.</Text>
+        </Section>
+      ) : (
+        <RobotsMap title={site} scenes={scenes} robots={robots} />
+      )}
+    </div>
+  );
+}
+
+/** An event of a site with the names of the hub. */
+export function atHub(event: GatewayEvent, site: string): GatewayEvent {
+  if (event.type === "scenes") return { ...event, scenes: renamed(event.scenes, site) };
+  if (event.type === "maps") return { ...event, maps: renamed(event.maps, site) };
+  return event;
+}
+
+function renamed<Value>(known: Record<string, Value>, site: string): Record<string, Value> {
+  return Object.fromEntries(
+    Object.entries(known).map(([name, value]) => [`/${site}${name === "/" ? "" : name}`, value]),
+  );
+}
