@@ -158,21 +158,11 @@ describe("the overview of a hub", () => {
     expect(screen.getByText(/^dock-gateway serve --hub .* --site berlin/)).toBeDefined();
   });
 
-  it("acknowledges an alert at its site", async () => {
-    const id = "berlin.battery_low/robot1";
-    const known = Object.assign(alert(id, { robot: "/berlin/robot1", goal_id: "g" }), { site: "berlin" });
-    const { user } = renderPage(fakeGateway(), { robots, alerts: [known] });
-    session.set({
-      ...ANYBODY,
-      hub: true,
-      principal: { name: "ada", kind: "user", role: "operator", robots: [], actions: [], topics: [] },
-    });
+  it("leads from an alert to its goal", () => {
+    const known = alert("berlin.goal_failed", { robot: "/berlin/robot1", goal_id: "g" });
+    renderPage(fakeGateway(), { robots, alerts: [known] });
     expect(screen.getByRole("link", { name: "See the goal" }).getAttribute("href")).toBe(
       "/sites/berlin/ui/goals/g",
-    );
-    await user.click(screen.getByRole("button", { name: /^Acknowledge/ }));
-    await vi.waitFor(() =>
-      expect(asked).toContain("PUT /sites/berlin/alerts/battery_low%2Frobot1/acknowledgement"),
     );
   });
 });

@@ -5,7 +5,6 @@ import { type FormEvent, memo, useId, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { createAlerts } from "../api/client";
-import { ownId } from "../api/hub";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import { goalPath, robotPath } from "../fleet/names";
 import { Dialog } from "../ui/Dialog";
@@ -123,9 +122,9 @@ const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
         </Text>
       </div>
       {acknowledged === null ? (
-        <AcknowledgeButton id={id} robot={robot} what={what} />
+        <AcknowledgeButton id={id} what={what} />
       ) : (
-        <Acknowledged id={id} robot={robot} what={what} {...acknowledged} />
+        <Acknowledged id={id} what={what} {...acknowledged} />
       )}
     </li>
   );
@@ -133,15 +132,14 @@ const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
 
 interface AcknowledgedProps {
   id: string;
-  robot: string | null;
   what: string;
   by: string;
   at: string;
 }
 
-function Acknowledged({ id, robot, what, by, at }: AcknowledgedProps) {
-  const { withdraw: send } = useAnswers(id, robot);
-  const withdraw = useCommand(send);
+function Acknowledged({ id, what, by, at }: AcknowledgedProps) {
+  const { http, store } = useFleet();
+  const withdraw = useCommand(async () => store.setAlert(await createAlerts(http).withdraw(id)));
   const reason = useWhyNotAnswer(withdraw.isPending);
   return (
     <>
@@ -169,10 +167,12 @@ function Acknowledged({ id, robot, what, by, at }: AcknowledgedProps) {
 }
 
 /** Acknowledges an alert with the name that was given on this computer; asks for one where there is none. */
-function AcknowledgeButton({ id, robot, what }: { id: string; robot: string | null; what: string }) {
+function AcknowledgeButton({ id, what }: { id: string; what: string }) {
+  const { http, store } = useFleet();
   const [asking, ask] = useDisclosure(false);
-  const { acknowledge: send } = useAnswers(id, robot);
-  const acknowledge = useCommand(send);
+  const acknowledge = useCommand(async (by: string) =>
+    store.setAlert(await createAlerts(http).acknowledge(id, by)),
+  );
   const reason = useWhyNotAnswer(acknowledge.isPending);
   const press = () => {
     const name = ownName().trim();
@@ -208,17 +208,6 @@ function AcknowledgeButton({ id, robot, what }: { id: string; robot: string | nu
       </Dialog>
     </>
   );
-}
-
-/** What can be said about an alert, to the gateway that has it. */
-function useAnswers(id: string, robot: string | null) {
-  const { httpOf, store } = useFleet();
-  const alerts = createAlerts(httpOf(robot ?? "/"));
-  const own = ownId(id, robot ?? "/");
-  return {
-    acknowledge: async (by: string) => store.setAlert(await alerts.acknowledge(own, by)),
-    withdraw: async () => store.setAlert(await alerts.withdraw(own)),
-  };
 }
 
 /** Why an alert can neither be acknowledged nor the acknowledgement be withdrawn now; null where it can. */

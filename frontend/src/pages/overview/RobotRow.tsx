@@ -11,7 +11,7 @@ import { useOperate } from "../../operations/context";
 import { moveOf, OPERATION_NAMES, type Operation, operationsHere, whyNot } from "../../operations/operation";
 import { Icon } from "../../ui/Tool";
 import { BatteryMeter, LastCell, NowCell } from "./cells";
-import { type Sort, siteOf } from "./list";
+import type { Sort } from "./list";
 import classes from "./overview.module.css";
 
 const MARKS: Record<Exclude<Attention, 0>, { mark: Mark; words: string }> = {
@@ -86,7 +86,6 @@ export const RobotRow = memo(function RobotRow({
         </span>
         {robot.groups.length > 0 && <span className={classes.groupLine}>{robot.groups.join(", ")}</span>}
       </Table.Th>
-      {shown.has("site") && <Table.Td className={classes.wide}>{siteOf(robot)}</Table.Td>}
       {shown.has("place") && (
         <Table.Td className={classes.wide}>
           <span className={classes.place} data-docked={String(robot.docked)}>

@@ -1,7 +1,6 @@
 import { Checkbox, Table, VisuallyHidden } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { useMemo } from "react";
-import { ofHub } from "../../api/hub";
 import { readColumns, type Sort, type View } from "./list";
 import classes from "./overview.module.css";
 import type { Selection } from "./useSelection";
@@ -84,7 +83,6 @@ interface Column {
 
 const COLUMNS: readonly Column[] = [
   { sort: "name", name: "Robot" },
-  { sort: "site", name: "Site", wide: true },
   { sort: "place", name: "Dock status", wide: true },
   { sort: "battery", name: "Battery" },
   { sort: "goal", name: "Now" },
@@ -123,9 +121,7 @@ export function useColumns(
   });
   const hidden = useMemo(() => inAddress ?? readColumns(kept), [inAddress, kept]);
   const choice = useMemo(() => {
-    const there = COLUMNS.filter(
-      ({ sort }) => (grouped || sort !== "groups") && (ofHub() || sort !== "site"),
-    );
+    const there = COLUMNS.filter(({ sort }) => grouped || sort !== "groups");
     const shown = there.filter(({ sort }) => sort === "name" || !hidden.includes(sort));
     return {
       shown: new Set(shown.map(({ sort }) => sort)),

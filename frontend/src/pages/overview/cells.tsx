@@ -31,6 +31,7 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
           live={live}
         />
       )}
+      {goal !== undefined && linkOf(robot) === "away" && <span className={classes.quiet}>last known</span>}
       {others.length > 0 && (
         <span className={classes.quiet}>and {others.map((each) => goalName(each)).join(", ")}</span>
       )}

@@ -20,7 +20,7 @@ export const SHOW_WORDS: Record<Show, string> = {
 };
 
 /** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
-const SORTS = ["attention", "name", "site", "place", "battery", "goal", "last", "groups", "link"] as const;
+const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
 export type Sort = (typeof SORTS)[number];
 
 /** How the list is looked at; kept in the page's address. */
@@ -99,8 +99,7 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
 /** Ascending. */
 const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
   attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
-  name: (a, b) => byName(robotName(a), robotName(b)),
-  site: (a, b) => byName(siteOf(a), siteOf(b)),
+  name: (a, b) => byName(siteOf(a), siteOf(b)) || byName(robotName(a), robotName(b)),
   place: (a, b) => placeRank(a) - placeRank(b),
   battery: (a, b) => chargeOf(a) - chargeOf(b),
   goal: (a, b) => goalRank(a) - goalRank(b),

@@ -38,8 +38,8 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
         <h2>{robotName(robot)}</h2>
       </div>
       <div className={classes.place}>
-        {site !== "" && `${site}, `}
         {placeWords(robot.docked)}
+        {site !== "" && `, ${site}`}
       </div>
       <Battery battery={robot.battery} charging={robot.charging} live={live} />
       <div className={classes.now}>

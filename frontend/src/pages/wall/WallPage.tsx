@@ -4,12 +4,11 @@ import { Link, useNavigate, useSearchParams } from "react-router";
 import { attentionOf } from "../../alerts/order";
 import { ofHub } from "../../api/hub";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
-import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { useStopping } from "../../stop/everywhere";
 import { useStopKeys } from "../../stop/keys";
 import { usePageTitle } from "../../ui/Section";
-import { listed, overviewView, siteOf } from "../overview/list";
+import { listed, overviewView } from "../overview/list";
 import { Clock, State, WallAlerts } from "./head";
 import { gridFor, Tile } from "./Tile";
 import { WallMap } from "./WallMap";
@@ -39,8 +38,7 @@ export default function WallPage() {
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
   const shown = useMemo(() => {
     const view = { ...overviewView.initial, group, sort: "name" as const };
-    const all = listed([...robots.values()].filter(isThere), view, attentions);
-    return ofHub() ? all.sort((a, b) => byName(siteOf(a), siteOf(b))) : all;
+    return listed([...robots.values()].filter(isThere), view, attentions);
   }, [robots, group, attentions]);
   const [only] = shown;
   const { ref, width, height } = useElementSize();
