@@ -13,6 +13,7 @@ from dock_gateway.automation import routes as automation_routes
 from dock_gateway.cameras import routes as camera_routes
 from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.foxglove import routes as foxglove_routes
+from dock_gateway.gateways import routes as gateway_routes
 from dock_gateway.goals import action_routes, approval_routes, cancel_routes, dock_routes, export_routes, note_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
@@ -77,6 +78,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         map_routes,
         camera_routes,
         fleet_routes,
+        gateway_routes,
         automation_routes,
         webhook_routes,
         calibration_routes,

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import socket
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager
@@ -28,14 +29,17 @@ from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.namespace import normalize_namespace
+from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.core.webhook import Delivery
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
+from dock_gateway.fleet.findings import claimed_twice
 from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
+from dock_gateway.gateways.claims import Gateways
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.docks import Docks
@@ -76,6 +80,7 @@ from dock_gateway.ros.robot_ports import DiagnosticsPort
 from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.ros.velocity import VelocityListener
 from dock_gateway.settings import Settings
+from dock_gateway.stop.stop_of_all import StopOfAll
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import Acknowledgement, AuditSpool, History, RobotLabel, open_history
 from dock_gateway.storage.database import display
@@ -109,6 +114,7 @@ async def _open(
     settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack, limits: GoalLimits
 ) -> Parts:
     """Make every part, and register it with the stack for closing."""
+    share, gateways = await _claim_robots(settings, history, stack)  # before anything of a robot is touched
     fanout = Fanout(
         queue_limit=settings.subscriber_queue,
         max_subscribers=settings.max_subscribers,
@@ -122,16 +128,17 @@ async def _open(
     interlock = _closed_by(stack, _make_interlock(settings, fanout))
     last_goals = _closed_by(stack, LastGoals(history))
     actions = _closed_by(
-        stack, ActionRegistry(settings, bridge, fanout, history, reasons, interlock=interlock, limits=limits)
+        stack,
+        ActionRegistry(settings, bridge, fanout, history, reasons, interlock=interlock, share=share, limits=limits),
     )
     history.on_loss = lambda: store_unfinished(actions, history)
     _follow_docking(actions, last_goals, fanout)
-    robots = _closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals))
-    stopper = _closed_by(stack, Stopper(robots, actions, interlock))
+    robots = _closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals, share=share))
+    gateways.robots = robots.namespaces
+    stopper = _closed_by(stack, Stopper(robots, actions, interlock, share=share))
     simulators = _closed_by(stack, Simulators(settings, bridge, fanout, robots))
     approvals = _closed_by(stack, Approvals(settings, fanout, actions.verb_of, simulators.__contains__))
-    activity = Activity(robots)
-    actions.on_end.append(activity.on_end)
+    activity = _watch_activity(robots, actions)
     _follow_stops(stopper, interlock, activity, approvals)
     _subscribe_on_demand(settings, bridge, fanout, robots, activity, stack=stack)
     board = _closed_by(stack, SceneBoard(fanout, robots.namespaces))
@@ -152,9 +159,8 @@ async def _open(
             on_simulator=simulators.on_report,
         )
     )
-    await robots.open(robots.default_namespace)
-    await actions.pin("dock")
-    await actions.pin("undock")
+    stop_of_all = _closed_by(stack, StopOfAll(settings, robots, interlock, stopper))
+    await _open_robots(robots, actions, share, stop_of_all)
     labels = _closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
     await labels.open()
     graph_watch = _make_graph_watch(settings, bridge, robots, actions)
@@ -168,7 +174,8 @@ async def _open(
             incident=lambda: history.incident,
             recordings=lambda: recordings.trouble,
             given_up=decisions.given_up,
-            findings=lambda: graph_watch.findings,
+            findings=lambda: [*graph_watch.findings, *claimed_twice(gateways.conflict)],
+            only=robots.namespaces if share.limited else None,
         ),
     )
     robot_actions = RobotActions(settings, actions, robots)
@@ -199,7 +206,7 @@ async def _open(
             decisions=decisions,
         ),
     )
-    notifier = _closed_by(stack, _make_notifier(history, alerts, labels))
+    notifier = _closed_by(stack, _make_notifier(history, alerts, labels, share))
     logins = _closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
@@ -233,6 +240,8 @@ async def _open(
             Goals: Goals(actions, actions.docking, history),
             Owners: Owners(actions.docking, robots, labels, history),
             Docks: _closed_by(stack, Docks(settings, bridge)),
+            Share: share,
+            Gateways: gateways,
             Robots: robots,
             RobotRegistry: robots,
             Labels: labels,
@@ -263,6 +272,28 @@ async def _open(
     parts.add(Present, GatewayPresent(parts))
     _observe(parts, stack)
     return parts
+
+
+def _watch_activity(robots: RobotRegistry, actions: ActionRegistry) -> Activity:
+    activity = Activity(robots)
+    actions.on_end.append(activity.on_end)
+    return activity
+
+
+async def _claim_robots(settings: Settings, history: History, stack: AsyncExitStack) -> tuple[Share, Gateways]:
+    share = Share(settings.robots, DockingCatalog(settings).homes)
+    gateways = Gateways(history.documents("gateway", Claim), share, socket.gethostname(), shared=history.shared)
+    await gateways.open()
+    return share, _closed_by(stack, gateways)
+
+
+async def _open_robots(robots: RobotRegistry, actions: ActionRegistry, share: Share, stop_of_all: StopOfAll) -> None:
+    """Join the topics and docking actions of the configured robot, which need not be there yet, and the stop of all."""
+    if share.covers_robot(robots.default_namespace):
+        await robots.open(robots.default_namespace)
+        await actions.pin("dock")
+        await actions.pin("undock")
+    await stop_of_all.open()
 
 
 def _make_interlock(settings: Settings, fanout: Fanout) -> Interlock:
@@ -313,10 +344,10 @@ def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry,
     return watch
 
 
-def _make_notifier(history: History, alerts: AlertBoard, labels: Labels) -> Notifier:
+def _make_notifier(history: History, alerts: AlertBoard, labels: Labels, share: Share) -> Notifier:
     webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
-    return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox)
+    return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox, share=share)
 
 
 def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, approvals: Approvals) -> None:

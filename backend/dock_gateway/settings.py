@@ -226,6 +226,11 @@ class Settings(SiteSettings):
 
     node_name: NodeName = Field("dock_gateway", description="Name of the gateway's ROS node.")
     namespace: Namespace = Field("", description="ROS namespace of the robot, such as `/robot1`.")
+    robots: Robots = Field(
+        (),
+        description="Robots that this gateway serves: namespaces such as `/robot1` or `/fleet_a/*`, separated by "
+        "commas. Empty: every robot. Other gateways serve the others: [postgresql.md](postgresql.md#shares).",
+    )
     dock_action: OptionalTopic = Field(
         "",
         description="The action behind `/dock`, relative to the namespace. Empty: picked for each robot from the ROS "
@@ -535,6 +540,20 @@ class Settings(SiteSettings):
         return self
 
     @model_validator(mode="after")
+    def _check_robots(self) -> Self:
+        if not self.robots:
+            return self
+        name = f"/{self.namespace.strip('/')}"
+        if name != "/" and not _named(name, (*self.robots, *(f"{each.rstrip('/')}/*" for each in self.robots))):
+            raise ValueError(f"namespace {name} is none of robots, which are {', '.join(self.robots)}")
+        if self.dock_action.startswith("/") or self.undock_action.startswith("/"):
+            raise ValueError(
+                "robots does not go together with an absolute dock_action or undock_action, which is that of every "
+                "robot: name those of single robots in dock_actions and undock_actions"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _check_oidc(self) -> Self:
         if self.oidc_issuer is None:
             if needless := sorted(
@@ -571,24 +590,30 @@ class Settings(SiteSettings):
         return self.tls_cert is not None
 
     @property
+    def _scope(self) -> str:
+        """What the names of files have in them: gateways with a share each may run on one machine."""
+        share = re.sub(r"\W+", "-", ",".join(self.robots)).strip("-")[:60]
+        return f"{scope()}-{share}" if share else scope()
+
+    @property
     def stop_file(self) -> Path:
         """Where latched stops are kept."""
-        return self.stop_path or data_file(f"stops-{scope()}.json")
+        return self.stop_path or data_file(f"stops-{self._scope}.json")
 
     @property
     def database(self) -> str:
         """The URL of the history."""
-        return self.database_url or f"sqlite:///{data_file(f'history-{scope()}.db')}"
+        return self.database_url or f"sqlite:///{data_file(f'history-{self._scope}.db')}"
 
     @property
     def spool_folder(self) -> Path:
         """Where goals go that the database does not take at once."""
-        return self.spool_path or data_file(f"spool-{scope()}")
+        return self.spool_path or data_file(f"spool-{self._scope}")
 
     @property
     def recordings_folder(self) -> Path:
         """Where recordings are."""
-        return self.recordings_path or data_file(f"recordings-{scope()}")
+        return self.recordings_path or data_file(f"recordings-{self._scope}")
 
     @property
     def hub_key_file(self) -> Path:

@@ -80,6 +80,7 @@ export function stopReport(change: Partial<StopReport> = {}): StopReport {
     failed: [],
     unconfirmed: [],
     stop: latched("the dashboard"),
+    others: [],
     warning: null,
     ...change,
   };

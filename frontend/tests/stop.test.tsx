@@ -91,6 +91,7 @@ describe("a warning of the gateway", () => {
     retry_after: null,
     robots: null,
     settings: null,
+    gateway: null,
   };
 
   it("is shown with the stop that it is about, until it is dismissed", async () => {

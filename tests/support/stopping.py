@@ -106,7 +106,7 @@ class FakeFleet:
             self.interlock.join(name, robot.topic)
         self.goals = {name: FakeGoals() for name in names}
         actions: Any = SimpleNamespace(under=self._actions_under)
-        registry: Any = SimpleNamespace(get=self._get, under=self._robots_under)
+        registry: Any = SimpleNamespace(place=lambda name=None: self._get(name).namespace, under=self._robots_under)
         self.actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock, timing)
         self.audit = AuditList()

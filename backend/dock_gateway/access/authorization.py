@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -16,6 +17,7 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
 from dock_gateway.core.request import PERMIT, Permit
+from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.parts import Parts, parts_of
@@ -36,6 +38,7 @@ async def authorize(connection: HTTPConnection) -> None:
         NotAuthenticated: The request needs a login, and has none that is valid.
         NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
             (`not_covered`).
+        ServedElsewhere: It is about a robot that another gateway serves.
         TooManyRequests: They have sent too many goals in the last minute (`too_many_goals`).
         MalformedRequest: The body is too large, too slow or cut off.
     """
@@ -69,11 +72,20 @@ async def _admit(connection: HTTPConnection, operation: Operation) -> Principal:
 async def identify(connection: HTTPConnection) -> Principal:
     """Return who makes a request. Of one through the tunnel, the hub has signed that.
 
+    The grant does not go beyond this gateway's share of the robots.
+
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
         NotAllowed: It has an access token of the identity provider that gives no role (`no_role`).
         Unavailable: It has one, and the provider has not answered yet (`provider_unavailable`).
     """
+    principal = await _identify(connection)
+    if not parts_of(connection)[Settings].robots:
+        return principal
+    return replace(principal, grant=parts_of(connection)[Share].narrow(principal.grant))
+
+
+async def _identify(connection: HTTPConnection) -> Principal:
     principal: Principal | None = connection.scope.get("hub")
     if principal is not None:
         return principal

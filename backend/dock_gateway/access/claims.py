@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from dock_gateway.core.errors import NotAllowed, NotAuthenticated
-from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, Grant, Role
+from dock_gateway.core.grant import MAX_PATTERN, MAX_PATTERNS, Grant, Role
 from dock_gateway.setting_types import PATTERN
 from dock_gateway.settings import Settings
 
@@ -33,13 +33,13 @@ class ClaimRules:
         self._roles = {value.strip(): Role(role.strip()) for value, _, role in pairs}
         self._role_claim = settings.oidc_role_claim
         self._name_claim = settings.oidc_name_claim
-        named = (settings.oidc_robots_claim, settings.oidc_actions_claim, settings.oidc_topics_claim)
-        self._limits = dict(zip(LIMITS, named, strict=True))
+        # In the order of `LIMITS`.
+        self._limits = settings.oidc_robots_claim, settings.oidc_actions_claim, settings.oidc_topics_claim
 
     @property
     def needed(self) -> tuple[str, ...]:
         """The claims that decide what someone may do."""
-        return (self._role_claim, *filter(None, self._limits.values()))
+        return (self._role_claim, *filter(None, self._limits))
 
     def name_of(self, claims: Claims) -> str:
         """Return the name under which someone is recorded: `oidc:` and their name at the provider.
@@ -71,7 +71,7 @@ class ClaimRules:
         role = max(roles, key=list(Role).index)
         if role is Role.ADMIN:
             return Grant(role)
-        return Grant(role, **{limit: _patterns(claims, claim) for limit, claim in self._limits.items() if claim})
+        return Grant(role, *(_patterns(claims, claim) if claim else () for claim in self._limits))
 
 
 def subject_of(claims: Claims) -> str:

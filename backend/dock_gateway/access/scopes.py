@@ -7,6 +7,7 @@ from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.errors import NotAllowed, not_covered
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
@@ -27,7 +28,14 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
         NotAllowed: It is (`not_covered`).
         InvalidField: A name is not valid.
         NotFound: There is no such goal or alert, or it is beyond the grant, which is the same to who asks.
+        ServedElsewhere: It is about a robot that another gateway serves.
     """
+    await _require_granted(parts, grant.own, scope, names, what)
+    if grant.share is not None:
+        await _require_served(parts, grant.own, scope, names)
+
+
+async def _require_granted(parts: Parts, grant: Grant, scope: Scope, names: Names, what: str) -> None:
     if scope is Scope.TOPIC:
         covered = grant.covers_topic(topic := _topic(parts, names))
         about = f"the topic {topic[:100]}"
@@ -42,6 +50,31 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
         covered, about = await _CHECKS[scope](parts, grant, names)
     if not covered:
         raise not_covered(about)
+
+
+async def _require_served(parts: Parts, grant: Grant, scope: Scope, names: Names) -> None:
+    """Refuse what is about robots beyond this gateway's share. What only reads the ROS graph is not."""
+    share = parts[Share]
+    match scope:
+        case Scope.ROBOTS if _namespace(parts, names) == "/":
+            return  # all of the share
+        case Scope.ROBOT | Scope.ROBOTS | Scope.DOCK | Scope.UNDOCK:
+            share.require_robot(_namespace(parts, names))
+        case Scope.NEW_GOAL if names.get("action") is None:
+            share.require_robot(_namespace(parts, names))
+        case Scope.NEW_GOAL:
+            namespace = None if names.get("robot") is None else _namespace(parts, names)
+            name = parts[Settings].resolve(str(names["action"]), namespace)
+            share.require(name, f"the action {name[:100]}")
+        case Scope.ACTION:
+            share.require(name := f"/{names['name']}", f"the action {name[:100]}")
+        case Scope.GOAL:
+            goal = await parts[Goals].get(read_goal_id(str(names.get("goal_id"))), grant)
+            share.require(goal.action_name, f"goals of the action {goal.action_name}")
+        case Scope.SERVICE | Scope.NODE | Scope.PUBLISHING:
+            field = {Scope.SERVICE: "service", Scope.NODE: "node", Scope.PUBLISHING: "topic"}[scope]
+            name = _topic(parts, names) if scope is Scope.PUBLISHING else _graph_name(parts, names, field)
+            share.require(name, f"the {field} {name[:100]}")
 
 
 async def _robot(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:

@@ -14,7 +14,7 @@ from dock_gateway.access.tickets import LIFETIME, Tickets
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
-from dock_gateway.core.grant import LIMITS, Role
+from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
@@ -58,10 +58,7 @@ LOGIN_REQUEST = {
 
 
 def _session(request: Request, settings: Settings, logins: Logins, principal: Principal | None) -> Response:
-    who = None
-    if principal is not None:
-        limits = {limit: getattr(principal.grant, limit) for limit in LIMITS}
-        who = {"name": principal.name, "kind": principal.kind, "role": principal.grant.role, **limits}
+    who = None if principal is None else {"name": principal.name, "kind": principal.kind, **principal.grant.fields()}
     sso = logins.sso
     document = {
         "required": settings.authentication,

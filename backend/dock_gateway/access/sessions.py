@@ -4,7 +4,6 @@ from abc import abstractmethod
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict
 from datetime import timedelta
 from typing import Any, TypeVar
 
@@ -159,7 +158,7 @@ class PersonSessions(BrowserSessions[PersonSession]):
             name,
             self._issuer,
             subject,
-            **asdict(grant),
+            **grant.fields(),
             digest=digest,
             attempt=attempt,
             created_at=now,
@@ -203,7 +202,7 @@ def _person_document(newest: PersonSession, sessions: int) -> dict[str, Any]:
     return {
         "name": newest.user,
         "subject": newest.subject,
-        **asdict(newest.grant),
+        **newest.grant.fields(),
         "sessions": sessions,
         "logged_in_at": newest.created_at,
         "expires_at": newest.expires_at,

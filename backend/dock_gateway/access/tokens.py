@@ -3,7 +3,6 @@
 import logging
 import time
 from collections.abc import Mapping
-from dataclasses import asdict
 from datetime import datetime
 from typing import Any
 
@@ -100,7 +99,7 @@ class Tokens(Credentials[Token]):
         secret, digest = new_secret(PREFIX)
         token = Token(
             name,
-            **asdict(grant),
+            **grant.fields(),
             digest=digest,
             created_by=by,
             created_at=utc_now(),

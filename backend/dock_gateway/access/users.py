@@ -4,7 +4,7 @@ import asyncio
 import re
 import secrets
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 from dock_gateway.core.access import User
@@ -108,7 +108,7 @@ def new_era() -> str:
 def new_user(grant: Grant, password: str, by: str | None, *, disabled: bool) -> User:
     """Return a new user with this hash of a password."""
     return User(
-        **asdict(grant),
+        **grant.fields(),
         password=password,
         era=new_era(),
         disabled=disabled,
@@ -123,7 +123,7 @@ def edit(user: User, grant: Grant | None, password: str | None, *, disabled: boo
     ends = password is not None or (disabled is True and not user.disabled)
     return replace(
         user,
-        **({} if grant is None else asdict(grant)),
+        **({} if grant is None else grant.fields()),
         password=password or user.password,
         disabled=user.disabled if disabled is None else disabled,
         era=new_era() if ends else user.era,

@@ -2,6 +2,7 @@
 
 import logging
 import os
+import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -9,11 +10,15 @@ from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
 from dock_gateway.cli.server import run
 from dock_gateway.doctor.environment import describe_ros
+from dock_gateway.gateways.claims import Gateways
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from robot_io import ros_variables
 
 log = logging.getLogger(__name__)
+
+# What `host` may be, and no other machine can use.
+EVERY_ADDRESS = ("0.0.0.0", "::", "")  # noqa: S104
 
 
 def run_gateway(settings: Settings) -> bool:
@@ -22,7 +27,17 @@ def run_gateway(settings: Settings) -> bool:
     Raises:
         CertificateError: A certificate or key cannot be used.
     """
-    return run(settings, _open, create_app)
+    return run(settings, _open, create_app, _tell_address)
+
+
+def _tell_address(parts: Parts, port: int) -> None:
+    """Let the other gateways on the database know where this one is."""
+    settings = parts[Settings]
+    host = settings.published_on or settings.host
+    if host in EVERY_ADDRESS:
+        host = socket.gethostname()
+    scheme = "https" if settings.tls else "http"
+    parts[Gateways].listen(f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}")
 
 
 @asynccontextmanager

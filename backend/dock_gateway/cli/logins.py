@@ -50,7 +50,7 @@ def make_grant(role: str, limits: dict[str, tuple[str, ...]]) -> Grant:
     Raises:
         click.UsageError: It limits an admin.
     """
-    grant = Grant(Role(role), **limits)
+    grant = Grant(Role(role), *(limits[name] for name in LIMITS))
     if grant.role is Role.ADMIN and grant != Grant(Role.ADMIN):
         raise click.UsageError("an admin cannot be limited, as an admin can change any limit")
     return grant

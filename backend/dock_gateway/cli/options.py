@@ -1,6 +1,6 @@
 """Command-line options for settings: one for each field of `Settings`."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import click
@@ -20,9 +20,16 @@ def option_name(field: str) -> str:
     return f"--{field.replace('_', '-')}"
 
 
-def settings_options(command: Command) -> Command:
-    """Add an option for each setting. They arrive as keyword arguments; those that are not given are None."""
+def settings_options(command: Command, leave_out: Collection[str] = ()) -> Command:
+    """Add an option for each setting. They arrive as keyword arguments; those that are not given are None.
+
+    Args:
+        command: The command.
+        leave_out: Settings that only variables can set there.
+    """
     for name, field in reversed(FIELDS):
+        if name in leave_out:
+            continue
         variable = f"DOCK_GATEWAY_{name.upper()}"
         default = ",".join(field.default) if isinstance(field.default, tuple) else field.default
         command = click.option(

@@ -34,7 +34,8 @@ def serve(**options: str | None) -> None:
     except CertificateError as error:
         raise click.UsageError(str(error)) from None
     except GatewayError as error:
-        raise click.ClickException(f"{error.detail}; check {variables or 'the network'}") from None
+        advice = "" if error.code == "robots_claimed" else f"; check {variables or 'the network'}"
+        raise click.ClickException(f"{error.detail}{advice}") from None
     if not started:
         raise SystemExit(1)
 

@@ -40,13 +40,21 @@ FAREWELL = 0.5
 ConnectionFactory = Callable[..., Connection]
 OpenParts = Callable[[Settings], AbstractAsyncContextManager[Parts]]
 CreateApp = Callable[[Settings, Parts], ASGIApp]
+# Called with the parts and the port, once it is listened on.
+OnListening = Callable[[Parts, int], object]
 
 
 class Server(uvicorn.Server):
     """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
-    def __init__(self, config: uvicorn.Config, certificates: Certificates | None = None) -> None:
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        certificates: Certificates | None = None,
+        on_listening: OnListening = lambda *_: None,
+    ) -> None:
         super().__init__(config)
+        self._on_listening = on_listening
         self._certificates = certificates
         self._parts: Parts | None = None
         self._own_ports: dict[int, str] = {}
@@ -77,6 +85,8 @@ class Server(uvicorn.Server):
             listener.start(self._open)
             for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
                 log.info("listening on %s%s://%s:%d", scheme, secure, f"[{host}]" if ":" in host else host, port)
+        if self._parts is not None:
+            self._on_listening(self._parts, listeners[0][1].sockets[0].getsockname()[1])
 
     def _bind(self, port: int) -> Listener:
         try:
@@ -106,13 +116,16 @@ class Server(uvicorn.Server):
         await self._tasks.close()
 
 
-def run(settings: Settings, open_parts: OpenParts, create_app: CreateApp) -> bool:
+def run(
+    settings: Settings, open_parts: OpenParts, create_app: CreateApp, on_listening: OnListening = lambda *_: None
+) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started.
 
     Args:
         settings: The settings.
         open_parts: Opens the parts, until the server has shut down.
         create_app: Makes the application of them.
+        on_listening: Called with the parts and the port, once it is listened on.
 
     Raises:
         CertificateError: A certificate or key cannot be used.
@@ -134,7 +147,7 @@ def run(settings: Settings, open_parts: OpenParts, create_app: CreateApp) -> boo
         **edge_options(settings),
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
-        return runner.run(_serve(Server(config, certificates), settings, open_parts, create_app))
+        return runner.run(_serve(Server(config, certificates, on_listening), settings, open_parts, create_app))
 
 
 def _say_who_may_use(settings: Settings) -> None:

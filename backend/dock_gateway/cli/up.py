@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, MutableMapping, Sequence
+from functools import partial
 
 import click
 import httpx2
@@ -194,9 +195,10 @@ def default_robot(settings: Settings, robots: int) -> str:
 @click.option(
     "--robots",
     type=click.IntRange(1, MAX_ROBOTS),
-    help="Simulated robots, /robot1, /robot2, …, instead of one without a namespace.",
+    help="Number of simulated robots, /robot1, /robot2, …, instead of one without a namespace. The setting of this "
+    "name is an option of `serve`; here, only the variable DOCK_GATEWAY_ROBOTS sets it.",
 )
-@settings_options
+@partial(settings_options, leave_out={"robots"})
 def up(no_sim: bool, robots: int | None, **options: str | None) -> None:
     """Run the gateway, a docking server and a simulated robot together, and keep them running.
 

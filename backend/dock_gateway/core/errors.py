@@ -8,6 +8,7 @@ GatewayError
 ├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required, no_role, not_listed, …
 ├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
+├── ServedElsewhere             421 served_elsewhere
 ├── TooManyRequests             429 too_many_requests, too_many_logins
 ├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
 │                               too_many_connections, provider_unavailable, stop_not_persisted (as a warning)
@@ -129,6 +130,13 @@ class Conflict(GatewayError):
 
     status = HTTPStatus.CONFLICT
     code = "goal_rejected"
+
+
+class ServedElsewhere(GatewayError):
+    """Another gateway serves the robot."""
+
+    status = HTTPStatus.MISDIRECTED_REQUEST
+    code = "served_elsewhere"
 
 
 class TooManyRequests(GatewayError):

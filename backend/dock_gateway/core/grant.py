@@ -1,17 +1,17 @@
 """Grants: permitted operations, and the robots, actions and topics they cover. Plain data."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import orjson
 
 from dock_gateway.core.errors import not_covered
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import encode
-from dock_gateway.core.patterns import expression, match_any
+from dock_gateway.core.patterns import expression, match_any, match_namespaces
 
 # What a grant can be limited to.
 LIMITS = ("robots", "actions", "topics")
@@ -38,6 +38,16 @@ class Role(StrEnum):
         return roles.index(self) >= roles.index(other)
 
 
+class Served(Protocol):
+    """The robots that a gateway serves: `core.share.Share`."""
+
+    def covers(self, name: str) -> bool:
+        """Return whether an action, or what else has a name on the ROS graph, belongs to one of them."""
+
+    def covers_robot(self, namespace: str) -> bool:
+        """Return whether a robot is one of them."""
+
+
 @dataclass(frozen=True)
 class Grant:
     """The permissions of a user. Patterns are names, in which `*` stands for any text.
@@ -48,17 +58,29 @@ class Grant:
             it, but `/` is only the robot without a namespace.
         actions: Patterns of the actions whose goals they see and send; empty means every action of their robots.
         topics: Patterns of the topics whose messages and pictures they may read; empty means every one of their robots.
+        share: The robots that this gateway serves, if it leaves out any. It holds for everyone alike, and limits what
+            is about robots and what may move them, not what is only read from the ROS graph.
     """
 
     role: Role
     robots: tuple[str, ...] = ()
     actions: tuple[str, ...] = ()
     topics: tuple[str, ...] = ()
+    share: Served | None = field(default=None, compare=False, kw_only=True)
 
     @property
     def limited(self) -> bool:
-        """Whether it leaves out any robot or action."""
+        """Whether it leaves out any robot or action that this gateway serves."""
         return bool(self.robots or self.actions)
+
+    def fields(self) -> dict[str, Any]:
+        """Return the role and the limits, as they are stored and shown."""
+        return {"role": self.role, **{limit: getattr(self, limit) for limit in LIMITS}}
+
+    @cached_property
+    def own(self) -> "Grant":
+        """What the user may do at any gateway."""
+        return self if self.share is None else replace(self, share=None)
 
     def narrowed(self, role: Role, robots: tuple[str, ...]) -> "Grant":
         """Return what both this grant and another limit allow.
@@ -70,15 +92,16 @@ class Grant:
         lower = min(self.role, role, key=list(Role).index)
         if not self.robots or not robots:
             return replace(self, role=lower, robots=self.robots or robots)
-        return NarrowedGrant(lower, self.robots, self.actions, self.topics, within=robots)
+        return NarrowedGrant(lower, self.robots, self.actions, self.topics, within=robots, share=self.share)
 
     def covers_robot(self, namespace: str) -> bool:
         """Return whether a robot is one of theirs."""
-        return bool(self._robots.fullmatch(f"{namespace.rstrip('/')}/_"))
+        served = self.share is None or self.share.covers_robot(namespace)
+        return served and bool(self._robots.fullmatch(f"{namespace.rstrip('/')}/_"))
 
     def covers_action(self, name: str) -> bool:
         """Return whether they see and send the goals of an action."""
-        return bool(self._robots.fullmatch(name) and self._actions.fullmatch(name))
+        return self._serves(name) and bool(self._robots.fullmatch(name) and self._actions.fullmatch(name))
 
     def require_action(self, name: str) -> None:
         """Refuse an action that is not covered.
@@ -105,11 +128,11 @@ class Grant:
 
     def covers_service(self, name: str) -> bool:
         """Return whether they may call a service. It may do what any action does, so a limit to some leaves none."""
-        return self.covers_place(name) and not self.actions
+        return self._serves(name) and self.covers_place(name) and not self.actions
 
     def covers_publishing(self, name: str) -> bool:
         """Return whether they may publish on a topic; as for a service."""
-        return self.covers_topic(name) and not self.actions
+        return self._serves(name) and self.covers_topic(name) and not self.actions
 
     def covers_parameters(self, node: str) -> bool:
         """Return whether they may set the parameters of a node; as for a service."""
@@ -119,10 +142,12 @@ class Grant:
         """Return whether they see an alert of a robot; None: one of the gateway, which everyone sees."""
         return robot is None or self.covers_robot(robot)
 
+    def _serves(self, name: str) -> bool:
+        return self.share is None or self.share.covers(name)
+
     @cached_property
     def _robots(self) -> re.Pattern[str]:
-        above = (each.rstrip("/") for each in self.robots)
-        return match_any(expression(f"{each}/*") if each else "/[^/]+" for each in above)
+        return match_namespaces(self.robots)
 
     @cached_property
     def _actions(self) -> re.Pattern[str]:

@@ -27,6 +27,7 @@ class AlertKind(StrEnum):
     WRONG_TOPIC_TYPE = FindingKind.WRONG_TOPIC_TYPE.value
     DUPLICATE_BASE = FindingKind.DUPLICATE_BASE.value
     ROBOT_SEEN_TWICE = FindingKind.ROBOT_SEEN_TWICE.value
+    ROBOTS_CLAIMED_TWICE = FindingKind.ROBOTS_CLAIMED_TWICE.value
 
     @property
     def critical(self) -> bool:

@@ -14,7 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alert import ON_GRAPH, Alert
+from dock_gateway.fleet.alert import ON_GRAPH, Alert, AlertKind, alert_id
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, AlertRules
 from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.robot_state import RobotState
@@ -38,6 +38,7 @@ class AlertBoard:
         recordings: Returns why recordings cannot be written, or None.
         given_up: Returns, by robot, the decisions of automatic docking to give up.
         findings: Returns the faults on the ROS graph, once for each kind and robot.
+        only: Returns the robots of this gateway, where others on the same database have alerts of other robots.
         sync_interval: Seconds between two reads of what other gateways have acknowledged.
         settled_after: See `SETTLED_AFTER`.
     """
@@ -52,6 +53,7 @@ class AlertBoard:
         recordings: Callable[[], Incident | None] = lambda: None,
         given_up: Callable[[], Mapping[str, Decision]] = dict,
         findings: Callable[[], Iterable[Finding]] = tuple,
+        only: Callable[[], Iterable[str]] | None = None,
         sync_interval: float = SYNC_INTERVAL,
         settled_after: float = SETTLED_AFTER,
     ) -> None:
@@ -62,6 +64,7 @@ class AlertBoard:
         self._recordings = recordings
         self._given_up = given_up
         self._findings = findings
+        self._only = only
         self._sync_interval = sync_interval
         self._settled_after = settled_after
         self._alerts: dict[str, Alert] = {}
@@ -180,8 +183,11 @@ class AlertBoard:
             await asyncio.sleep(self._sync_interval)
 
     def _forget_others(self) -> None:
-        for alert_id in self._acknowledgements.keys() - self._alerts.keys():
-            self._acknowledgements.put(alert_id, None)
+        ended = self._acknowledgements.keys() - self._alerts.keys()
+        if self._only is not None:
+            ended &= {alert_id(kind, robot) for kind in AlertKind for robot in self._only()}
+        for each in ended:
+            self._acknowledgements.put(each, None)
 
     async def close(self) -> None:
         """Stop the synchronization with the history."""

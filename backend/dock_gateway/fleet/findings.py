@@ -15,6 +15,7 @@ class FindingKind(StrEnum):
     WRONG_TOPIC_TYPE = "wrong_topic_type"
     DUPLICATE_BASE = "duplicate_base"
     ROBOT_SEEN_TWICE = "robot_seen_twice"
+    ROBOTS_CLAIMED_TWICE = "robots_claimed_twice"
 
 
 @dataclass(frozen=True)
@@ -133,6 +134,13 @@ def seen_twice(robots: Mapping[str, str], node: str) -> Finding:
         f"robot. If they are, set DOCK_GATEWAY_DOCK_ACTIONS={robot}={other_action}: {other} then has no docking server "
         "of its own. If they are not, set DOCK_GATEWAY_ALLOW_SHARED_SERVERS=true.",
     )
+
+
+def claimed_twice(conflict: str | None) -> Iterator[Finding]:
+    """Yield the finding that another gateway on the same database serves robots of this one."""
+    if conflict is not None:
+        title, advice = "Two gateways serve the same robots", "Both go on. Stop one, or give each its own `robots`."
+        yield Finding(FindingKind.ROBOTS_CLAIMED_TWICE, None, title, f"{conflict}. {advice}", critical=True)
 
 
 def _nodes(peers: Iterable[Peer]) -> str:

@@ -34,13 +34,13 @@ router = APIRouter()
     "/robots",
     tags=["Robots"],
     response_model=RobotList,
-    responses=problems(404, 422),
+    responses=problems(404, 421, 422),
     dependencies=[Depends(known_query("robot"))],
 )
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_robots(fleet: Part[Fleet], grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List every robot that was found, or only the one given by `robot`."""
-    if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
+    if robot is not None and not grant.own.covers_robot(name := read_namespace(robot)):
         raise not_covered(f"the robot {name}")
     return json_response({"robots": fleet.documents(robot, grant)})
 

@@ -56,7 +56,7 @@ class Owners:
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        if group is None and not grant.limited:
+        if group is None and not (grant.limited or grant.share):
             return None
         names = await self._history.action_names()
         chosen = frozenset(filter(grant.covers_action, names))

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -15,6 +15,7 @@ from dock_gateway.core.event import status_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, parent_of, prefix_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
+from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.docking_actions import DockingActions
@@ -58,6 +59,7 @@ class ActionRegistry:
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         interlock: The latched stops.
+        share: The robots whose actions these are.
         limits: How long to wait for what is to be known of goals.
         forget_after: Seconds after which an action that is off the graph is removed.
 
@@ -79,6 +81,7 @@ class ActionRegistry:
         reasons: PendingFacts[GoalError],
         *,
         interlock: Interlock,
+        share: Share = EVERYTHING,
         limits: GoalLimits = LIMITS,
         forget_after: float = FORGET_AFTER,
     ) -> None:
@@ -87,6 +90,7 @@ class ActionRegistry:
         self.remark: Callable[[str], str] = lambda _: ""
         self._parts = (settings, fanout, history, reasons)
         self._interlock = interlock
+        self._share = share
         self._limits = limits
         self._forget_after = forget_after
         self.on_sent: list[Callable[[Goal], None]] = []
@@ -115,6 +119,8 @@ class ActionRegistry:
         A goal that was lost for longer than `LOST_FOR` is taken over only if it is seen again.
         """
         for goal in goals:
+            if not self._share.covers(goal.action_name):
+                continue
             if goal.status is GoalStatus.LOST and utc_now() - goal.updated_at > LOST_FOR:
                 continue
             if action := self._actions.get(goal.action_name):
@@ -192,6 +198,7 @@ class ActionRegistry:
         Raises:
             Unavailable: The ROS thread is down.
         """
+        scan = replace(scan, actions={name: types for name, types in scan.actions.items() if self._share.covers(name)})
         self._types = scan.actions
         leaving = set[str]()  # ROS has to let go of a name before it takes it with another type
         for action in list(self._actions.values()):
@@ -284,8 +291,10 @@ class ActionRegistry:
 
         Raises:
             NotFound: `action_not_found`: it has no server.
+            ServedElsewhere: Its robot is not one of this gateway's.
             Unavailable: `interface_not_installed`: it cannot be used; the detail says why.
         """
+        self._share.require(name, f"the action {name[:100]}")
         try:
             async with asyncio.timeout(self._settings.server_wait):
                 while name not in self._actions and name not in self._discovery.failed:

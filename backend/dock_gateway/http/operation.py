@@ -35,6 +35,23 @@ class Scope(Enum):
     EVERY = auto()  # every robot
 
 
+# What another gateway may have to be asked for: `ServedElsewhere`.
+ABOUT_ROBOTS = frozenset(
+    {
+        Scope.ROBOT,
+        Scope.ROBOTS,
+        Scope.DOCK,
+        Scope.UNDOCK,
+        Scope.ACTION,
+        Scope.GOAL,
+        Scope.NEW_GOAL,
+        Scope.SERVICE,
+        Scope.NODE,
+        Scope.PUBLISHING,
+    }
+)
+
+
 class Audit(Enum):
     """Whether the audit log has a request or a command."""
 

@@ -25,12 +25,22 @@ class FieldProblem(Schema):
     detail: str
 
 
+class GatewayAddress(Schema):
+    """Where another gateway is, and the patterns of the robots that it serves; none: every robot."""
+
+    host: str
+    address: str | None
+    robots: list[str]
+
+
 class Problem(BaseModel):
     """RFC 9457 problem document.
 
     `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. Where a
     setting of the gateway forbids something, `settings` has the line that would allow it.
+
+    `gateway` is the one that serves the robot, if this one does not and it is known.
 
     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
     """
@@ -47,6 +57,7 @@ class Problem(BaseModel):
     retry_after: int | None = None
     robots: list[str] | None = None
     settings: list[str] | None = None
+    gateway: GatewayAddress | None = None
 
 
 class RobotSelection(Schema):

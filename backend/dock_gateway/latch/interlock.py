@@ -62,6 +62,7 @@ class Interlock:
 
     Attributes:
         on_latch: Called with the namespace of a robot that is held by another gateway's stop.
+        on_heard: The same, at once, before it is known that no release crosses it.
         on_release: Called with the namespace of a robot whose stop is released, here or at another gateway.
     """
 
@@ -78,6 +79,7 @@ class Interlock:
         retry_after: float = RETRY_AFTER,
     ) -> None:
         self.on_latch: list[Callable[[str], None]] = []
+        self.on_heard: list[Callable[[str], None]] = []
         self.on_release: list[Callable[[str], None]] = []
         self._fanout = fanout
         self._echo_after = echo_after
@@ -275,6 +277,8 @@ class Interlock:
             self._let_go(namespace)
         self._changed()
         self._echo(namespace)
+        for notify in self.on_heard if latched else ():
+            notify(namespace)
 
     def held_by_another(self, namespace: str, by: str | None) -> None:
         """Hold a robot while another node, such as an emergency stop, wants it.

@@ -61,11 +61,13 @@ async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) ->
 
     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
     release it.
+
+    Without `robot`, it is about the configured robot, or the first one where there is none.
     """
     sees_everything = await _sees_everything(request)
     if robot is not None and not sees_everything:
         raise not_covered("robots by name here")
-    name = parts[RobotRegistry].get(robot).namespace
+    name = parts[RobotRegistry].find(robot)
     state, undock = parts[ActionRegistry].servers_of(name)
     dock = parts[ActionRegistry].get(state.action_name)
     ready = parts[Bridge].alive and dock is not None and dock.watch.ready

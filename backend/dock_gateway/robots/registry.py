@@ -11,6 +11,7 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
 from dock_gateway.core.namespace import normalize_namespace, read_namespace
+from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
@@ -46,15 +47,25 @@ class Robot:
 class RobotRegistry:
     """The robots: the configured one always, others once a battery or a docking action of theirs appears.
 
+    Of a gateway with a share, only those of its share. It may have no configured one.
+
     Attributes:
         velocities: Their velocity topics.
         topics: Their other topics.
     """
 
     def __init__(
-        self, settings: Settings, bridge: Bridge, fanout: Fanout, interlock: Interlock, last_goals: LastGoals
+        self,
+        settings: Settings,
+        bridge: Bridge,
+        fanout: Fanout,
+        interlock: Interlock,
+        last_goals: LastGoals,
+        *,
+        share: Share = EVERYTHING,
     ) -> None:
         self._settings = settings
+        self._share = share
         self._bridge = bridge
         self._fanout = fanout
         self._interlock = interlock
@@ -124,7 +135,8 @@ class RobotRegistry:
         self._battery_topics = sorted(name for name, types in scan.topics.items() if BATTERY_TYPE in types)
         found = [self._catalog.robot_of(name, types) for name, types in scan.actions.items()]
         found += [namespace for namespace, types in self._batteries(scan) if BATTERY_TYPE in types]
-        new = [namespace for namespace in dict.fromkeys(found) if namespace and namespace not in self._robots]
+        new = [each for each in dict.fromkeys(found) if each and each not in self._robots]
+        new = list(filter(self._share.covers_robot, new))
 
         async def take_up(namespace: str) -> None:
             if namespace not in self._forgotten or await self.is_there(namespace, scan):
@@ -164,7 +176,10 @@ class RobotRegistry:
         return [
             namespace
             for namespace, types in self._batteries(scan)
-            if types and BATTERY_TYPE not in types and namespace not in self._robots
+            if types
+            and BATTERY_TYPE not in types
+            and namespace not in self._robots
+            and self._share.covers_robot(namespace)
         ]
 
     async def is_there(self, namespace: str, scan: Scan) -> bool:
@@ -232,16 +247,32 @@ class RobotRegistry:
 
         Raises:
             NotFound: `robot_not_found`.
+            ServedElsewhere: It is not one of this gateway's.
         """
         name = self.default_namespace if namespace is None else read_namespace(namespace)
         robot = self._robots.get(name)
         if robot is None:
+            self._share.require_robot(name)
             raise NotFound(f"there is no robot {name}", code="robot_not_found")
         return robot
 
     def find(self, namespace: str | None = None) -> str:
-        """Return the namespace of a robot, as `get`."""
+        """Return the namespace of a robot, as `get`.
+
+        If none is named and none is configured, it is the first of the share; `/` if there is none.
+        """
+        if namespace is None and self.default_namespace not in self:
+            return min(self._robots, default="/")
         return self.get(namespace).namespace
+
+    def place(self, namespace: str | None = None) -> str:
+        """Return the namespace of a robot or, at a gateway with a share, `/`: all robots of the share.
+
+        Raises:
+            NotFound, ServedElsewhere: As `get`.
+        """
+        name = self.default_namespace if namespace is None else read_namespace(namespace)
+        return name if name == "/" and self._share.limited else self.get(name).namespace
 
     async def close(self) -> None:
         """Stop publishing battery states."""

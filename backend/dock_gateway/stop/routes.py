@@ -74,7 +74,7 @@ async def stop_robots(
 @router.post(
     "/stop",
     response_model=StopReport,
-    responses=problems(404, 422) | problems(503, schema="StopProblem"),
+    responses=problems(404, 421, 422) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
 @operation(Role.VIEWER, Scope.ANY, reads_body=True)

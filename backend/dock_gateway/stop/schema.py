@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from dock_gateway.http.schema import Problem, Schema
+from dock_gateway.http.schema import GatewayAddress, Problem, Schema
 
 
 class StopFailure(Schema):
@@ -33,12 +33,16 @@ class StopReport(Schema):
 
     `unconfirmed` lists actions that were asked to cancel their goals and have not answered yet. `warning` says what in
     the request could not be read and was ignored, or that the stop is not stored yet.
+
+    `others`: if this gateway has a share of the robots and the stop was for all of them, the other gateways. A stop
+    that is latched reaches them over ROS, and each stops its own robots. Ask each with `GET /stop` whether it has.
     """
 
     canceling: list[str]
     failed: list[StopFailure]
     unconfirmed: list[str]
     stop: StopState
+    others: list[GatewayAddress]
     warning: "Problem | None"
 
 
@@ -49,3 +53,4 @@ class StopProblem(Problem):
     failed: list[StopFailure] | None = None
     unconfirmed: list[str] | None = None
     stop: StopState | None = None
+    others: list[GatewayAddress] | None = None

@@ -9,6 +9,7 @@ from typing import Any
 
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.filters import lineage
+from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.registry import ActionRegistry
@@ -55,6 +56,7 @@ class StopReport:
             published.
         unconfirmed: The actions that have not answered the cancel request yet.
         stop: The latch, as `GET /stop` shows it.
+        others: The other gateways, where this one has a share of the robots and all of them were to stop.
         problem: Why a restart of the gateway would forget the stop; None if it would not.
     """
 
@@ -62,6 +64,7 @@ class StopReport:
     failed: list[dict[str, str | None]] = field(default_factory=list)
     unconfirmed: list[str] = field(default_factory=list)
     stop: dict[str, Any] = field(default_factory=dict)
+    others: list[dict[str, Any]] = field(default_factory=list)
     problem: GatewayError | None = None
 
     def add(self, other: "StopReport") -> None:
@@ -134,15 +137,22 @@ class Stopper:
         actions: The actions.
         interlock: Latches the stops.
         timing: How long to wait.
+        share: The robots that this gateway serves.
 
     Attributes:
         on_stop: Called with the namespace of a robot that is stopped.
     """
 
     def __init__(
-        self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock, timing: StopTiming = TIMING
+        self,
+        robots: RobotRegistry,
+        actions: ActionRegistry,
+        interlock: Interlock,
+        timing: StopTiming = TIMING,
+        share: Share = EVERYTHING,
     ) -> None:
         self.timing = timing
+        self._share = share
         self.on_stop: list[Callable[[str], None]] = []
         self._robots = robots
         self._actions = actions
@@ -156,7 +166,7 @@ class Stopper:
         Raises:
             NotFound: There is no such robot.
         """
-        return self._interlock.document(self._robots.get(namespace).namespace)
+        return self._interlock.document(self._robots.place(namespace))
 
     async def release(self, namespace: str | None = None) -> dict[str, Any]:
         """Release the stop of a robot and those below it; return the latch.
@@ -165,7 +175,7 @@ class Stopper:
             NotFound: There is no such robot.
             Conflict: `stop_latched`: a stop of a namespace above holds for it.
         """
-        name = self._robots.get(namespace).namespace
+        name = self._robots.place(namespace)
         await self._interlock.release(name)
         return self._interlock.document(name)
 
@@ -184,6 +194,7 @@ class Stopper:
 
         Raises:
             NotFound: None of the robots is known.
+            ServedElsewhere: None is one of this gateway's.
             Unavailable: `ros_unavailable`: zero velocity could not be published to any robot. Goals are canceled and
                 the stop is latched nevertheless, as the report in `extra` says.
         """
@@ -201,11 +212,14 @@ class Stopper:
             for halt in halts.values():
                 await halt.ended(began + wait - time.monotonic())
         report = StopReport(
-            failed=unknown, stop=_together([self._interlock.document(name) for name in names]), problem=problem
+            failed=unknown,
+            stop=_together([self._interlock.document(name) for name in names]),
+            others=[claim.document() for claim in self._share.others()] if self._share.limited and "/" in names else [],
+            problem=problem,
         )
         for halt in halts.values():
             report.add(halt.report())
-        if all(len(halt.unreached) == len(halt.robots) for halt in halts.values()):
+        if all(halt.robots and len(halt.unreached) == len(halt.robots) for halt in halts.values()):
             detail = "zero velocity could not be published; use the robot's own emergency stop if it moves"
             done_all_the_same = {key: value for key, value in vars(report).items() if key != "problem"}
             raise Unavailable(detail, code="ros_unavailable", **done_all_the_same)
@@ -219,7 +233,7 @@ class Stopper:
             try:
                 # A robot that was to stop must not go on over a slash: `robot1` can only be `/robot1`.
                 named = f"/{namespace.lstrip('/')}" if namespace else namespace
-                names.add(self._robots.get(named).namespace)
+                names.add(self._robots.place(named))
             except GatewayError as error:
                 refused[namespace or ""] = error
         if not names:

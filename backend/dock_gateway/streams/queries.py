@@ -82,6 +82,7 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
         InvalidField: A value is invalid.
         NotFound: There is no such goal or robot, or the grant does not cover the goal.
         NotAllowed: The grant does not cover the robot (`not_covered`).
+        ServedElsewhere: Another gateway serves the robot.
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
     namespace = "/" if robot is None else read_namespace(robot)
@@ -98,17 +99,17 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
         action_name=None if action is None else parts[Settings].resolve(action, None if robot is None else namespace),
         namespace=namespace,
         robot=_read_robot(parts[Robots], robot, grant),
-        grant=grant if grant.limited or grant.topics else None,
+        grant=grant if grant.limited or grant.topics or grant.share else None,
         homed=parts[Owners].homed_in(robot),
     )
 
 
 def _read_robot(robots: Robots, robot: str | None, grant: Grant) -> str:
     # Whether there is such a robot or not.
-    if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
+    if robot is not None and not grant.own.covers_robot(name := read_namespace(robot)):
         raise not_covered(f"the robot {name}")
     found = robots.find(robot)
-    if grant.covers_robot(found):
+    if grant.covers_robot(found) or (grant.share is not None and not robots.namespaces()):
         return found
     covered = [each for each in robots.namespaces() if grant.covers_robot(each)]
     if not covered:

@@ -11,6 +11,7 @@ import orjson
 from dock_gateway.core.alerts import SETTLED_AFTER, Alerts
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import DeliveryState, EventType
 from dock_gateway.robots.labels import NO_LABEL, Labels
@@ -38,6 +39,7 @@ class Notifier:
         labels: The names and groups of the robots.
         webhooks: The webhooks, by id.
         outbox: Sends to them.
+        share: The robots whose alerts these are.
         settled_after: Seconds after the start after which an alert that has not recurred counts as ended.
         interval: See `INTERVAL`.
         read_every: See `READ_EVERY`.
@@ -51,6 +53,7 @@ class Notifier:
         *,
         webhooks: SharedBook[WebhookEntry],
         outbox: Outbox,
+        share: Share = EVERYTHING,
         settled_after: float = SETTLED_AFTER,
         interval: float = INTERVAL,
         read_every: int = READ_EVERY,
@@ -63,6 +66,7 @@ class Notifier:
         self._labels = labels
         self._webhooks = webhooks
         self._outbox = outbox
+        self._share = share
         self._started, self._settled = utc_now(), False
         self._settled_at = time.monotonic() + settled_after
         self._looks = 0
@@ -231,7 +235,10 @@ class Notifier:
         alerts = {alert["id"] for alert in self._alerts.documents()}
         for delivery in earlier:
             if delivery.alert_id is not None and delivery.alert_id not in alerts:
-                event = self._event(EventType.CLEARED, orjson.loads(delivery.body)["data"])
+                alert = orjson.loads(delivery.body)["data"]
+                if alert["robot"] is not None and not self._share.covers_robot(alert["robot"]):
+                    continue
+                event = self._event(EventType.CLEARED, alert)
                 await self._outbox.add(EventType.CLEARED, delivery.webhook_id, delivery.alert_id, event)
 
     def _event(self, event_type: EventType, alert: Document) -> Document:

@@ -71,6 +71,7 @@ async function stopEach(
     failed: [...refused, ...reports.flatMap((report) => report.failed)],
     unconfirmed: reports.flatMap((report) => report.unconfirmed),
     stop: first.stop,
+    others: first.others,
     warning: reports.find((report) => report.warning !== null)?.warning ?? null,
   };
 }

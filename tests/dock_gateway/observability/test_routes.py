@@ -46,7 +46,7 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, .
                 get=lambda _: SimpleNamespace(watch=SimpleNamespace(ready=True)),
             ),
             Bridge: SimpleNamespace(alive=True),
-            RobotRegistry: SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/")),
+            RobotRegistry: SimpleNamespace(find=lambda _: "/"),
             RobotActions: SimpleNamespace(sights=lambda: SIGHTS, hint=lambda name, _: docking_hint(name, SIGHTS)),
             AlertBoard: SimpleNamespace(of_graph=lambda _: [SimpleNamespace(detail="Two bases.")]),
             History: SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),

@@ -1,0 +1,1 @@
+"""The gateways that share a database: which of them serves which robots."""
