@@ -10,6 +10,8 @@ from dock_gateway.sites.subjects import ID_PATTERN
 
 # Bytes of a hello, a welcome or a refusal.
 MAX_BYTES = 8192
+# Characters about what is not valid in a message.
+MAX_DETAIL = 200
 # Minor releases that a site and its hub may be apart.
 MAX_MINORS_APART = 1
 
@@ -103,9 +105,14 @@ def read(model: type[M], data: bytes) -> M:
     try:
         return model.model_validate_json(data)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
-        place = ".".join(map(str, first["loc"])) or "message"
-        raise Malformed("malformed", f"{place}: {first['msg']}") from None
+        raise malformed(error) from None
+
+
+def malformed(error: ValidationError) -> Malformed:
+    """Return the first thing that is not valid."""
+    first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+    place = ".".join(map(str, first["loc"])) or "message"
+    return Malformed("malformed", f"{place}: {first['msg']}"[:MAX_DETAIL])
 
 
 class _Answer(_Message):
@@ -118,8 +125,16 @@ def read_answer(data: bytes) -> Welcome | Refusal:
     Raises:
         Malformed: It is neither a welcome nor a refusal.
     """
-    refusal = read(_Answer, data).ok is False
-    return read(Refusal, data) if refusal else read(Welcome, data)
+    return read_refusal(data) or read(Welcome, data)
+
+
+def read_refusal(data: bytes) -> Refusal | None:
+    """Read an answer that may be a refusal; None if it is not.
+
+    Raises:
+        Malformed: It is no answer.
+    """
+    return None if read(_Answer, data).ok else read(Refusal, data)
 
 
 def compatible(one: str, other: str) -> bool:

@@ -1,0 +1,355 @@
+"""The hub's end of the tunnel: sends requests and WebSockets to the app of a site."""
+
+import asyncio
+from collections import Counter
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from http import HTTPStatus
+from typing import Any
+
+import orjson
+from starlette.types import Message as AsgiMessage
+from starlette.types import Receive, Scope, Send
+
+from dock_gateway.core.errors import GatewayError, TooManyRequests, Unavailable
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.sites import subjects
+from dock_gateway.sites.broker import Broker, NoResponder, Received, Subscription
+from dock_gateway.sites.messages import Malformed, read_refusal
+from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, piece_of
+from dock_gateway.sites.tunnel.conversation import Conversation
+from dock_gateway.sites.tunnel.failures import SiteFailed, SiteUnreachable, ended_early, refused, silent_for
+from dock_gateway.sites.tunnel.forward import CLIENT_GONE, forward_http, forward_websocket
+from dock_gateway.sites.tunnel.frames import Accept, Data, End, Head, encode, write_headers
+
+# Streams at the same time: in all, and of one site.
+MAX_STREAMS, MAX_STREAMS_OF_SITE = 5_000, 500
+# Bytes of an answer that the hub itself reads.
+MAX_ANSWER = 32 * 1024 * 1024
+# Headers of a client that mean nothing to a site, or that it must not get.
+KEPT_BACK = frozenset(
+    {"authorization", "connection", "cookie", "expect", "host", "origin", "proxy-authorization", "te"}
+)
+
+
+@dataclass(frozen=True)
+class Address:
+    """A process of a site's gateway."""
+
+    site: str
+    instance: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The answer to a request of the hub itself."""
+
+    status: int
+    headers: dict[str, str]
+    body: bytes
+
+    def json(self) -> Any:
+        """Return the body as JSON.
+
+        Raises:
+            SiteFailed: It is none.
+        """
+        try:
+            return orjson.loads(self.body)
+        except ValueError:
+            raise SiteFailed("a site has answered with something that is no JSON") from None
+
+
+class Caller:
+    """All streams from the hub to its sites, from `open` until `close`.
+
+    Args:
+        broker: The connection to the broker.
+        timing: When a site counts as gone.
+        max_streams: Maximum number of streams at the same time: in all, and of one site.
+    """
+
+    def __init__(
+        self,
+        broker: Broker,
+        *,
+        timing: Timing | None = None,
+        max_streams: tuple[int, int] = (MAX_STREAMS, MAX_STREAMS_OF_SITE),
+    ) -> None:
+        self._broker = broker
+        self._timing = timing or Timing()
+        self._max_streams = max_streams
+        self._channels: dict[tuple[str, str], Channel] = {}
+        self._addresses: dict[tuple[str, str], Address] = {}
+        self._of_site: Counter[str] = Counter()
+        self._tasks = Tasks("ending streams of sites")
+        self._subscription: Subscription | None = None
+
+    @property
+    def streams(self) -> int:
+        """Number of open streams."""
+        return len(self._channels)
+
+    async def open(self) -> None:
+        """Listen to the sites."""
+        self._broker.on_loss.append(self._lose_all)
+        self._subscription = await self._broker.subscribe(subjects.STREAMS_TO_HUB, self._receive)
+
+    async def close(self) -> None:
+        """End all streams."""
+        if self._subscription is not None:
+            await self._subscription.close()
+            self._subscription = None
+            self._broker.on_loss.remove(self._lose_all)
+        for channel in list(self._channels.values()):
+            await channel.abort("hub_leaving", "the hub is shutting down")
+        await self._tasks.close()
+
+    def drop(self, address: Address, detail: str) -> None:
+        """End all streams to a process that has gone, without waiting until it is silent for long enough."""
+        for key, each in list(self._addresses.items()):
+            if each == address:
+                self._channels[key].end("silent", detail)
+
+    def _lose_all(self) -> None:
+        for channel in list(self._channels.values()):
+            channel.end("broker_unavailable", "the connection to the broker was lost")
+
+    async def _receive(self, received: Received) -> None:
+        key = subjects.read_stream_to_hub(received.subject)
+        if key is None:
+            self._broker.refuse("malformed", received.subject, "the subject is none of the tunnel")
+        elif (channel := self._channels.get(key)) is not None:
+            channel.offer(received.data)
+        else:
+            self._broker.refused["unknown_stream"] += 1  # as a rule, one that has just ended
+
+    # Requests.
+
+    async def forward(
+        self,
+        address: Address,
+        scope: Scope,
+        receive: Receive,
+        send: Send,
+        *,
+        path: str,
+        token: str,
+        deadline: float,
+        headers: Iterable[tuple[bytes, bytes]] | None = None,
+    ) -> None:
+        """Pass a request or a WebSocket of a client on to a site, and what it answers back.
+
+        Args:
+            address: The site.
+            scope: As ASGI has it. Method, query, headers, subprotocols and client are read from it.
+            receive: As ASGI has it.
+            send: As ASGI has it.
+            path: The path at the site, decoded.
+            token: Who asks, signed.
+            deadline: Seconds until the site must have begun.
+            headers: Those of the request, if others than in the scope.
+
+        Raises:
+            SiteUnreachable: The site did not get the request.
+            SiteTimeout: The site did not answer. Whether it has acted is not known.
+            GatewayError: The site refuses it, or there are too many requests. Nothing has been sent to the client.
+        """
+        first = await receive()
+        if first["type"] in {"http.disconnect", "websocket.disconnect"}:
+            return
+        client = scope.get("client")
+        fields = {
+            "token": token,
+            "kind": scope["type"],
+            "method": scope.get("method", "GET"),
+            "path": path,
+            "query": scope.get("query_string", b"").decode("latin-1"),
+            "headers": write_headers(scope["headers"] if headers is None else headers, KEPT_BACK),
+            "subprotocols": scope.get("subprotocols") or [],
+            "client": "" if client is None else client[0],
+        }
+        body, more = first.get("body", b""), first.get("more_body", False)
+        piece = piece_of(self._broker.max_payload)
+        now, rest = body[:piece], body[piece:]
+        channel = await self._open(address, {**fields, "more": more or bool(rest)}, now, deadline)
+        try:
+            if scope["type"] == "http":
+                await forward_http(address.site, channel, rest, more=more, receive=receive, send=send)
+            else:
+                await forward_websocket(address.site, channel, scope, receive, send)
+        finally:
+            self._give_up(channel)
+
+    async def request(
+        self,
+        address: Address,
+        method: str,
+        path: str,
+        *,
+        token: str,
+        deadline: float,
+        query: str = "",
+        headers: Iterable[tuple[bytes, bytes]] = (),
+        body: bytes = b"",
+    ) -> Answer:
+        """Send a request of the hub itself, and return the whole answer.
+
+        Args:
+            address: The site.
+            method: Such as `POST`.
+            path: The path at the site, decoded.
+            token: Who asks, signed.
+            deadline: Seconds until the answer must be there.
+            query: The query, encoded.
+            headers: More headers.
+            body: The body.
+
+        Raises:
+            SiteUnreachable: The site did not get the request.
+            SiteTimeout: The site did not answer in time. Whether it has acted is not known.
+            GatewayError: The site refuses it, or there are too many requests.
+        """
+        scope = {"type": "http", "method": method, "query_string": query.encode(), "headers": list(headers)}
+        parts, status, names = list[bytes](), 0, dict[str, str]()
+        unread = [{"type": "http.request", "body": body, "more_body": False}]
+
+        async def receive() -> AsgiMessage:
+            return unread.pop() if unread else await asyncio.get_running_loop().create_future()
+
+        async def send(message: AsgiMessage) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                names.update((name.decode("latin-1"), value.decode("latin-1")) for name, value in message["headers"])
+                return
+            parts.append(message["body"])
+            if sum(map(len, parts)) > MAX_ANSWER:
+                raise SiteFailed(f"the site {address.site} has answered with more than {MAX_ANSWER} bytes")
+            if not message["more_body"]:
+                complete.set()
+
+        complete = asyncio.Event()
+        try:
+            async with asyncio.timeout(deadline):
+                await self.forward(address, scope, receive, send, path=path, token=token, deadline=deadline)
+        except TimeoutError:
+            raise silent_for(address.site, deadline) from None
+        if not complete.is_set():
+            raise ended_early(address.site, ChannelEnded("incomplete", "the answer is not complete"))
+        return Answer(status, names, b"".join(parts))
+
+    @asynccontextmanager
+    async def websocket(
+        self, address: Address, path: str, *, token: str, query: str = "", deadline: float = 10.0
+    ) -> AsyncIterator[Conversation]:
+        """Open a WebSocket of the hub itself, and close it at the end.
+
+        Args:
+            address: The site.
+            path: The path at the site, decoded.
+            token: Who asks, signed, for the method GET.
+            query: The query, encoded.
+            deadline: Seconds until the WebSocket must be open.
+
+        Raises:
+            SiteUnreachable: The site did not get the request.
+            SiteTimeout: The site did not answer in time.
+            GatewayError: The site refuses it.
+        """
+        fields = {"token": token, "kind": "websocket", "method": "GET", "path": path, "query": query}
+        channel = await self._open(address, fields, b"", deadline)
+        try:
+            try:
+                async with asyncio.timeout(deadline):
+                    await _handshake(address.site, channel)
+            except ChannelEnded as ended:
+                raise ended_early(address.site, ended) from None
+            except TimeoutError:
+                raise silent_for(address.site, deadline) from None
+            conversation = Conversation(address.site, channel)
+            yield conversation
+            await conversation.close()
+        finally:
+            self._give_up(channel)
+
+    async def _open(self, address: Address, fields: dict[str, Any], body: bytes, deadline: float) -> Channel:
+        most, most_of_site = self._max_streams
+        if len(self._channels) >= most or self._of_site[address.site] >= most_of_site:
+            raise TooManyRequests(
+                f"too many requests to the site {address.site} at the same time", code="too_many_streams"
+            )
+        stream = subjects.new_id()
+        channel = self._channel(address, stream)
+        subject = subjects.open_stream(address.site, address.instance)
+        try:
+            refusal = read_refusal(
+                await self._broker.request(subject, encode({"id": stream, **fields}, body), deadline)
+            )
+        except Unavailable as error:
+            channel.finish()
+            detail = "it does not listen on the broker" if isinstance(error, NoResponder) else error.detail
+            raise SiteUnreachable(address.site, detail) from None
+        except TimeoutError:
+            self._give_up(channel)
+            raise silent_for(address.site, deadline) from None
+        except Malformed as error:
+            self._give_up(channel)
+            raise SiteFailed(f"the site {address.site} has answered with nonsense: {error.detail}") from None
+        except asyncio.CancelledError:
+            self._give_up(channel)
+            raise
+        if refusal is not None:
+            channel.finish()
+            raise refused(address.site, refusal)
+        return channel
+
+    def _channel(self, address: Address, stream: str) -> Channel:
+        key = address.site, stream
+        subject = subjects.stream_to_site(address.site, address.instance, stream)
+
+        def on_end() -> None:
+            del self._channels[key], self._addresses[key]
+            self._of_site[address.site] -= 1
+            if not self._of_site[address.site]:
+                del self._of_site[address.site]
+
+        self._addresses[key] = address
+        self._of_site[address.site] += 1
+        channel = self._channels[key] = Channel(
+            partial(self._broker.publish, subject),
+            max_payload=self._broker.max_payload,
+            refuse=lambda reason, detail: self._broker.refuse(reason, subject, detail),
+            on_end=on_end,
+            timing=self._timing,
+        )
+        return channel
+
+    def _give_up(self, channel: Channel) -> None:
+        if channel.ended is None:
+            self._tasks.spawn(channel.abort(*CLIENT_GONE))
+
+
+async def _handshake(site: str, channel: Channel) -> None:
+    frame, body = await channel.receive()
+    if isinstance(frame, Accept):
+        return
+    if not isinstance(frame, Head):
+        raise SiteFailed(f"the site {site} has answered a handshake with something else", site=site)
+    status, parts = frame.status, list[bytes]()
+    while not isinstance(frame, End):
+        frame, body = await channel.receive()
+        if isinstance(frame, Data) and len(parts) < 100:
+            parts.append(body)
+    channel.finish()
+    raise _problem(site, status, b"".join(parts))
+
+
+def _problem(site: str, status: int, body: bytes) -> GatewayError:
+    try:
+        problem = orjson.loads(body)
+        return GatewayError(str(problem["detail"]), code=str(problem["code"]), status=HTTPStatus(status), site=site)
+    except (ValueError, KeyError, TypeError):
+        return SiteFailed(f"the site {site} has refused a WebSocket with status {status}", site=site)
