@@ -6,13 +6,17 @@ import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from starlette.types import ASGIApp
+
 from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
-from dock_gateway.cli.server import run
+from dock_gateway.cli.server import Uplink, run
 from dock_gateway.doctor.environment import describe_ros
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
+from dock_gateway.storage import History
+from dock_gateway.uplink.link import HubLink
 from robot_io import ros_variables
 
 log = logging.getLogger(__name__)
@@ -27,7 +31,7 @@ def run_gateway(settings: Settings) -> bool:
     Raises:
         CertificateError: A certificate or key cannot be used.
     """
-    return run(settings, _open, create_app, _tell_address)
+    return run(settings, _open, create_app, _tell_address, _make_uplink)
 
 
 def _tell_address(parts: Parts, port: int) -> None:
@@ -38,6 +42,16 @@ def _tell_address(parts: Parts, port: int) -> None:
         host = socket.gethostname()
     scheme = "https" if settings.tls else "http"
     parts[Gateways].listen(f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}")
+
+
+def _make_uplink(settings: Settings, parts: Parts, app: ASGIApp) -> Uplink | None:
+    """Connect to a hub, if there is one: no one else needs what that imports."""
+    if not settings.hub:
+        return None
+    from dock_gateway.uplink import uplink  # noqa: PLC0415 - see above
+
+    parts.add(HubLink, link := HubLink(settings.site))
+    return uplink.Uplink(settings, parts[History], link, app)
 
 
 @asynccontextmanager

@@ -7,9 +7,9 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager
-from typing import cast
+from typing import Any, Protocol, cast
 
 import uvicorn
 from starlette.types import ASGIApp
@@ -44,6 +44,22 @@ CreateApp = Callable[[Settings, Parts], ASGIApp]
 OnListening = Callable[[Parts, int], object]
 
 
+class Uplink(Protocol):
+    """A second way to the application, besides the ports: the hub's, at a site."""
+
+    async def open(self, state: Mapping[str, Any]) -> None:
+        """Open it; `state` is what requests have as their state."""
+
+    async def leave(self) -> None:
+        """Say that it ends soon. Streams go on."""
+
+    async def close(self) -> None:
+        """End it."""
+
+
+MakeUplink = Callable[[Settings, Parts, ASGIApp], Uplink | None]
+
+
 class Server(uvicorn.Server):
     """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
@@ -52,9 +68,12 @@ class Server(uvicorn.Server):
         config: uvicorn.Config,
         certificates: Certificates | None = None,
         on_listening: OnListening = lambda *_: None,
+        make_uplink: MakeUplink = lambda *_: None,
     ) -> None:
         super().__init__(config)
         self._on_listening = on_listening
+        self._make_uplink = make_uplink
+        self._uplink: Uplink | None = None
         self._certificates = certificates
         self._parts: Parts | None = None
         self._own_ports: dict[int, str] = {}
@@ -68,6 +87,7 @@ class Server(uvicorn.Server):
         app = RequestId(SecurityHeaders(app, tls=settings.tls))
         own = {settings.rosbridge_port: "/rosbridge", settings.foxglove_port: "/foxglove"}
         self._own_ports = {port: path for port, path in own.items() if port is not None}
+        self._uplink = self._make_uplink(settings, parts, app)
         self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
@@ -87,6 +107,8 @@ class Server(uvicorn.Server):
                 log.info("listening on %s%s://%s:%d", scheme, secure, f"[{host}]" if ":" in host else host, port)
         if self._parts is not None:
             self._on_listening(self._parts, listeners[0][1].sockets[0].getsockname()[1])
+        if self._uplink is not None:
+            await self._uplink.open(self.lifespan.state)
 
     def _bind(self, port: int) -> Listener:
         try:
@@ -106,18 +128,26 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then shut down."""
+        if self._uplink is not None:
+            await self._uplink.leave()
         if self._parts is not None:
             fanout = self._parts[Fanout]
             fanout.close()
             deadline = time.monotonic() + FAREWELL
             while len(fanout) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
                 await asyncio.sleep(0.01)
+        if self._uplink is not None:
+            await self._uplink.close()
         await super().shutdown(sockets)
         await self._tasks.close()
 
 
 def run(
-    settings: Settings, open_parts: OpenParts, create_app: CreateApp, on_listening: OnListening = lambda *_: None
+    settings: Settings,
+    open_parts: OpenParts,
+    create_app: CreateApp,
+    on_listening: OnListening = lambda *_: None,
+    make_uplink: MakeUplink = lambda *_: None,
 ) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started.
 
@@ -126,6 +156,7 @@ def run(
         open_parts: Opens the parts, until the server has shut down.
         create_app: Makes the application of them.
         on_listening: Called with the parts and the port, once it is listened on.
+        make_uplink: Makes a second way to the application, if there is to be one.
 
     Raises:
         CertificateError: A certificate or key cannot be used.
@@ -147,7 +178,8 @@ def run(
         **edge_options(settings),
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
-        return runner.run(_serve(Server(config, certificates, on_listening), settings, open_parts, create_app))
+        server = Server(config, certificates, on_listening, make_uplink)
+        return runner.run(_serve(server, settings, open_parts, create_app))
 
 
 def _say_who_may_use(settings: Settings) -> None:

@@ -2,6 +2,7 @@
 
 import importlib
 import importlib.util
+import ssl
 from collections.abc import Mapping
 
 import click
@@ -71,6 +72,27 @@ def check_hub(settings: Settings) -> None:
         Verifier(settings.hub_key, settings.site)
     except KeyFault as error:
         raise click.UsageError(str(error)) from None
+    check_broker(settings)
+
+
+def check_broker(settings: Settings) -> None:
+    """Refuse files with which no NATS server can be reached. Whether there is a server is not looked at.
+
+    Raises:
+        click.UsageError: One cannot be read, or is another kind of file.
+    """
+    from dock_gateway.sites.nats_client import read_credentials  # noqa: PLC0415 - takes a tenth of a second
+
+    try:
+        if settings.nats_credentials is not None:
+            read_credentials(settings.nats_credentials)
+    except ValueError as error:
+        raise click.UsageError(f"nats_credentials: {error}") from None
+    try:
+        if settings.nats_ca is not None:
+            ssl.create_default_context(cafile=settings.nats_ca)
+    except OSError as error:  # SSLError is one
+        raise click.UsageError(f"nats_ca: {settings.nats_ca} is no PEM file with certificates: {error}") from None
 
 
 def check_ros(environment: Mapping[str, str]) -> None:

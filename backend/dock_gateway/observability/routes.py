@@ -23,14 +23,18 @@ from dock_gateway.ros.bridge import Bridge, ros_environment
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
+from dock_gateway.uplink.link import HubLink
 
 router = APIRouter(tags=["Health"])
 
 
 @router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
 @public_operation()
-async def healthz(bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout]) -> Response:
-    """Report whether the ROS thread is alive and responsive."""
+async def healthz(parts: AllParts, bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout]) -> Response:
+    """Report whether the ROS thread is alive and responsive, and at a site whether its hub reaches it.
+
+    A site works without its hub, so that is no fault of it.
+    """
     try:
         await bridge.call(lambda: None, timeout=1.0)
         alive = True
@@ -42,6 +46,7 @@ async def healthz(bridge: Part[Bridge], settings: Part[Settings], fanout: Part[F
         "node": settings.resolve(settings.node_name),
         "ros": ros_environment(),
         "subscribers": len(fanout),
+        "hub": parts[HubLink].document() if settings.hub else None,
     }
     return json_response(health, 200 if alive else 503)
 

@@ -1,20 +1,36 @@
 """The JSON shapes of `/healthz` and `/readyz`."""
 
+from datetime import datetime
 from typing import Literal
 
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.http.schema import Schema
 from dock_gateway.stop.schema import StopState
+from dock_gateway.uplink.link import HubState
+
+
+class HubConnection(Schema):
+    """Whether the hub of a site reaches it, and since when; `code` and `detail` say why it does not.
+
+    `refused`: the hub does not take this site. `unreachable`: no answer of the hub, or no connection to the broker.
+    """
+
+    site: str
+    state: HubState
+    since: datetime
+    code: str | None
+    detail: str | None
 
 
 class Health(Schema):
-    """Whether the gateway itself works; `node` is its name on the graph."""
+    """Whether the gateway itself works; `node` is its name on the graph, `hub` is null without a hub."""
 
     status: Literal["ok", "ros_unavailable"]
     version: str
     node: str
     ros: dict[str, str]
     subscribers: int
+    hub: HubConnection | None
 
 
 class HistoryState(Schema):

@@ -1827,7 +1827,9 @@ export interface paths {
         };
         /**
          * Healthz
-         * @description Report whether the ROS thread is alive and responsive.
+         * @description Report whether the ROS thread is alive and responsive, and at a site whether its hub reaches it.
+         *
+         *     A site works without its hub, so that is no fault of it.
          */
         get: operations["healthz"];
         put?: never;
@@ -3713,7 +3715,7 @@ export interface components {
         };
         /**
          * Health
-         * @description Whether the gateway itself works; `node` is its name on the graph.
+         * @description Whether the gateway itself works; `node` is its name on the graph, `hub` is null without a hub.
          */
         Health: {
             /**
@@ -3731,6 +3733,7 @@ export interface components {
             };
             /** Subscribers */
             subscribers: number;
+            hub: components["schemas"]["HubConnection"] | null;
         };
         /**
          * HeartbeatEvent
@@ -3767,6 +3770,32 @@ export interface components {
             /** Last Error */
             last_error: string | null;
         };
+        /**
+         * HubConnection
+         * @description Whether the hub of a site reaches it, and since when; `code` and `detail` say why it does not.
+         *
+         *     `refused`: the hub does not take this site. `unreachable`: no answer of the hub, or no connection to the broker.
+         */
+        HubConnection: {
+            /** Site */
+            site: string;
+            state: components["schemas"]["HubState"];
+            /**
+             * Since
+             * Format: date-time
+             */
+            since: string;
+            /** Code */
+            code: string | null;
+            /** Detail */
+            detail: string | null;
+        };
+        /**
+         * HubState
+         * @description Whether the hub reaches this site.
+         * @enum {string}
+         */
+        HubState: "connected" | "refused" | "unreachable";
         /**
          * Implausible
          * @description A value of a battery state that cannot be right, so that it is not used. An infinity is a text, such as `inf`.

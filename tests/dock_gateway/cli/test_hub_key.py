@@ -7,7 +7,8 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.start import check_hub
+from dock_gateway.cli.options import read_settings
+from dock_gateway.cli.start import check_broker, check_hub
 from dock_gateway.settings import Settings
 from dock_gateway.sites.identity import Signer
 
@@ -26,6 +27,19 @@ def test_a_start_without_the_keys_of_the_hub(tmp_path: Path) -> None:
     check_hub(Settings())
     with pytest.raises(click.UsageError, match=r"hub_key: .* cannot be read: No such file"):
         check_hub(Settings(hub="nats://127.0.0.1", site="berlin", hub_key=tmp_path / "hub.json"))
+
+
+@pytest.mark.parametrize(
+    ("setting", "sentence"),
+    [
+        ("nats_credentials", "nats_credentials: .* is no file of NATS credentials"),
+        ("nats_ca", "nats_ca: .* is no PEM file with certificates"),
+    ],
+)
+def test_a_start_with_other_files(tmp_path: Path, setting: str, sentence: str) -> None:
+    (path := tmp_path / "file").write_text("something else\n")
+    with pytest.raises(click.UsageError, match=sentence):
+        check_broker(read_settings({"nats": "nats://127.0.0.1", setting: str(path)}))
 
 
 def test_a_file_that_is_no_key(tmp_path: Path) -> None:

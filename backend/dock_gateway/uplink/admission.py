@@ -1,0 +1,45 @@
+"""Who makes a request of the hub, and what they may do at this site."""
+
+import time
+from collections.abc import Callable
+
+from dock_gateway.core.access import Principal, hub_principal
+from dock_gateway.core.grant import Role
+from dock_gateway.settings import Settings
+from dock_gateway.sites.identity import Verifier
+
+
+class Admission:
+    """Lets in what the hub has signed, with at most the role and the robots that the settings allow it.
+
+    Args:
+        settings: The settings of a site.
+        instance: This process.
+        clock: Returns the time in seconds since 1970.
+
+    Raises:
+        KeyFault: The file with the hub's keys cannot be used.
+    """
+
+    def __init__(self, settings: Settings, instance: str, clock: Callable[[], float] = time.time) -> None:
+        assert settings.hub_key is not None
+        self._verifier = Verifier(settings.hub_key, settings.site)
+        self._limits = Role(settings.hub_role), settings.hub_robots
+        self._instance = instance
+        self._clock = clock
+
+    def __call__(self, token: str, method: str, path: str) -> Principal:
+        """Return who makes a request.
+
+        Args:
+            token: What the hub has signed.
+            method: The request's method.
+            path: Its path, without the query.
+
+        Raises:
+            NotAuthenticated: The hub has not signed it, or it is late (`invalid_identity`); or it was received already
+                (`identity_reused`).
+            TooManyRequests: The hub has sent too many requests in the last minute.
+        """
+        said = self._verifier.verify(token, self._instance, method, path, self._clock())
+        return hub_principal(said.name, said.grant.narrowed(*self._limits), said.key)

@@ -1,0 +1,74 @@
+"""The state of the connection to the hub, for `/healthz`, metrics and the log. Plain data."""
+
+import logging
+from collections import Counter
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import StrEnum
+from typing import Any
+
+from dock_gateway.core.event import utc_now
+
+log = logging.getLogger(__name__)
+
+
+class HubState(StrEnum):
+    """Whether the hub reaches this site."""
+
+    CONNECTED = "connected"
+    REFUSED = "refused"
+    UNREACHABLE = "unreachable"
+
+
+@dataclass
+class HubLink:
+    """The connection to the hub.
+
+    Attributes:
+        site: Name of this site.
+        state: Whether the hub reaches it.
+        since: Since when.
+        code: Why it does not: the hub's reason, or that of the connection; None while it does.
+        detail: The same as a sentence.
+        refused: Number of messages and identities that were refused here, by reason.
+    """
+
+    site: str
+    state: HubState = HubState.UNREACHABLE
+    since: datetime = field(default_factory=utc_now)
+    code: str | None = None
+    detail: str | None = None
+    refused: Counter[str] = field(default_factory=Counter)
+
+    def connected(self, version: str) -> None:
+        """Note that the hub takes this site."""
+        if self._change(HubState.CONNECTED, None, None):
+            log.info("connected to the hub as the site %s; the hub is dock-gateway %s", self.site, version)
+
+    def refuse(self, code: str, detail: str) -> None:
+        """Note that the hub does not take this site."""
+        if self._change(HubState.REFUSED, code, detail):
+            log.warning("the hub refuses the site %s: %s", self.site, detail)
+
+    def lose(self, code: str, detail: str) -> None:
+        """Note that the hub does not reach this site."""
+        if self._change(HubState.UNREACHABLE, code, detail):
+            log.warning("the hub does not reach the site %s, which works on without it: %s", self.site, detail)
+
+    def _change(self, state: HubState, code: str | None, detail: str | None) -> bool:
+        """Set the state; return whether it is another one. A log has each reason once, until it is over."""
+        changed = (state, code) != (self.state, self.code)
+        if state is not self.state:
+            self.since = utc_now()
+        self.state, self.code, self.detail = state, code, detail
+        return changed
+
+    def document(self) -> dict[str, Any]:
+        """Return it as `/healthz` shows it."""
+        return {
+            "site": self.site,
+            "state": self.state,
+            "since": self.since,
+            "code": self.code,
+            "detail": self.detail,
+        }
