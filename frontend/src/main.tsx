@@ -20,11 +20,14 @@ import { openRobot } from "./store/openRobot";
 import { openStream, streamUrl } from "./stream/stream";
 
 takeFailure(window);
+// Back and Forward between a hub and its sites: the page of each is one of its own.
+const prefix = sitePrefix();
+window.addEventListener("popstate", () => sitePrefix() !== prefix && window.location.reload());
 const { location } = window;
 const http = createHttp(apiAddress());
 const httpOf = (name: string) => {
-  const { prefix } = placeOf(name);
-  return prefix === "" ? http : createHttp(location.origin + prefix);
+  const place = placeOf(name);
+  return place.prefix === "" ? http : createHttp(location.origin + place.prefix);
 };
 const store = new FleetStore();
 const fleet: FleetServices = {
@@ -51,7 +54,7 @@ root.render(
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
           {/* A change of the address is on the page at once: the next one begins with it. */}
-          <BrowserRouter basename={`${sitePrefix()}/`} useTransitions={false}>
+          <BrowserRouter basename={`${prefix}/`} useTransitions={false}>
             <App />
           </BrowserRouter>
         </FleetProvider>

@@ -1,9 +1,12 @@
 import type { GatewayEvent } from "@dock-gateway/client";
-import { screen, within } from "@testing-library/react";
+import { notifications } from "@mantine/notifications";
+import { act, screen, waitFor, within } from "@testing-library/react";
+import type { UserEvent } from "@testing-library/user-event";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import "../src/goals/GoalsPage";
 import "../src/pages/overview/RobotTable";
 import "../src/pages/wall/WallPage";
+import "../src/sites/PendingStops";
 import "../src/sites/SiteStrip";
 import "../src/sites/SitesPage";
 import { ownId, placeOf } from "../src/api/hub";
@@ -14,7 +17,7 @@ import { linkOf } from "../src/fleet/words";
 import { atHub } from "../src/pages/map/SiteMapsPage";
 import { find } from "../src/search/items";
 import { clockWords, countWords, refusalWords, urgentSites } from "../src/sites/sites";
-import { alert, emptyScene, goal, robot } from "./events";
+import { alert, emptyScene, goal, latched, robot } from "./events";
 import { descriptionOf, fakeGateway, renderPage } from "./page";
 
 const site = (name: string, change: Partial<Site> = {}): Site => ({
@@ -54,10 +57,12 @@ beforeEach(() => {
   answers.set("GET /sites", { sites: [site("berlin"), oslo] });
   vi.stubGlobal("fetch", async (request: Request | string) => {
     if (typeof request === "string") return Response.json({ status: "ok" });
-    const what = `${request.method} ${new URL(request.url).pathname}`;
-    asked.push(what);
-    if (request.method === "DELETE") return new Response(null, { status: 204 });
+    const { pathname, search } = new URL(request.url);
+    const what = `${request.method} ${pathname}`;
+    asked.push(what + search);
     const answer = answers.get(what);
+    if (answer instanceof Response) return answer.clone();
+    if (request.method === "DELETE" && answer === undefined) return new Response(null, { status: 204 });
     return answer === undefined
       ? Response.json({ status: 404, code: "not_found", title: "Not found", detail: what }, { status: 404 })
       : Response.json(answer);
@@ -167,12 +172,80 @@ describe("the overview of a hub", () => {
   });
 });
 
+describe("a stop at a hub", () => {
+  const stopped = { stopped: true, robots: [], warning: null, code: null, detail: null, repeated: false };
+  const missed = {
+    ...stopped,
+    stopped: false,
+    code: "site_unreachable",
+    detail: "the site oslo is not connected",
+    repeated: true,
+  };
+  const press = async (user: UserEvent) => user.click(screen.getByRole("button", { name: "Stop" }));
+  afterEach(() => act(() => notifications.clean()));
+
+  it("is of every site, and names those that have confirmed it", async () => {
+    answers.set("POST /stop", { sites: { berlin: stopped, oslo: stopped }, warning: null });
+    const { user } = renderPage(fakeGateway(), { robots });
+    await press(user);
+    const notice = await screen.findByText("Stopped: berlin, oslo. Each site has confirmed it.");
+    expect(notice).toBeDefined();
+    expect(asked).toContain("POST /stop");
+  });
+
+  it("is not said to be done where a site was not reached", async () => {
+    const problem = {
+      code: "stop_incomplete",
+      title: "Stop incomplete",
+      detail: "",
+      sites: { berlin: stopped, oslo: missed },
+    };
+    answers.set("POST /stop", Response.json(problem, { status: 504 }));
+    const { user } = renderPage(fakeGateway(), { robots });
+    await press(user);
+    expect(await screen.findByText("Stop has NOT reached oslo")).toBeDefined();
+    expect(
+      screen.getByText(/^Stopped: berlin. Not reached: the site oslo is not connected. The hub repeats it/),
+    );
+  });
+
+  it("was not delivered where the hub does not answer", async () => {
+    const { user } = renderPage(fakeGateway(), { robots });
+    await press(user);
+    expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
+  });
+
+  it("stays on the page until it is confirmed or released", async () => {
+    const pending = { robots: ["/oslo"], by: "Ada", since: "2026-11-27T18:00:00Z" };
+    const stop = { latched: false, robots: [], pending };
+    answers.set("GET /sites", { sites: [site("berlin"), { ...oslo, stop }] });
+    answers.set("DELETE /stop", { sites: {} });
+    const { user } = renderPage(fakeGateway(), { robots }, "/ui/sites");
+    const banner = within(await screen.findByTestId("pending-stop"));
+    expect(banner.getByRole("status").textContent).toMatch(/NOT reached oslo.*Ada stopped .oslo at/);
+    await user.click(banner.getByRole("button", { name: "Release …" }));
+    const question = await screen.findByRole("dialog", { name: "Release the stop?" });
+    await user.click(within(question).getByRole("button", { name: "Release" }));
+    await waitFor(() => expect(asked).toContain("DELETE /stop?robot=%2Foslo"));
+  });
+
+  it("is released at the hub", async () => {
+    answers.set("DELETE /stop", { sites: { berlin: { released: true, code: null, detail: null } } });
+    const held = [Object.assign(of("/berlin"), { stop: latched("Ada") }), ...robots];
+    const { user } = renderPage(fakeGateway(), { robots: held });
+    await user.click(screen.getByRole("button", { name: "Release …" }));
+    const question = await screen.findByRole("dialog", { name: "Release the stop?" });
+    await user.click(within(question).getByRole("button", { name: "Release" }));
+    await waitFor(() => expect(asked).toContain("DELETE /stop?robot=%2Fberlin"));
+  });
+});
+
 describe("the goals of a hub", () => {
   it("lead to their sites, and to no recordings", async () => {
     const ended = goal("g", { action_name: "/berlin/robot1/dock", status: "succeeded" });
     answers.set("GET /goals", { goals: [ended], next_cursor: null });
     renderPage(fakeGateway(), { robots }, "/ui/goals");
-    await vi.waitFor(() =>
+    await waitFor(() =>
       expect(within(screen.getByRole("table")).getByRole("link").getAttribute("href")).toBe(
         "/sites/berlin/ui/goals/g",
       ),
@@ -210,7 +283,7 @@ describe("the page of sites", () => {
     await user.click(screen.getByRole("button", { name: "Forget oslo …" }));
     const question = await screen.findByRole("dialog", { name: "Forget oslo?" });
     await user.click(within(question).getByRole("button", { name: "Forget" }));
-    await vi.waitFor(() => expect(asked).toContain("DELETE /sites/oslo"));
+    await waitFor(() => expect(asked).toContain("DELETE /sites/oslo"));
   });
 });
 

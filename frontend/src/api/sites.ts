@@ -20,11 +20,18 @@ export interface Site {
   robots: number;
   goals_running: number;
   alerts: number;
-  stop: { latched: boolean; robots: string[] };
+  /** `pending`: a stop that the site has not confirmed, and that the hub sends again. */
+  stop: { latched: boolean; robots: string[]; pending?: PendingStop | null };
   /** How many of its messages were refused, by code. */
   refused: Record<string, number>;
   /** Why that was, the last time. */
   detail: string | null;
+}
+
+export interface PendingStop {
+  robots: string[];
+  by: string | null;
+  since: string;
 }
 
 interface OneSite {
@@ -32,10 +39,40 @@ interface OneSite {
   responses: { 204: { content: Record<never, never> } };
 }
 
+/** What became of a stop at a site. */
+export interface SiteStop {
+  stopped: boolean;
+  warning: string | null;
+  /** Why it is not confirmed. */
+  detail: string | null;
+  /** Whether the hub sends it again until it is confirmed or released. */
+  repeated: boolean;
+}
+
+export type SiteStops = Record<string, SiteStop>;
+
+interface StopAnswer {
+  sites: SiteStops;
+}
+
 /** What only a hub has, beside what the OpenAPI document of a gateway says. */
 interface HubPaths {
   "/sites": { get: { responses: { 200: { content: { "application/json": { sites: Site[] } } } } } };
   "/sites/{site}": { delete: OneSite };
+  "/stop": {
+    post: {
+      parameters: { query?: { robot?: string[] } };
+      requestBody: { content: { "application/json": { by: string } } };
+      responses: {
+        200: { content: { "application/json": StopAnswer } };
+        504: { content: { "application/problem+json": StopAnswer } };
+      };
+    };
+    delete: {
+      parameters: { query: { robot: string } };
+      responses: { 200: { content: { "application/json": object } } };
+    };
+  };
 }
 
 const atHub = (http: Http) => http as unknown as Client<HubPaths>;
@@ -48,4 +85,24 @@ export async function listSites(http: Http): Promise<Site[]> {
 /** Forgets a site and whose name it is; its goals stay. */
 export async function forgetSite(http: Http, site: string): Promise<void> {
   await settle(atHub(http).DELETE("/sites/{site}", { params: { path: { site } }, signal: deadline() }));
+}
+
+/** Stops robots of sites, all of every site for none; by site. That one was not reached is no failure of the request. */
+export async function stopSites(http: Http, by: string, robots: readonly string[]): Promise<SiteStops> {
+  const request = atHub(http).POST("/stop", {
+    body: { by },
+    params: { query: { robot: [...robots] } },
+    signal: deadline(),
+  });
+  const answer = request.then(({ data, error, response }) =>
+    error !== undefined && "sites" in error
+      ? { data: error, response: new Response(null) }
+      : { data, error, response },
+  );
+  return (await settle<StopAnswer>(answer as Promise<{ data: StopAnswer; response: Response }>)).sites;
+}
+
+/** Releases the stop of a robot, of all of a site for `/berlin`. Throws a ClientError where it was not released. */
+export async function releaseSites(http: Http, robot: string): Promise<void> {
+  await settle(atHub(http).DELETE("/stop", { params: { query: { robot } }, signal: deadline() }));
 }

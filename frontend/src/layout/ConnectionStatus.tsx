@@ -1,4 +1,5 @@
 import { Alert, Badge, Text, Tooltip } from "@mantine/core";
+import { ofHub } from "../api/hub";
 import { useSession } from "../api/session";
 import { pageSite } from "../api/site";
 import { useFleetTopic } from "../fleet/context";
@@ -40,8 +41,9 @@ export function ConnectionStatus() {
   const { principal, trouble } = useSession();
   const away = trouble != null && phase !== "live";
   const { label, color, hint } = PHASES[principal === null ? "logged out" : away ? "site away" : phase];
+  const words = (text: string) => (ofHub() ? text.replace("gateway", "hub") : text);
   return (
-    <Tooltip label={hint} multiline maw={280}>
+    <Tooltip label={words(hint)} multiline maw={280}>
       <Badge
         variant={color === undefined ? "default" : "filled"}
         color={color ?? "gray"}
@@ -49,7 +51,7 @@ export function ConnectionStatus() {
         data-testid="connection"
         role="status"
       >
-        {label}
+        {words(label)}
       </Badge>
     </Tooltip>
   );
@@ -70,14 +72,15 @@ export function ConnectionBanner() {
     );
   if (phase === "live" || phase === "connecting") return null;
   const gone = phase === "gone";
+  const server = ofHub() ? "hub" : "gateway";
   return (
     <Alert
       color={gone ? "red" : "orange"}
-      title={gone ? "The gateway is gone" : "Reconnecting to the gateway"}
+      title={gone ? `The ${server} is gone` : `Reconnecting to the ${server}`}
     >
       <Text size="sm">
         What you see below is what was known at <Time value={since} />
-        {reason !== null && `; the gateway said: ${reason.replaceAll("_", " ")}`}. This page reconnects by
+        {reason !== null && `; the ${server} said: ${reason.replaceAll("_", " ")}`}. This page reconnects by
         itself.
         {gone &&
           " Check that dock-gateway runs (make run) and that this computer reaches it. Stop is still tried when you press it."}

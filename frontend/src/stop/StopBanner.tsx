@@ -1,6 +1,8 @@
 import { Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo, useState } from "react";
+import { ofHub } from "../api/hub";
+import { releaseSites } from "../api/sites";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { Dialog, QuestionBar } from "../ui/Dialog";
@@ -130,14 +132,18 @@ function Held({ stop, what, large = false, children }: HeldProps) {
 }
 
 /** Releases one stop, or all of them, after a confirmation that says whose. */
-function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
-  const { gateway, gatewayOf, store } = useFleet();
+export function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
+  const { http, gateway, gatewayOf, store } = useFleet();
   const whyNot = useWhyNot("DELETE /stop");
   const naming = useNaming();
   const [asking, ask] = useDisclosure(false);
   const [asked, setAsked] = useState(held); // a stop that comes while the question is open is not released
   const release = useCommand(async (stops: readonly HeldStop[]) => {
     for (const { robot, configured } of stops) {
+      if (ofHub()) {
+        await releaseSites(http, robot); // what holds then, the stream tells
+        continue;
+      }
       const name = configured ? null : robot;
       store.setStop(await (configured ? gateway : gatewayOf(robot)).release(), name);
     }

@@ -8,7 +8,7 @@ import { useCommand } from "../ui/requests";
 import { useStopping } from "./everywhere";
 import { heldStops } from "./held";
 import { useStopKeys } from "./keys";
-import { announceStop, showRecovered } from "./notices";
+import { announceStop, showRecovered, showStopped } from "./notices";
 import classes from "./stop.module.css";
 
 /**
@@ -83,6 +83,7 @@ export function RobotStopButton({ robot }: { robot: string }) {
         store.setStop(report.stop);
         return report;
       },
+      showStopped,
     ),
   );
   return (

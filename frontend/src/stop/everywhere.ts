@@ -2,9 +2,11 @@ import type { Robot, StopReport } from "@dock-gateway/client";
 import { useCallback } from "react";
 import { whoStops } from "../access/who";
 import { toClientError } from "../api/errors";
+import { ofHub } from "../api/hub";
+import { stopSites } from "../api/sites";
 import { useFleet } from "../fleet/context";
 import { defaultRobot, isUnder } from "../fleet/names";
-import { announceStop } from "./notices";
+import { announceStop, showSitesStopped, showStopped } from "./notices";
 
 /** Stops robots and those in namespaces below them; null for the one that the gateway is configured for. */
 type StopRobots = (robots: readonly string[] | null) => Promise<StopReport>;
@@ -78,21 +80,28 @@ async function stopEach(
 
 /** Stops robots at once, all of them for null, and says what came of it. */
 export function useStopping(): (robots: readonly string[] | null) => Promise<void> {
-  const { gateway, store } = useFleet();
+  const { http, gateway, store } = useFleet();
   return useCallback(
     async (robots) => {
+      const naming = () => store.get("naming");
+      // What it stops, it tells on the stream.
+      if (ofHub())
+        return announceStop(
+          naming,
+          robots,
+          () => stopSites(http, whoStops(), robots ?? []),
+          showSitesStopped,
+        );
       const stop = async (some: readonly string[] | null) => {
         const report = await gateway.stop(whoStops(), some ?? []);
         const [first = null, ...others] = some ?? [];
         if (others.length === 0) store.setStop(report.stop, first); // what holds for several comes as an event
         return report;
       };
-      await announceStop(
-        () => store.get("naming"),
-        robots,
-        () => (robots === null ? stopEverywhere(stop, store.get("robots")) : stopThese(stop, robots)),
-      );
+      const send = () =>
+        robots === null ? stopEverywhere(stop, store.get("robots")) : stopThese(stop, robots);
+      await announceStop(naming, robots, send, showStopped);
     },
-    [gateway, store],
+    [http, gateway, store],
   );
 }

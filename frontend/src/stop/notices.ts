@@ -1,6 +1,7 @@
 import type { ClientError, StopReport } from "@dock-gateway/client";
 import { notifications, notificationsStore } from "@mantine/notifications";
 import { titleOf, toClientError } from "../api/errors";
+import type { SiteStops } from "../api/sites";
 import type { Naming } from "../fleet/names";
 
 const NOTICE = "stop ";
@@ -47,14 +48,15 @@ function wordsOf(robots: Stopped, naming: Naming): string | null {
 }
 
 /** Sends a Stop and shows what becomes of it, whichever page is open by then. */
-export async function announceStop(
+export async function announceStop<Report>(
   namingNow: () => Naming,
   robots: Stopped,
-  send: () => Promise<StopReport>,
+  send: () => Promise<Report>,
+  say: (report: Report, naming: Naming, robots: Stopped) => void,
 ): Promise<void> {
   showStopping(namingNow(), robots);
   try {
-    showStopped(await send(), namingNow(), robots);
+    say(await send(), namingNow(), robots);
   } catch (error) {
     showFailed(toClientError(error), namingNow(), robots);
   }
@@ -108,6 +110,33 @@ export function showStopped(
     title: warning === null ? stopped : `${stopped}, with a warning`,
     message: `Zero velocity was sent. ${waiting}${warned}`,
     autoClose: warning === null ? 8000 : false,
+  });
+}
+
+/** What each site of a hub has answered to a stop. */
+export function showSitesStopped(sites: SiteStops, _naming: Naming, robots: Stopped = null): void {
+  const names = Object.keys(sites);
+  const missed = names.filter((name) => sites[name]?.stopped === false);
+  const reached = names.filter((name) => !missed.includes(name));
+  const warnings = names.flatMap((name) => sites[name]?.warning ?? []);
+  const confirmed = reached.length === 0 ? "" : `Stopped: ${reached.join(", ")}. `;
+  const warned = warnings.length === 0 ? "" : ` Warning: ${warnings.join("; ")}.`;
+  if (missed.length > 0) {
+    const repeated = missed.every((name) => sites[name]?.repeated);
+    const why = missed.map((name) => sites[name]?.detail ?? name).join("; ");
+    show(robots, {
+      color: "red",
+      title: `Stop has NOT reached ${reached.length === 0 ? "any site" : missed.join(", ")}`,
+      message: `${confirmed}Not reached: ${why}. ${repeated ? "The hub repeats it until it arrives or is released. " : ""}Use the robots' own emergency stops if they move.${warned}`,
+      autoClose: false,
+    });
+    return;
+  }
+  show(robots, {
+    color: warnings.length > 0 ? "orange" : "green",
+    title: "Stopped",
+    message: `${confirmed}Each site has confirmed it.${warned}`,
+    autoClose: warnings.length > 0 ? false : 8000,
   });
 }
 
