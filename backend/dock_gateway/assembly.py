@@ -115,12 +115,7 @@ async def _open(
 ) -> Parts:
     """Make every part, and register it with the stack for closing."""
     share, gateways = await _claim_robots(settings, history, stack)  # before anything of a robot is touched
-    fanout = Fanout(
-        queue_limit=settings.subscriber_queue,
-        max_subscribers=settings.max_subscribers,
-        keep=history.record_event,
-        newest=history.newest,
-    )
+    fanout = _make_fanout(settings, history)
     reasons: PendingFacts[GoalError] = PendingFacts(REASON_WAIT)
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
@@ -294,6 +289,18 @@ async def _open_robots(robots: RobotRegistry, actions: ActionRegistry, share: Sh
         await actions.pin("dock")
         await actions.pin("undock")
     await stop_of_all.open()
+
+
+def _make_fanout(settings: Settings, history: History) -> Fanout:
+    """Make the fan-out, which publishes in the order of all gateways that share the history."""
+    fanout = Fanout(
+        queue_limit=settings.subscriber_queue,
+        max_subscribers=settings.max_subscribers,
+        keep=history.record_event,
+        newest=history.newest,
+    )
+    fanout.line.on_want = history.follow(fanout.line.allow)
+    return fanout
 
 
 def _make_interlock(settings: Settings, fanout: Fanout) -> Interlock:

@@ -7,7 +7,7 @@ the network: nanoseconds, padded so that ids sort as text. The event's kind and 
 import struct
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -98,6 +98,10 @@ class EventClock:
         self._last = max(min(source_ns, time.time_ns()), self._last + 1)
         return self._last
 
+    def pass_by(self, event_id: str) -> None:
+        """Stamp all further events later than this one, which another gateway may have stamped."""
+        self._last = max(self._last, stamp_of(event_id))
+
     def is_past(self, event_id: str) -> bool:
         """Return whether an event with this id can have been published by now, here or at another gateway."""
         return stamp_of(event_id) <= max(self._last, time.time_ns() + CLOCK_TOLERANCE)
@@ -106,6 +110,13 @@ class EventClock:
 def event_id(stamp_ns: int, kind: str, subject: str) -> str:
     """Return the id of an event, sortable as text. `subject` is a goal's id or a robot's namespace."""
     return f"{time_id(stamp_ns)}-{kind}-{subject}"
+
+
+def restamped(event: Event, stamp_ns: int) -> Event:
+    """Return an event with another stamp in its id."""
+    before = event.id or ""
+    after = time_id(stamp_ns) + before[STAMP_DIGITS:]
+    return replace(event, id=after, data=event.data.replace(before.encode(), after.encode(), 1))
 
 
 def stamp_of(identity: str) -> int:

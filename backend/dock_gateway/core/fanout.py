@@ -3,7 +3,7 @@
 import asyncio
 import itertools
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from dock_gateway.core.errors import TooManyRequests, Unavailable
@@ -11,6 +11,7 @@ from dock_gateway.core.event import Event, EventClock
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import narrow
+from dock_gateway.core.line import Line
 
 
 class FrameWriter(Protocol):
@@ -127,25 +128,6 @@ class Subscriber:
         return events, unreported
 
 
-class Hold:
-    """A place in the order of publication for events that are being stored. Later events wait behind it.
-
-    Attributes:
-        stamp: The stamp of its events, in nanoseconds.
-        events: The events to publish here; None until they are known.
-    """
-
-    def __init__(self, fanout: "Fanout", stamp: int) -> None:
-        self.stamp = stamp
-        self.events: Iterable[Event] | None = None
-        self._fanout = fanout
-
-    def release(self, events: Iterable[Event] = ()) -> None:
-        """Publish these events, and those that waited behind them."""
-        self.events = events
-        self._fanout.advance()
-
-
 class Fanout:
     """All subscribers of this process, and the most recently published events.
 
@@ -159,6 +141,7 @@ class Fanout:
 
     Attributes:
         clock: Stamps the events that are published here.
+        line: The order in which events are published that have an id.
         published: Number of events published, by kind: their topic, or `feedback`.
         sent: Number of events handed to subscribers, by kind.
     """
@@ -173,11 +156,11 @@ class Fanout:
         recent: int = 4_000,
     ) -> None:
         self.clock = EventClock(newest)
+        self.line = Line(self.clock, self._deliver)
         self.published: Counter[str] = Counter()
         self.sent: Counter[str] = Counter()
         self._dropped_before = 0  # by subscribers that have left
         self._keep = keep
-        self._line: deque[Event | Hold] = deque()
         self._recent = EventBuffer(recent)
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
@@ -238,35 +221,11 @@ class Fanout:
             self._on_watch[topic]()
 
     def publish(self, event: Event) -> None:
-        """Send an event to every subscriber that wants it, or queue it behind a `Hold`."""
-        if self._line and event.id is not None:
-            self._line.append(event)
-        else:
+        """Send an event to every subscriber that wants it: now, or after those that it has to wait for."""
+        if event.id is None:
             self._deliver(event)
-
-    @property
-    def waiting(self) -> int:
-        """Number of events that wait in line, with the places of those that are being stored."""
-        return len(self._line)
-
-    def hold(self, source_ns: int) -> Hold:
-        """Reserve a place for events that must be stored before they are published. Release it soon."""
-        place = Hold(self, self.clock.stamp(source_ns))
-        self._line.append(place)
-        return place
-
-    def advance(self) -> None:
-        """Publish all events that no longer have to wait."""
-        while self._line:
-            head = self._line[0]
-            if isinstance(head, Event):
-                self._deliver(head)
-            elif head.events is None:
-                return
-            else:
-                for event in head.events:
-                    self._deliver(event)
-            self._line.popleft()
+        else:
+            self.line.put(event)
 
     def _deliver(self, event: Event) -> None:
         if event.id is not None and event.topic != "cmd_vel":

@@ -128,13 +128,12 @@ class Share:
             ServedElsewhere: It is not.
         """
         if not self.covers_robot(namespace):
-            hint = "; name one of its own with `robot`" if namespace == "/" else ""
-            raise self._elsewhere(_name_in(namespace), f"the robot {namespace[:100]}", hint)
+            raise self._elsewhere(_name_in(namespace), f"the robot {namespace[:100]}")
 
-    def _elsewhere(self, name: str, about: str, hint: str = "") -> ServedElsewhere:
+    def _elsewhere(self, name: str, about: str) -> ServedElsewhere:
         other = next((claim for claim in self.others() if claim.claimed and claim.covers(name)), None)
         does = "no other gateway is known that does" if other is None else f"{other.where} does"
-        detail = f"this gateway serves {self.what}, not {about}: {does}{hint}"
+        detail = f"this gateway serves {self.what}, not {about}: {does}"
         return ServedElsewhere(detail, gateway=None if other is None else other.document())
 
     @cached_property

@@ -66,7 +66,7 @@ class AwaitResult:
 
 @dataclass(frozen=True, slots=True)
 class PublishEnd:
-    """Store the events of a goal's end, then publish them. `source_ns` is when it ended, in nanoseconds since 1970."""
+    """Store a goal and the events of its end, then publish these. `source_ns`: when it ended, in ns since 1970."""
 
     goal: Goal
     source_ns: int
@@ -341,7 +341,7 @@ class GoalMachine:
         goal.error = error or (None if status is GoalStatus.SUCCEEDED else goal.error)
         reason = f": {goal.error.code}, {goal.error.detail}" if goal.error else ""
         log.info("goal %s %s%s", goal.goal_id, status.value, reason, extra=_about(goal))
-        self.outputs += [Store(goal), PublishEnd(goal, stamp_ns or now.ns)]
+        self.outputs.append(PublishEnd(goal, stamp_ns or now.ns))
         self._retire(goal)
         self._note_ended(goal.goal_id)
 

@@ -14,7 +14,6 @@ class GoalLimits:
         end_stamp_wait: How long a result waits for the status message of the end, whose timestamp is the same at every
             gateway.
         end_stamps: Maximum number of those times kept.
-        reserve_for: How long later events are held back while a result is awaited.
         patience: How long a running goal is held back while the history does not answer.
         lookup_retry: Time between two lookups then.
         batch_interval: Time between two batches of adopted goals.
@@ -35,7 +34,6 @@ class GoalLimits:
     late_result: float = 60.0
     end_stamp_wait: float = 0.2
     end_stamps: int = 2000
-    reserve_for: float = 1.0
     patience: float = 0.5
     lookup_retry: float = 0.1
     batch_interval: float = 0.5

@@ -7,15 +7,16 @@ import asyncio
 import logging
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from datetime import datetime
 from weakref import WeakValueDictionary
 
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, Now, result_event, status_event
-from dock_gateway.core.fanout import Fanout, Hold
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
+from dock_gateway.core.line import Hold
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
@@ -76,9 +77,7 @@ class GoalTracker:
         self.on[News.RETIRED].append(self._results.retire)
         self._fanout = fanout
         self._history = history
-        self._reserve_for = limits.reserve_for
         self._seals = Tasks("storing the ends of goals")
-        self._places: dict[str, Hold] = {}
         self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by the waiting callers
         self._looking_up = False
         self._lookups = Tasks("looking up goals")
@@ -97,8 +96,6 @@ class GoalTracker:
         """Handle a message of `_action/status`: the states of the goals that the server remembers."""
         self.heard()
         for report in reports:
-            if report.status.terminal:
-                self._reserve(report.goal_id, stamp_ns)
             self._machine.report(Now.read(), report.goal_id, report.status, report.accepted_ns, stamp_ns)
             self.carry_out()
 
@@ -218,9 +215,7 @@ class GoalTracker:
                         self.carry_out()
                     except Exception:
                         log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
-                    if self._machine.ended(goal_id):
-                        self._let_go(goal_id)
-                    elif number % REQUESTS_AT_ONCE == 0:
+                    if not self._machine.ended(goal_id) and number % REQUESTS_AT_ONCE == 0:
                         await asyncio.sleep(REQUEST_PAUSE)
                 await asyncio.sleep(pause)
         finally:
@@ -240,42 +235,26 @@ class GoalTracker:
 
     def _publish_end(self, goal: Goal, source_ns: int) -> None:
         """Store the events of the end, then publish them: as stored, if another gateway was first."""
-        place = self._places.pop(goal.goal_id, None) or self._fanout.hold(source_ns)
-        end = [status_event(goal, place.stamp, source_ns)]
+        # A history that is shared says when they are to be published: see `History.follow`.
+        place = None if self._history.shared else self._fanout.line.hold(source_ns)
+        stamp = self._fanout.clock.stamp(source_ns) if place is None else place.stamp
+        end = [status_event(goal, stamp, source_ns)]
         if goal.status is not GoalStatus.REJECTED:
-            end.append(result_event(goal, place.stamp, source_ns))
-        self._seals.spawn(self._seal(goal, end, place))
+            end.append(result_event(goal, stamp, source_ns))
+        self._seals.spawn(self._seal(goal, end, self._history.seal(goal, end), place))
 
-    def _reserve(self, goal_id: str, stamp_ns: int) -> None:
-        """Hold back later events until the result of an ended goal has arrived.
-
-        Needed only if another gateway may publish the end first: a reader that moves there must not have received
-        later events here.
-        """
-        if self._history.shared and not self._machine.ended(goal_id) and goal_id not in self._places:
-            self._places[goal_id] = self._fanout.hold(stamp_ns)
-            asyncio.get_running_loop().call_later(self._reserve_for, self._expire, goal_id)
-
-    def _expire(self, goal_id: str) -> None:
-        if goal_id in self._places:
-            log.warning(
-                "goal %s: its result is late, so later events are published before its end",
-                goal_id,
-                extra={"goal_id": goal_id},
-            )
-            self._let_go(goal_id)
-
-    def _let_go(self, goal_id: str) -> None:
-        """Publish the events held back, as the result is late or has been published before."""
-        if (place := self._places.pop(goal_id, None)) is not None:
-            place.release()
-
-    async def _seal(self, goal: Goal, end: list[Event], place: Hold) -> None:
-        stored = end
+    async def _seal(
+        self, goal: Goal, end: list[Event], sealing: Awaitable[list[Event] | None], place: Hold | None
+    ) -> None:
+        stored = None
         try:
-            stored = await self._history.seal(goal, end)
+            stored = await sealing
         finally:
-            place.release(stored)
+            if place is None:
+                stored = self._fanout.line.publish_end(end, stored)
+            else:
+                stored = stored or end
+                place.release(stored)
             if stored[-1].id != goal.last_event_id:
                 goal.last_event_id = stored[-1].id
                 self._history.record(goal)

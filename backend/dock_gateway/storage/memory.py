@@ -4,7 +4,7 @@ import asyncio
 import bisect
 import time
 from collections import defaultdict
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from copy import copy
 from typing import Any
 
@@ -105,10 +105,17 @@ class MemoryHistory:
             self._horizon[oldest.topic] = max(oldest.id or "", self._horizon.get(oldest.topic, ""))
             self._dropped += 1
 
-    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+    def seal(self, goal: Goal, end: Sequence[Event]) -> Awaitable[list[Event] | None]:
         """Store the end of a goal."""
         self.record(goal)
-        return list(end)
+        return self._sealed(list(end))
+
+    async def _sealed(self, end: list[Event]) -> list[Event]:
+        return end
+
+    def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
+        """Do nothing: no other gateway uses this memory."""
+        return lambda: None
 
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Return goals, newest first."""

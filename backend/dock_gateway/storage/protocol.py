@@ -1,7 +1,7 @@
 """The interface of every store of goals and events. docs/history.md lists what is kept and for how long."""
 
 import hashlib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -234,13 +234,24 @@ class History(Protocol):
         An event without an id is not stored.
         """
 
-    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+    def seal(self, goal: Goal, end: Sequence[Event]) -> Awaitable[list[Event] | None]:
         """Store the end of a goal before it is published, so that a killed process neither repeats nor forgets it.
 
-        Waits a second at most, and never raises.
+        Records the goal at once. What it returns waits a second at most, and never raises.
 
         Returns:
-            The final events as stored: those of another gateway, if it stored them first.
+            The final events as stored: those of another gateway, if it stored them first. None if they are not stored.
+        """
+
+    def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
+        """Publish in the order of all gateways that share the history.
+
+        Args:
+            publish: Called with the ends of goals that any of them has stored, and the id up to which other events may
+                be published then; None: all, as the database does not answer. Never called if none shares it.
+
+        Returns:
+            Asks for `publish` to be called again soon.
         """
 
     @property
@@ -249,7 +260,7 @@ class History(Protocol):
 
     @property
     def newest(self) -> str:
-        """The id of the newest event stored when the history was opened; empty if there was none."""
+        """The id of the newest event that is stored, but not published here after `follow`; empty if there is none."""
 
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Return goals, newest first; with `before`, only goals older than that one."""

@@ -16,7 +16,7 @@ from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.storage.merge import merge, merge_all
 from dock_gateway.storage.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
-from dock_gateway.storage.tables import events, goal_tags, goals, horizons, idempotency_keys
+from dock_gateway.storage.tables import REACHED, events, goal_tags, goals, horizons, idempotency_keys
 
 if TYPE_CHECKING:
     from sqlalchemy.dialects import postgresql, sqlite
@@ -271,7 +271,10 @@ def is_complete_after(connection: sa.Connection, event_id: str, topics: Collecti
     return reaches_back or bool(
         connection.scalar(
             sa.select(
-                sa.or_(sa.exists().where(events.c.id <= event_id), sa.exists().where(horizons.c.event_id <= event_id))
+                sa.or_(
+                    sa.exists().where(events.c.id <= event_id),
+                    sa.exists().where(horizons.c.event_id <= event_id, horizons.c.topic != REACHED),
+                )
             )
         )
     )

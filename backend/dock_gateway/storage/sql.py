@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from contextlib import suppress
 from copy import copy
 from datetime import UTC, datetime
@@ -72,7 +72,7 @@ class SqlHistory:
         self.writer = Writer(self.database, self._spool, self._waiting, self._write_again)
         self._sealer = Sealer(self.database)
         self._keys: dict[str, Key] = {}
-        self.newest = ""
+        self._newest = ""
         self.shared = self.database.shared
         self._reader = Reader(self.database, self.writer)
         self._immediate = writer = ImmediateWriter(self.database, self.writer)
@@ -90,13 +90,14 @@ class SqlHistory:
         with suppress(TimeoutError):
             async with asyncio.timeout(OPEN_TIMEOUT):
                 await self.writer.answered.wait()
-        with suppress(Unavailable):
-            self._keys = {key.key: key for key in await self._reader.read(queries.newest_keys, MAX_KEYS)}
-            self.newest = await self._reader.read(queries.newest)
-        for key in self._waiting.keys.values():
-            self._keys.setdefault(key.key, key)
         work = (self._sealer.run(), self.retention.run(), self._look_after_database())
         self._tasks = [asyncio.create_task(each) for each in work]
+        await self._sealer.open()  # first: what is stored later comes with a turn, and all else has to be in `_newest`
+        with suppress(Unavailable):
+            self._keys = {key.key: key for key in await self._reader.read(queries.newest_keys, MAX_KEYS)}
+            self._newest = await self._reader.read(queries.newest)
+        for key in self._waiting.keys.values():
+            self._keys.setdefault(key.key, key)
 
     async def _look_after_database(self) -> None:
         """Poll the database, so that an outage or a replaced file is noticed without any writes."""
@@ -104,6 +105,7 @@ class SqlHistory:
             await asyncio.sleep(LOOK_INTERVAL)
             with suppress(Unavailable):
                 await self._reader.read(lambda _: None)
+            self._sealer.ask()
 
     def _write_again(self) -> None:
         """After the database lost its data: queue what this process knows, and mark the rest as missing."""
@@ -112,6 +114,11 @@ class SqlHistory:
         for key in self._keys.values():
             self._waiting.put_key(key)
         self.on_loss()
+
+    @property
+    def newest(self) -> str:
+        """The id of the newest event stored when the history was opened, or of an end that came before `follow`."""
+        return max(self._newest, self._sealer.newest)
 
     @property
     def incident(self) -> Incident | None:
@@ -192,12 +199,25 @@ class SqlHistory:
             self._waiting.put_event(event)
             self.writer.notice(must_keep=not event.droppable)
 
-    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
-        """Store the end of a goal now, if the database answers; return its events as stored."""
+    def seal(self, goal: Goal, end: Sequence[Event]) -> Awaitable[list[Event] | None]:
+        """Record a goal, then store its end now, if the database answers; return its events as stored."""
         self.record(goal)
-        if not self.writer.answers:
-            return list(end)
-        return await self._sealer.seal(copy(goal), end)
+        if end:
+            self._waiting.held.add(goal.goal_id)
+        return self._seal(copy(goal), end)
+
+    async def _seal(self, goal: Goal, end: Sequence[Event]) -> list[Event] | None:
+        try:
+            if not (self.writer.reachable and not self._sealer.slow if end else self.writer.answers):
+                return None
+            return await self._sealer.seal(goal, end)
+        finally:
+            self._waiting.held.discard(goal.goal_id)
+            self.writer.notice(must_keep=True)
+
+    def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
+        """Publish in the order of all gateways that share the database; return what asks for more."""
+        return self._sealer.follow(publish)
 
     # ------------------------------------------------------------------ read
 

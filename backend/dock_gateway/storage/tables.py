@@ -139,6 +139,8 @@ audit_chain = sa.Table(
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
 # is the time when the tables were made: later events are complete, even if none is stored yet.
 BEGINNING = ""
+# The topic of the row that says up to which id gateways may have published; see `order.py`.
+REACHED = "~"
 horizons = sa.Table(
     "horizons",
     metadata,

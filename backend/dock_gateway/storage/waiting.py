@@ -22,6 +22,10 @@ class Waiting:
     they are in the spool (`evict`), or if the spool fails too (`shed`).
 
     `unspooled` are the entries that are only here and must not be lost.
+
+    Attributes:
+        held: Ids of goals that are not written yet, as the events of their end are being stored: a gateway that is
+            killed must not leave a goal that has ended without them.
     """
 
     def __init__(self, limit: int) -> None:
@@ -32,6 +36,7 @@ class Waiting:
         self.droppable = EventBuffer(limit)
         self.gaps: dict[str, str] = {}
         self.dropped = 0
+        self.held: set[str] = set()
         self._unspooled: dict[tuple[str, str], Goal | Event | Key] = {}
 
     def __len__(self) -> int:
@@ -109,8 +114,11 @@ class Waiting:
 
     def batch(self) -> Batch:
         """Return the next batch, oldest first; its entries stay until `done`."""
+        goals = self.goals
+        if self.held:
+            goals = {goal_id: goal for goal_id, goal in goals.items() if goal_id not in self.held}
         return Batch(
-            goals=_first(self.goals, BATCH_GOALS),
+            goals=_first(goals, BATCH_GOALS),
             keys=_first(self.keys, BATCH_GOALS),
             events=[*_first(self.events, BATCH_EVENTS), *_first(self.droppable, BATCH_EVENTS)][:BATCH_EVENTS],
             gaps=dict(self.gaps),
@@ -135,7 +143,7 @@ class Waiting:
 
     def unspooled(self) -> list[Goal | Event | Key]:
         """Return the entries that are only in memory."""
-        return list(self._unspooled.values())
+        return [entry for (_, identity), entry in self._unspooled.items() if identity not in self.held]
 
     def saved(self, entries: list[Goal | Event | Key]) -> None:
         """Mark entries as spooled."""

@@ -334,6 +334,7 @@ class Writer:
         """Write the pending entries for `timeout` seconds, and spool the rest."""
         for task in self._tasks:
             task.cancel()
+        self._waiting.held.clear()
         last = asyncio.create_task(self._write_last())
         await asyncio.wait([last], timeout=timeout)
         last.cancel()

@@ -182,23 +182,6 @@ def stored(number: int) -> Event:
     return Event(f"e{number}".encode(), "goals", A, "/dock", id=event_id(number, "s", A))
 
 
-async def test_what_comes_later_waits_behind_what_is_being_stored() -> None:
-    fanout = make()
-    reader = fanout.subscribe(EventFilter())
-    fanout.publish(stored(1))
-    first, second = fanout.hold(2), fanout.hold(3)
-    fanout.publish(stored(4))
-    fanout.publish(Event(b"stop", "goals"))  # it has no place in the order
-    assert await texts(reader) == (["e1", "stop"], 0)
-    second.release([stored(3)])
-    assert await texts(reader) == ([], 0)
-    first.release([stored(2)])
-    assert await texts(reader) == (["e2", "e3", "e4"], 0)
-    fanout.publish(stored(5))
-    assert await texts(reader) == (["e5"], 0)
-    assert [event.text for event in fanout.since(stored(2).id or "", EventFilter()) or []] == ["e3", "e4", "e5"]
-
-
 async def test_a_reader_that_resumes_is_not_sent_what_it_has_had_elsewhere() -> None:
     """This gateway may be a moment behind the one that the reader was at before."""
     fanout = make()

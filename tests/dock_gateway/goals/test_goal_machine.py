@@ -157,7 +157,7 @@ def test_an_answer_ends_a_goal_with_all_that_it_says(bench: Bench) -> None:
     bench.machine.report(NOW, A, S.EXECUTING, 1, 1)
     bench.done()
     bench.machine.answered(NOW, goal, ResultAnswer(S.ABORTED, b"{}", WHY), 4_000_000_000)
-    assert bench.done() == [Store(goal), PublishEnd(goal, 4_000_000_000), Notify(News.RETIRED, goal)]
+    assert bench.done() == [PublishEnd(goal, 4_000_000_000), Notify(News.RETIRED, goal)]
     assert (goal.status, goal.result, goal.error, goal.finished_at) == (S.ABORTED, b"{}", WHY, moment(NOW.ns))
     assert (bench.machine.live, bench.machine.taken_up, bench.machine.heard_at(goal)) == ({}, set(), None)
     assert bench.machine.ended(A)
@@ -176,7 +176,7 @@ def test_an_answer_that_is_no_end_is_none(bench: Bench, caplog: pytest.LogCaptur
 def test_an_end_that_only_this_gateway_knows_of_happens_now(bench: Bench) -> None:
     goal = bench.goal()
     bench.machine.end(NOW, goal, S.REJECTED, error=WHY)
-    assert bench.done() == [Store(goal), PublishEnd(goal, NOW.ns), Notify(News.RETIRED, goal)]
+    assert bench.done() == [PublishEnd(goal, NOW.ns), Notify(News.RETIRED, goal)]
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,7 @@ class World(RuleBasedStateMachine):
                 case AwaitResult(goal):
                     self.requested.add(goal.goal_id)
                 case PublishEnd(goal, source_ns):
+                    self.store(goal)
                     self.publish_end(goal, source_ns)
         self.goals.update(self.machine.live)
         self.final |= {goal_id: goal.status for goal_id, goal in self.goals.items() if goal.status.final}

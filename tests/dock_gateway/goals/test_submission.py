@@ -91,9 +91,9 @@ class SealingHistory(MemoryHistory):
         self.keys.append(idempotency_key)
         await super().add(goal, idempotency_key)
 
-    async def seal(self, goal: Goal, events: Any) -> Any:
+    def seal(self, goal: Goal, events: Any) -> Any:
         self.sealed.append((goal.status.value, len(events)))
-        return await super().seal(goal, events)
+        return super().seal(goal, events)
 
 
 class Scene:

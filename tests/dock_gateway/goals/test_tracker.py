@@ -3,13 +3,12 @@
 import asyncio
 import time
 from collections.abc import Collection
-from datetime import UTC, datetime
 
 import orjson
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import Event, message_event, status_event
+from dock_gateway.core.event import Event, restamped, status_event
 from dock_gateway.core.goal import Goal, GoalError
 from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, limits, scene
@@ -111,25 +110,6 @@ async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(sce
     await asyncio.wait_for(waiting, PATIENCE)
 
 
-@limits(reserve_for=0.3)
-async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_shared(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Another gateway may tell of the end first; a reader of ours that goes there resumes after what it had here."""
-    monkeypatch.setattr(scene.history, "shared", True)
-    first, second = scene.send(A), scene.send(B)
-    for goal in (first, second):
-        scene.tracker.move(goal, S.EXECUTING)
-    scene.status((A, S.SUCCEEDED))
-    scene.feedback(1, B)
-    await asyncio.sleep(0)
-    scene.port.answer(A, S.SUCCEEDED, b"{}")
-    assert (await scene.events())[-3:] == ["status:succeeded", "result:succeeded", "feedback:1"]
-    scene.status((B, S.SUCCEEDED))
-    scene.fanout.publish(message_event("battery", b"{}", scene.fanout.clock.stamp(0)))
-    await until(lambda: not scene.fanout.waiting)  # a result that does not come holds nothing up for long
-
-
 async def test_each_message_is_a_sign_of_life(scene: Scene) -> None:
     goal = scene.send()
     for hear in (lambda: scene.status((A, S.EXECUTING)), lambda: scene.feedback(1)):
@@ -209,32 +189,40 @@ async def test_an_end_that_cannot_be_stored_is_published_all_the_same(
     assert (await scene.events())[-1] == "result:succeeded"
 
 
-@limits(reserve_for=60.0)
-async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
+async def test_where_a_history_is_shared_an_end_is_published_in_the_order_of_all_gateways(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """It comes with the permission to publish, or at last when it is stored."""
+    stored: list[Event] = []
+
+    async def seal(_: Goal, end: list[Event]) -> list[Event]:
+        stored.extend(restamped(event, time.time_ns() + 1_000_000) for event in end)
+        scene.fanout.line.allow(stored[-2:] if scene.tracker.live else [], None)
+        return stored[-2:]
+
     monkeypatch.setattr(scene.history, "shared", True)
-    ended = Goal(B, "/dock", "pkg/action/Dock", datetime(2026, 1, 1, tzinfo=UTC), status=S.SUCCEEDED)
-    scene.history.record(ended)
-    for _ in range(2):
-        scene.status((B, S.SUCCEEDED))
-    assert scene.fanout.waiting == 1, "one place is enough"
-    await until(lambda: not scene.fanout.waiting)
-    scene.status((B, S.SUCCEEDED))
-    assert not scene.fanout.waiting, "its end is known"
+    monkeypatch.setattr(scene.history, "seal", seal)
+    first, second = scene.send(A), scene.send(B)
+    for goal in (first, second):
+        scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+        await until(lambda goal=goal: stored and goal.last_event_id == stored[-1].id)
+    assert [document["id"] for document in await scene.documents()][2:] == [event.id for event in stored]
 
 
-@limits(reserve_for=0.01)
-async def test_a_place_that_nobody_takes_says_so(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+async def test_an_end_that_a_shared_history_cannot_store_in_time_is_published_under_a_new_id(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    async def seal(_: Goal, end: list[Event]) -> None:
+        scene.feedback(1, B)
+
     monkeypatch.setattr(scene.history, "shared", True)
-    goal = scene.send()
-    scene.status((A, S.SUCCEEDED))
-    await until(lambda: not scene.fanout.waiting)
-    assert A in caplog.text
+    monkeypatch.setattr(scene.history, "seal", seal)
+    goal, _ = scene.send(A), scene.send(B)
     scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
-    assert (await scene.events())[-1] == "result:succeeded"
+    documents = await scene.documents()
+    assert [document["type"] for document in documents][-3:] == ["feedback", "status", "result"]
+    assert [document["id"] for document in documents] == sorted(document["id"] for document in documents)
+    assert goal.last_event_id == documents[-1]["id"]
 
 
 @limits(lookup_retry=0.01)

@@ -19,9 +19,7 @@ from dock_gateway.ros.status import StatusReport
 from dock_gateway.storage import MemoryHistory
 from tests.support.tracking import A, B, FakePort
 
-LIMITS = GoalLimits(
-    result_wait=0.01, ask_again_after=0.005, end_stamp_wait=0.001, patience=0.01, lookup_retry=0.002, reserve_for=0.01
-)
+LIMITS = GoalLimits(result_wait=0.01, ask_again_after=0.005, end_stamp_wait=0.001, patience=0.01, lookup_retry=0.002)
 GOALS = st.sampled_from([A, B])
 STATUSES = st.sampled_from(sorted(FROM_ROS.values()))
 STEPS = st.one_of(

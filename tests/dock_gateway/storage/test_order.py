@@ -1,0 +1,90 @@
+"""Turns: the end of a goal is stored behind all that any gateway may have published, and each gateway learns of it."""
+
+import asyncio
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from dock_gateway.core.event import Event, result_event, status_event, time_id
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.storage.order import STEP, Turn, take_turn
+from dock_gateway.storage.protocol import NEVER
+from dock_gateway.storage.rows import Batch
+from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage.tables import events
+from tests.support.history import make_goal, open_at, written
+from tests.support.waiting import until
+
+
+def ended(number: int, status: GoalStatus = GoalStatus.SUCCEEDED, stamp: int = 1) -> Batch:
+    goal = make_goal(number, status)
+    end = [status_event(goal, stamp)]
+    if status is not GoalStatus.REJECTED:
+        end.append(result_event(goal, stamp))
+    return Batch(goals=[goal], events=end)
+
+
+async def turn(history: SqlHistory, after: str | None, wanted: int = 0, batch: Batch | None = None) -> Turn:
+    return await history.database.write(take_turn, batch or Batch(), after, wanted)
+
+
+async def test_an_end_is_stored_behind_all_that_anyone_was_allowed(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        far = 3 * 10**18
+        ours, theirs = await turn(history, None, far), await turn(history, None)
+        assert ours.allowed == time_id(far) + NEVER
+        assert theirs.allowed == time_id(far + STEP) + NEVER
+        stored = await turn(history, ours.allowed, batch=ended(1))
+        assert [event.key for event in stored.ends] == ["s-goal-0001", "z-goal-0001"]
+        assert [event.ends_goal for event in stored.ends] == [False, True]
+        assert (stored.ends[0].id or "") > theirs.allowed > ours.allowed
+        assert stored.allowed > (stored.ends[1].id or "")
+        goal = await history.get("goal-0001")
+        assert goal is not None
+        assert goal.last_event_id == stored.ends[1].id
+        again = await turn(history, theirs.allowed, batch=ended(1, GoalStatus.ABORTED))
+        assert again.ends == stored.ends
+        assert [event.id for event in again.stored.values()] == [event.id for event in stored.ends]
+        assert (await turn(history, stored.allowed)).ends == []
+        (rejected,) = (await turn(history, again.allowed, batch=ended(2, GoalStatus.REJECTED))).ends
+        assert rejected.ends_goal
+
+
+async def test_gateways_that_store_ends_at_the_same_time_learn_of_all(postgresql_url: str, tmp_path: Path) -> None:
+    async with open_at(postgresql_url, tmp_path / "a") as one, open_at(postgresql_url, tmp_path / "b") as other:
+        told: dict[str, list[Event]] = {"one": [], "other": []}
+        asks = [
+            one.follow(lambda ends, _: told["one"].extend(ends)),
+            other.follow(lambda ends, _: told["other"].extend(ends)),
+        ]
+
+        async def end(number: int) -> None:
+            batch = ended(number)
+            for history in (one, other) if number % 2 else (other, one):
+                await history.seal(batch.goals[0], batch.events)
+
+        await asyncio.gather(*map(end, range(20)))
+        for ask in asks:
+            ask()
+        await until(lambda: all(len(ends) == 40 for ends in told.values()))
+        assert told["one"] == told["other"] == sorted(told["one"], key=lambda event: event.id or "")
+        await written(one)
+        assert await one.database.read(lambda db: db.scalar(sa.select(sa.func.count()).select_from(events))) == 40
+
+
+async def test_a_goal_is_not_written_as_ended_before_its_end(sqlite_url: str, tmp_path: Path) -> None:
+    """A gateway that is killed in between would leave a goal that nobody tells the end of."""
+    async with open_at(sqlite_url, tmp_path) as history:
+        goal: Goal = ended(1).goals[0]
+        history._waiting.held.add(goal.goal_id)
+        history.record(goal)
+        history.record(make_goal(2))
+        await history.writer.flush()
+        assert set(await history.database.read(lambda db: db.scalars(sa.text("SELECT goal_id FROM goals")).all())) == {
+            "goal-0002"
+        }
+        found = await history.get(goal.goal_id)
+        assert found is not None
+        assert found.status is GoalStatus.SUCCEEDED
+    async with open_at(sqlite_url, tmp_path) as history:
+        assert await history.get(goal.goal_id) is not None, "written at the close"
