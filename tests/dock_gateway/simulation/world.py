@@ -1,0 +1,134 @@
+"""Gateways on one database, an action server, and a reader that moves between them, in one process.
+
+All that a gateway does with goals, events and its database is the product's own code. Simulated are the network, whose
+messages take their time, the database's delays, and the kills. One random seed decides everything.
+"""
+
+import asyncio
+import itertools
+from collections import Counter, defaultdict
+from typing import Any
+
+from tests.dock_gateway.simulation.chance import Chance, Faults, short
+from tests.dock_gateway.simulation.database import Disk
+from tests.dock_gateway.simulation.gateway import ACTIONS, Gateway, alive
+from tests.dock_gateway.simulation.reader import Reader
+from tests.dock_gateway.simulation.server import ActionServer
+
+
+class World:
+    """One run.
+
+    Args:
+        seed: Decides everything.
+        disk: The database.
+        faults: What goes wrong.
+    """
+
+    def __init__(self, seed: int, disk: Disk, faults: Faults) -> None:
+        self._disk = disk
+        self._faults = faults
+        self._chance = chance = Chance(seed, faults)
+        self._random = chance.random
+        self.server = ActionServer(chance)
+        self.reader = Reader(chance, lambda: self._gateways)
+        self._gateways: list[Gateway] = []
+        self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
+
+    # ------------------------------------------------------------------ the run
+
+    async def run(self) -> None:
+        self._chance.loop.set_task_factory(self._note)
+        self._disk.empty()
+        for name in "ABC"[: self._faults.gateways]:
+            await self._start(name)
+        self._chance.spawn(self.reader.run())
+        self._chance.spawn(self._publish_batteries())
+        await asyncio.sleep(0.2)
+        await asyncio.gather(self._send_goals(), self._kill(), self._make_move(), self._make_lag())
+        await self._settle()
+
+    def _note(self, loop: asyncio.AbstractEventLoop, work: Any, **more: Any) -> "asyncio.Task[Any]":
+        task = asyncio.Task(work, loop=loop, **more)
+        if (gateway := alive.get(None)) is not None:
+            gateway.note(task)
+        return task
+
+    async def _start(self, name: str) -> None:
+        gateway = Gateway(self._chance, self.server, self._disk, self._spools[name], name)
+        self._gateways = [other for other in self._gateways if not other.dead] + [gateway]
+        token = alive.set(gateway)
+        starting = self._chance.loop.create_task(gateway.start())
+        alive.reset(token)
+        await starting
+
+    async def _send_goals(self) -> None:
+        for number in range(self._faults.goals):
+            await asyncio.sleep(self._random.uniform(0.0, 0.3))
+            goal_id, action = f"goal-{number}", self._random.choice(ACTIONS)
+            while not (able := [each for each in self._gateways if not each.dead and action in each.heard]):  # noqa: ASYNC110 - there is no event for it
+                await asyncio.sleep(0.05)
+            gateway = self._random.choice(able)
+            self._chance.say(gateway.name, f"sends {goal_id} to {action}")
+            token = alive.set(gateway)
+            self._chance.loop.create_task(gateway.send(goal_id, action))
+            alive.reset(token)
+
+    async def _publish_batteries(self) -> None:
+        while True:
+            await asyncio.sleep(self._random.uniform(0.01, 0.1))
+            stamp = self._chance.loop.time_ns()
+            for gateway in self._gateways:
+                if gateway.ready and not gateway.dead:
+                    gateway.carry("battery", lambda to=gateway, stamp=stamp: to.on_battery(stamp))
+
+    async def _kill(self) -> None:
+        for _ in range(self._faults.kills):
+            await asyncio.sleep(self._random.uniform(0.0, 1.2))
+            victim = self._random.choice(self._gateways)
+            if not victim.dead and victim.ready:
+                victim.kill()
+                self.reader.move()
+                await asyncio.sleep(self._random.uniform(0.0, 0.3))
+                await self._start(victim.name)
+
+    async def _make_move(self) -> None:
+        for _ in range(self._faults.moves):
+            await asyncio.sleep(self._random.uniform(0.0, 1.5))
+            self.reader.move()
+
+    async def _make_lag(self) -> None:
+        for _ in range(2):
+            await asyncio.sleep(self._random.uniform(0.0, 1.2))
+            self._chance.lag(self._random.choice(self._gateways).name)
+
+    async def _settle(self) -> None:
+        """Wait until all is told, or nothing more can come."""
+        for _ in range(100):
+            await asyncio.sleep(0.1)
+            told = [goal for _, _, kind, goal in self.reader.seen if kind == "result succeeded"]
+            if self.server.idle and set(told) == self.server.goals.keys():
+                await asyncio.sleep(0.5)  # enough for one that comes twice
+                return
+
+    # ------------------------------------------------------------------ what must hold
+
+    def faults_found(self) -> list[str]:
+        """What is wrong with what the reader got."""
+        found = []
+        seen = self.reader.seen
+        results = Counter(goal for _, _, kind, goal in seen if kind == "result succeeded")
+        states = Counter(goal for _, _, kind, goal in seen if kind == "status succeeded")
+        for goal in self.server.goals:
+            for what, count in (("result", results[goal]), ("status", states[goal])):
+                if count != 1:
+                    found.append(f"the {what} of {goal} was told {count} times")
+        for (_, before, _, _), (_, identity, _, _) in itertools.pairwise(seen):
+            if identity <= before:
+                found.append(f"{short(identity)} came after {short(before)}")
+        if self.reader.notices["gap"]:
+            found.append("a gap was told")
+        return found
+
+    def story(self) -> str:
+        return "\n".join(f"{at * 1000:10.3f} {who:7} {what}" for at, who, what in self._chance.said)
