@@ -10,6 +10,7 @@ from dock_gateway import __version__
 COMMANDS = {
     "up": "up",
     "serve": "serve",
+    "hub": "hub",
     "doctor": "doctor",
     "install-service": "install_service",
     "dock": "client",

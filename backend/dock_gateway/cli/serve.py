@@ -41,9 +41,15 @@ def serve(**options: str | None) -> None:
 
 
 @click.command()
-def openapi() -> None:
+@click.option("--hub", is_flag=True, help="That of a hub.")
+def openapi(*, hub: bool) -> None:
     """Print the OpenAPI document: requests and answers."""
-    _print(_openapi())
+    if not hub:
+        _print(_openapi())
+        return
+    from dock_gateway.hub.app import create_hub_app  # noqa: PLC0415 - see above
+
+    _print(create_hub_app(Settings()).openapi())
 
 
 @click.command()

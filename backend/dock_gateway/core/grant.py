@@ -145,6 +145,15 @@ class Grant:
     def _serves(self, name: str) -> bool:
         return self.share is None or self.share.covers(name)
 
+    def may_reach(self, site: str) -> bool:
+        """Return whether they may see any robot of a site, at a hub, where names have the site in front."""
+        names = f"/{site}/"
+        for pattern in self.robots:
+            literal, star, _ = f"{pattern.rstrip('/')}/".partition("*")
+            if literal.startswith(names) or (star and names.startswith(literal)):
+                return True
+        return not self.robots
+
     @cached_property
     def _robots(self) -> re.Pattern[str]:
         return match_namespaces(self.robots)
@@ -190,29 +199,48 @@ def narrow(event: Event, grant: Grant) -> Event | None:
     document = orjson.loads(event.data)
     match document["type"]:
         case "robots":
-            covered = [robot for robot in document["robots"] if grant.covers_robot(robot["name"])]
-            document["robots"] = [_narrow_robot(robot, grant) for robot in covered]
-            document["gone"] = list(filter(grant.covers_robot, document["gone"]))
-            if not document["robots"] and not document["gone"]:
+            document |= _narrow_robots(document["robots"], document["gone"], grant)
+            if not (document["robots"] or document["gone"]):
                 return None
-        case "alerts":
-            document["alerts"] = [alert for alert in document["alerts"] if grant.covers_alert(alert["robot"])]
-        case "approvals":
-            waiting = document["approvals"]
-            document["approvals"] = [each for each in waiting if grant.covers_action(each["action_name"])]
-        case "scenes":
-            scenes = document["scenes"].items()
-            document["scenes"] = {robot: scene for robot, scene in scenes if grant.covers_robot(robot)}
-        case "maps":
-            maps = document["maps"].items()
-            document["maps"] = {
-                robot: each for robot, each in maps if grant.covers_robot(robot) and grant.shows(each["topic"])
-            }
+        case "alerts" as kind:
+            document[kind] = [alert for alert in document[kind] if grant.covers_alert(alert["robot"])]
+        case "approvals" as kind:
+            document[kind] = [waiting for waiting in document[kind] if grant.covers_action(waiting["action_name"])]
+        case "scenes" | "maps" as kind:
+            document[kind] = _narrow_by_robot(document[kind], grant)
+        case "sites":
+            document["sites"] = _narrow_sites(document["sites"], grant)
         case "automation":
             return event if grant.covers_robot(document["automation"]["robot"]) else None
         case _:
             return None
     return replace(event, data=encode(document))
+
+
+def _narrow_robots(robots: list[dict[str, Any]], gone: list[str], grant: Grant) -> dict[str, Any]:
+    covered = [robot for robot in robots if grant.covers_robot(robot["name"])]
+    return {
+        "robots": [_narrow_robot(robot, grant) for robot in covered],
+        "gone": list(filter(grant.covers_robot, gone)),
+    }
+
+
+def _narrow_by_robot(each: dict[str, dict[str, Any]], grant: Grant) -> dict[str, dict[str, Any]]:
+    """Return what is shown of each robot, without robots and topics that a grant does not cover."""
+    return {
+        robot: shown
+        for robot, shown in each.items()
+        if grant.covers_robot(robot) and ("topic" not in shown or grant.shows(shown["topic"]))
+    }
+
+
+def _narrow_sites(sites: list[dict[str, Any]], grant: Grant) -> list[dict[str, Any]]:
+    """Return the sites of a hub that a grant reaches, without the names of robots that it does not cover."""
+    return [
+        site | {"stop": {**site["stop"], "robots": [*filter(grant.covers_robot, site["stop"]["robots"])]}}
+        for site in sites
+        if grant.may_reach(site["name"])
+    ]
 
 
 def _narrow_robot(robot: dict[str, Any], grant: Grant) -> dict[str, Any]:

@@ -31,6 +31,9 @@ class Tasks:
         self._doing = doing
         self._running: set[asyncio.Task[Any]] = set()
 
+    def __len__(self) -> int:
+        return len(self._running)
+
     def spawn(self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
         """Run a coroutine in a background task."""
         task = asyncio.create_task(work)

@@ -28,6 +28,9 @@ class AlertKind(StrEnum):
     DUPLICATE_BASE = FindingKind.DUPLICATE_BASE.value
     ROBOT_SEEN_TWICE = FindingKind.ROBOT_SEEN_TWICE.value
     ROBOTS_CLAIMED_TWICE = FindingKind.ROBOTS_CLAIMED_TWICE.value
+    # Of a hub.
+    SITE_UNREACHABLE = "site_unreachable"
+    SITE_REFUSED = "site_refused"
 
     @property
     def critical(self) -> bool:
@@ -47,6 +50,8 @@ WARNINGS = frozenset(
         AlertKind.ROBOT_SEEN_TWICE,
         AlertKind.SPLIT_ROBOT,
         AlertKind.WRONG_TOPIC_TYPE,
+        AlertKind.SITE_UNREACHABLE,
+        AlertKind.SITE_REFUSED,
     }
 )
 

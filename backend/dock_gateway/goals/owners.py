@@ -6,8 +6,7 @@ from dock_gateway.core.filters import lineage, parent_of
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.goals.docking_actions import DockingActions
-from dock_gateway.robots.labels import Labels
-from dock_gateway.robots.robots import Robots
+from dock_gateway.robots.robots import RobotLabels, Robots
 from dock_gateway.storage import History
 
 
@@ -21,7 +20,7 @@ class Owners:
         history: Knows all actions that have had goals.
     """
 
-    def __init__(self, docking: DockingActions, robots: Robots, labels: Labels, history: History) -> None:
+    def __init__(self, docking: DockingActions, robots: Robots, labels: RobotLabels, history: History) -> None:
         self._docking = docking
         self._robots = robots
         self._labels = labels

@@ -1,5 +1,6 @@
 """The dashboard's files. API paths never return HTML, and pages never shadow API paths."""
 
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -28,18 +29,24 @@ def find_dashboard(settings: Settings) -> Path | None:
     return next((folder for folder in candidates if folder and (folder / "index.html").is_file()), None)
 
 
-def install_dashboard(app: FastAPI, settings: Settings) -> None:
-    """Serve the page at `/` and `/ui/…`, and its assets. Must come after every API route."""
+def page_of(settings: Settings) -> Callable[[Request], Awaitable[Response]]:
+    """Return the endpoint of the page."""
     folder = find_dashboard(settings)
     pages = CompressedFiles(folder, PAGE_HEADERS) if folder else None
 
-    @app.api_route("/", methods=_READ, include_in_schema=False)
-    @app.api_route("/ui/{path:path}", methods=_READ, include_in_schema=False)
     async def dashboard(request: Request) -> Response:
         if pages is None:
             return HTMLResponse(NOT_BUILT, headers=PAGE_HEADERS)
         return await pages.get_response("index.html", request.scope)
 
+    return dashboard
+
+
+def install_dashboard(app: FastAPI, settings: Settings) -> None:
+    """Serve the page at `/` and `/ui/…`, and its assets. Must come after every API route."""
+    folder, page = find_dashboard(settings), page_of(settings)
+    for address in ("/", "/ui/{path:path}"):
+        app.add_api_route(address, page, methods=_READ, include_in_schema=False)
     if folder is None:
         return
     if (folder / "assets").is_dir():

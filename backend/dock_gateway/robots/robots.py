@@ -1,6 +1,8 @@
-"""Which robots there are, wherever they are found."""
+"""Which robots there are, and what they are called, wherever that is known from."""
 
 from typing import Protocol
+
+from dock_gateway.storage import RobotLabel
 
 
 class Robots(Protocol):
@@ -21,3 +23,16 @@ class Robots(Protocol):
         Raises:
             NotFound: `robot_not_found`.
         """
+
+
+class RobotLabels(Protocol):
+    """The display names and groups of robots."""
+
+    def of(self, robot: str) -> RobotLabel:
+        """Return the label of a robot; an empty one if it has none."""
+
+    def robots(self) -> set[str]:
+        """Return the robots that have a label."""
+
+    def in_group(self, group: str) -> set[str]:
+        """Return the robots that are in a group."""

@@ -23,6 +23,7 @@ from dock_gateway.storage.entries import SqlEntries
 from dock_gateway.storage.event_reader import EventReader
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.merge import merge_all
+from dock_gateway.storage.mirror import SqlMirror
 from dock_gateway.storage.notes import SqlNotes
 from dock_gateway.storage.protocol import (
     KEY_LIFETIME,
@@ -63,6 +64,7 @@ class SqlHistory:
     Attributes:
         database: Runs transactions, each on a thread.
         writer: Writes what waits in memory.
+        mirror: What a hub has of its sites.
     """
 
     def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
@@ -78,6 +80,7 @@ class SqlHistory:
         self._immediate = writer = ImmediateWriter(self.database, self.writer)
         self.notes = SqlNotes(self._reader, writer)
         self.audit = SqlAudit(self._reader, writer)
+        self.mirror = SqlMirror(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self.database, limits)
         self.on_loss: Callable[[], None] = lambda: None

@@ -14,7 +14,8 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import DeliveryState, EventType
-from dock_gateway.robots.labels import NO_LABEL, Labels
+from dock_gateway.robots.labels import NO_LABEL
+from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook
 from dock_gateway.webhooks.outbox import Document, Outbox, delivery_document
@@ -49,7 +50,7 @@ class Notifier:
     def __init__(
         self,
         alerts: Alerts,
-        labels: Labels,
+        labels: RobotLabels,
         *,
         webhooks: SharedBook[WebhookEntry],
         outbox: Outbox,

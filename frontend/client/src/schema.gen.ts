@@ -2214,7 +2214,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "recordings_failed" | "duplicate_action_server" | "automatic_docking_failed" | "split_robot" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "recordings_failed" | "duplicate_action_server" | "automatic_docking_failed" | "split_robot" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "site_unreachable" | "site_refused";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.

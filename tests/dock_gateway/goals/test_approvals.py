@@ -24,7 +24,7 @@ class Site:
         self.simulated: set[str] = set()
         fanout: Any = SimpleNamespace(watched=lambda _: True, publish=self.published.append)
         settings_of = Settings(approval_timeout=timeout, **settings)
-        self.approvals = Approvals(settings_of, fanout, lambda _: "dock", self.simulated.__contains__)
+        self.approvals = Approvals(settings_of, fanout, lambda _: "dock", lambda robot: robot in self.simulated)
 
     def ask(self, name: str = "bot", action: str = ACTION) -> "asyncio.Task[None]":
         return asyncio.create_task(self.approvals.require(agent(name), action, b'{"order":1}'))

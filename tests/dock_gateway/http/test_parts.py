@@ -1,7 +1,6 @@
-"""Each part that a route or another part asks for by its type is one that the gateway has."""
+"""Each part that a route or another part asks for by its type is one that the gateway has, or the hub."""
 
 import ast
-from collections.abc import Iterator
 from pathlib import Path
 
 import dock_gateway
@@ -10,28 +9,26 @@ from dock_gateway.observability.metrics import Metrics
 from dock_gateway.streams.present import Present
 
 BACKEND = Path(dock_gateway.__file__).parent
+HUB = BACKEND / "hub"
 
 
-def trees() -> Iterator[ast.AST]:
-    for path in sorted(BACKEND.rglob("*.py")):
-        yield from ast.walk(ast.parse(path.read_text()))
-
-
-def asked_for() -> set[str]:
+def asked_for(*, by_hub: bool) -> set[str]:
     """The types in `Part[Labels]`, `parts[Labels]` and `self._parts[Labels]`."""
+    paths = (path for path in sorted(BACKEND.rglob("*.py")) if path.is_relative_to(HUB) == by_hub)
     return {
         node.slice.id
-        for node in trees()
+        for path in paths
+        for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Name) and node.slice.id[0].isupper()
         if ast.unparse(node.value).split(".")[-1].lstrip("_") in {"Part", "parts"}
     } - {T.__name__}
 
 
-def made() -> set[str]:
-    """The keys of `Parts({Labels: labels, …})` in the assembly."""
+def made(assembly: Path) -> set[str]:
+    """The keys of `Parts({Labels: labels, …})` in an assembly."""
     (parts,) = [
         node.args[0]
-        for node in ast.walk(ast.parse((BACKEND / "assembly.py").read_text()))
+        for node in ast.walk(ast.parse(assembly.read_text()))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == Parts.__name__
     ]
     assert isinstance(parts, ast.Dict)
@@ -39,7 +36,11 @@ def made() -> set[str]:
 
 
 def test_the_gateway_has_each_part_that_is_asked_for() -> None:
-    wanted = asked_for()
+    wanted = asked_for(by_hub=False)
     assert {"Goals", "Stopper", "RobotRegistry"} <= wanted, f"nothing was found that reads as {Part.__name__}[...]"
     # Added last: one measures the others, one reads them, one is an option.
-    assert wanted - made() == {Metrics.__name__, Present.__name__, "AgentServer"}
+    assert wanted - made(BACKEND / "assembly.py") == {Metrics.__name__, Present.__name__, "AgentServer"}
+
+
+def test_the_hub_has_each_part_that_its_own_modules_ask_for() -> None:
+    assert asked_for(by_hub=True) <= made(HUB / "assembly.py")

@@ -1,0 +1,63 @@
+"""`dock-gateway hub`: one dashboard and one API for many sites. Needs no ROS."""
+
+from functools import partial
+from typing import Any
+
+import click
+
+from dock_gateway.cli.options import read_settings, settings_options
+from dock_gateway.cli.start import check_exposure
+from dock_gateway.doctor.machine import find_database_fault, find_port_fault
+from dock_gateway.settings import Settings, data_file
+
+# What a hub reads of the settings besides those of the web server, by what their names begin with.
+OPTIONS = (
+    *("host", "port", "allowed_", "log_", "authentication", "insecure_open", "published_on", "tls_", "oidc_"),
+    *(
+        "trusted_proxies",
+        "dashboard_dir",
+        "database_url",
+        "spool_path",
+        "history_queue",
+        "retention_",
+        "goal_retention_",
+    ),
+    *("audit_", "max_body_bytes", "body_timeout", "max_header_bytes", "header_timeout", "max_connections"),
+    *("max_frame", "max_subscribers", "max_streams_per_user", "max_goals_per_minute", "max_exports_per_user"),
+    *("subscriber_", "heartbeat_interval", "nats", "hub_key_path"),
+)
+
+
+@click.command()
+@partial(settings_options, leave_out=[name for name in Settings.model_fields if not name.startswith(OPTIONS)])
+def hub(**options: Any) -> None:
+    """Run a hub: one dashboard, one API and one set of rights for many gateways, over NATS."""
+    settings = read_settings(options)
+    if not settings.nats:
+        raise click.UsageError("a hub needs --nats, the NATS servers over which it reaches its sites")
+    if settings.hub:
+        raise click.UsageError("a hub is not a site of another hub: leave out --hub")
+    if settings.database_url == "memory:":
+        raise click.UsageError("a hub needs a database, to know what it has read of its sites: not memory:")
+    if not settings.database_url:  # a gateway on this machine has its own
+        own: dict[str, Any] = {"database_url": f"sqlite:///{data_file('hub.db')}"}
+        own |= {} if settings.spool_path else {"spool_path": data_file("hub-spool")}
+        settings = settings.model_copy(update=own)
+    check_exposure(settings)
+    for fault in (find_port_fault(settings), find_database_fault(settings)):
+        if fault is not None:
+            raise click.ClickException(fault)
+    from dock_gateway.cli.server import run  # noqa: PLC0415 - takes long to import
+    from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415
+    from dock_gateway.hub.app import create_hub_app  # noqa: PLC0415
+    from dock_gateway.hub.assembly import open_hub  # noqa: PLC0415
+    from dock_gateway.sites.identity import KeyFault  # noqa: PLC0415
+
+    try:
+        started = run(settings, open_hub, create_hub_app)
+    except CertificateError as error:
+        raise click.UsageError(str(error)) from None
+    except KeyFault as error:
+        raise click.ClickException(str(error)) from None
+    if not started:
+        raise SystemExit(1)

@@ -1,0 +1,104 @@
+"""The ASGI application of a hub."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, nullcontext
+
+from fastapi import APIRouter, FastAPI
+
+from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
+from dock_gateway.application import Contents, build_app
+from dock_gateway.audit import routes as audit_routes
+from dock_gateway.goals import export_routes, note_routes
+from dock_gateway.goals import routes as goal_routes
+from dock_gateway.http.dashboard import page_of
+from dock_gateway.http.openapi import Union
+from dock_gateway.http.operation import public_operation
+from dock_gateway.http.parts import Parts
+from dock_gateway.hub import forwarding, routes
+from dock_gateway.hub.assembly import open_hub
+from dock_gateway.hub.schema import (
+    HubAlertsEvent,
+    HubApprovalsEvent,
+    HubRobotsEvent,
+    HubSnapshotEvent,
+    SitesEvent,
+)
+from dock_gateway.observability import metrics_routes
+from dock_gateway.settings import Settings
+from dock_gateway.statistics import routes as statistics_routes
+from dock_gateway.streams import events
+from dock_gateway.streams.schema import (
+    ClosingEvent,
+    DroppedEvent,
+    GapEvent,
+    HeartbeatEvent,
+    ResultEvent,
+    ResumedEvent,
+    StatusEvent,
+)
+from dock_gateway.webhooks import routes as webhook_routes
+
+EVENTS = (
+    HubSnapshotEvent,
+    StatusEvent,
+    ResultEvent,
+    HubRobotsEvent,
+    HubAlertsEvent,
+    HubApprovalsEvent,
+    SitesEvent,
+    HeartbeatEvent,
+    DroppedEvent,
+    ResumedEvent,
+    GapEvent,
+    ClosingEvent,
+)
+CONTENTS = Contents(
+    description="Many sites behind one hub. `/sites/{site}/…` is the API of a site, with the site's own names; all "
+    "else spans the sites, with names that have the site in front: `/berlin/robot1`.",
+    unions=(Union("Event", EVENTS, "A message of an event stream of the hub."),),
+)
+ROUTERS = tuple(
+    module.router
+    for module in (
+        routes,
+        events,
+        export_routes,  # before goals: `export` and `tags` are not goal ids
+        note_routes,
+        goal_routes,
+        statistics_routes,
+        webhook_routes,
+        session_routes,
+        provider_routes,
+        user_routes,
+        token_routes,
+        audit_routes,
+        metrics_routes,
+    )
+)
+
+
+def create_hub_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
+    """Create the application.
+
+    Args:
+        settings: The settings.
+        parts: Those of an open hub. Without them, the application opens one at startup and closes it at shutdown.
+    """
+
+    @asynccontextmanager
+    async def opened() -> AsyncIterator[Parts]:
+        async with open_hub(settings) if parts is None else nullcontext(parts) as found:
+            yield found
+
+    routers = (*ROUTERS, _pages_of_sites(settings), forwarding.router)
+    app = build_app(settings, routers, opened, CONTENTS)
+    app.state.hub = True
+    return app
+
+
+def _pages_of_sites(settings: Settings) -> APIRouter:
+    """Serve the dashboard of a site, which is the hub's own build: it finds the site in its address."""
+    router, page = APIRouter(), public_operation()(page_of(settings))
+    for path in ("/sites/{site}/", "/sites/{site}/ui/{path:path}"):
+        router.add_api_route(path, page, methods=["GET"], include_in_schema=False)
+    return router

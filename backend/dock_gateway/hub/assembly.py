@@ -1,0 +1,136 @@
+"""Assembles the hub: makes its parts in order and closes them in reverse order. No ROS."""
+
+import logging
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from prometheus_client import CollectorRegistry
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.access.single_sign_on import open_single_sign_on
+from dock_gateway.access.tickets import Tickets
+from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.subjects import Subjects
+from dock_gateway.core.alerts import Alerts
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import Goal
+from dock_gateway.core.webhook import Delivery
+from dock_gateway.goals.approvals import Approvals
+from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.owners import Owners
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.hub.collector import HubCollector
+from dock_gateway.hub.labels import SiteLabels
+from dock_gateway.hub.overview import Overview
+from dock_gateway.hub.sites import Sites
+from dock_gateway.hub.store import HubStore
+from dock_gateway.observability.metrics import Metrics
+from dock_gateway.robots.robots import Robots
+from dock_gateway.settings import Settings
+from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
+from dock_gateway.sites.identity import Signer
+from dock_gateway.sites.subjects import HUB, inbox
+from dock_gateway.sites.tunnel.caller import Caller
+from dock_gateway.storage import AuditSpool, History, open_history
+from dock_gateway.storage.database import display
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.streams.present import Present
+from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
+from dock_gateway.webhooks.outbox import Outbox
+from dock_gateway.webhooks.webhook import WebhookEntry
+
+log = logging.getLogger(__name__)
+
+
+class NoLiveGoals:
+    """A hub has the goals of its history, and no others."""
+
+    def goal(self, goal_id: str) -> Goal | None:
+        """Return None."""
+
+    def running(self) -> list[Goal]:
+        """Return none."""
+        return []
+
+
+@asynccontextmanager
+async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
+    """Open the history, connect to the NATS server in the background, and run the hub until the block ends."""
+    async with AsyncExitStack() as stack:
+        history = await stack.enter_async_context(open_history(settings))
+        assert isinstance(history, SqlHistory)  # the command refuses `memory:`
+        audit = AuditLog(history.audit, AuditSpool(settings.spool_folder / "audit"))
+        stack.push_async_callback(audit.close)
+        await audit.open()
+        options = BrokerOptions(
+            urls=settings.nats,
+            credentials=settings.nats_credentials,
+            ca=settings.nats_ca,
+            name="dock-gateway-hub",
+            inbox=inbox(HUB),
+        )
+        broker = await stack.enter_async_context(open_broker(options))
+        yield await _open(settings, history, audit, broker, stack)
+
+
+async def _open(
+    settings: Settings, history: SqlHistory, audit: AuditLog, broker: Broker, stack: AsyncExitStack
+) -> Parts:
+    fanout = Fanout(
+        queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers, newest=history.newest
+    )
+    signer = Signer.load_or_create(settings.hub_key_file)
+    caller = Caller(broker)
+    await caller.open()
+    stack.push_async_callback(caller.close)
+    store = HubStore(history.mirror, fanout)
+    stack.push_async_callback(store.close)
+    sites = Sites(broker, caller, signer, history, store)
+    stack.push_async_callback(sites.close)
+    docking = DockingActions(DockingCatalog(settings), {})
+    goals = Goals(NoLiveGoals(), docking, history)
+    overview = Overview(fanout, sites, goals, history)
+    stack.push_async_callback(overview.close)
+    labels = SiteLabels(sites)
+    webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
+    outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
+    notifier = Notifier(overview, labels, webhooks=webhooks, outbox=outbox)
+    stack.push_async_callback(notifier.close)
+    logins = Logins(history, open_single_sign_on(settings), display(settings.database))
+    stack.push_async_callback(logins.close)
+    if settings.authentication:
+        await logins.open()
+    history.on_loss = sites.read_again
+    parts = Parts(
+        {
+            Settings: settings,
+            Fanout: fanout,
+            History: history,
+            Broker: broker,
+            Sites: sites,
+            Overview: overview,
+            Robots: overview,
+            Alerts: overview,
+            Present: overview,
+            Goals: goals,
+            Owners: Owners(docking, overview, labels, history),
+            DockingActions: docking,
+            Approvals: Approvals(settings, fanout, lambda _: None, lambda _: False),
+            Notifier: notifier,
+            Logins: logins,
+            Tickets: Tickets(),
+            Quotas: Quotas(settings),
+            AuditLog: audit,
+            Subjects: Subjects(settings, lambda _: None, overview.namespaces),
+        }
+    )
+    metrics = Metrics(HubCollector(parts), CollectorRegistry())
+    stack.push_async_callback(metrics.close)
+    parts.add(Metrics, metrics)
+    await sites.open()
+    stack.callback(fanout.close)
+    return parts

@@ -1,0 +1,327 @@
+"""Follows one site: its events into the store, its robots and alerts into memory, from where the hub was last time."""
+
+import asyncio
+import logging
+import random
+import time
+from collections.abc import Iterable
+from copy import copy
+from datetime import datetime, timedelta
+from typing import Any, Protocol
+
+import orjson
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import moment, stamp_of, utc_now
+from dock_gateway.core.goal import Goal, GoalError
+from dock_gateway.core.tasks import cancel
+from dock_gateway.http.queries import EVENT_ID
+from dock_gateway.hub.renaming import (
+    ForeignDocumentError,
+    Happening,
+    ends_of,
+    finish_goal,
+    read_alerts,
+    read_approvals,
+    read_goal,
+    read_goal_id,
+    read_names,
+    read_robots,
+    read_time,
+)
+from dock_gateway.hub.site_client import Conversation, SiteClient
+from dock_gateway.hub.site_view import SiteView
+from dock_gateway.hub.store import News
+from dock_gateway.storage import History
+from dock_gateway.storage.mirror import SqlMirror
+
+log = logging.getLogger(__name__)
+
+# Seconds before the first and the last attempt to follow a site again; each is up to twice as long.
+RETRY_FIRST, RETRY_LAST = 0.2, 5.0
+# Events of a site that wait for the store; beyond it, the site is not read on.
+MAX_WAITING = 500
+# Goals whose state is remembered, so that the end of one can be put together.
+MAX_GOALS = 1000
+# Goals in a page, and pages that are read of a site at most.
+PAGE, MAX_PAGES = 200, 50
+# Seconds between two measurements of the round trip.
+MEASURE_INTERVAL = 15.0
+
+
+class Keeper(Protocol):
+    """Stores what a site has told."""
+
+    async def keep(self, news: News) -> None:
+        """Store it."""
+
+
+class Follower:
+    """One site that is connected.
+
+    Args:
+        client: The API of the site.
+        view: Takes robots and alerts.
+        keeper: Takes goals and events.
+        history: The hub's goals.
+        mirror: Knows how far the site was read.
+    """
+
+    def __init__(self, client: SiteClient, view: SiteView, keeper: Keeper, history: History, mirror: SqlMirror) -> None:
+        self._client = client
+        self._site = client.address.site
+        self._view = view
+        self._keeper = keeper
+        self._history = history
+        self._mirror = mirror
+        self._goals: dict[str, Goal] = {}
+        self._news = News(self._site)
+        self._more, self._less = asyncio.Event(), asyncio.Event()
+        self._task = asyncio.create_task(self._run())
+
+    async def close(self) -> None:
+        """Follow no longer."""
+        await cancel(self._task)
+        self._view.behind = False
+
+    # ------------------------------------------------------------------ the connection
+
+    async def _run(self) -> None:
+        pause = RETRY_FIRST
+        while True:
+            began = time.monotonic()
+            self._view.behind = True
+            try:
+                await self._follow()
+            except ForeignDocumentError as error:
+                self._view.malformed["malformed"] += 1
+                log.warning("the site %s sends what cannot be read: %s", self._site, error)
+            except (GatewayError, TimeoutError) as error:
+                log.info("the site %s cannot be followed: %s", self._site, error)
+            except Exception:
+                log.exception("while following the site %s", self._site)
+            if time.monotonic() - began > RETRY_LAST:
+                pause = RETRY_FIRST
+            await asyncio.sleep(pause * random.uniform(1, 2))  # noqa: S311 - not a secret
+            pause = min(2 * pause, RETRY_LAST)
+
+    async def _follow(self) -> None:
+        cursor = self._view.cursor = await self._mirror.cursor(self._site)
+        self._news = News(self._site)
+        self._goals.clear()
+        async with self._client.events(cursor) as conversation:
+            work = self._read_all(conversation, Reading(cursor)), self._write(), self._measure()
+            tasks = [asyncio.create_task(each) for each in work]
+            try:
+                done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                await cancel(*tasks)
+            await self._keeper.keep(self._news)  # what was read is kept, and all before it, however the stream ended
+            for task in done:
+                task.result()
+
+    async def _read_all(self, conversation: Conversation, reading: "Reading") -> None:
+        async for message in conversation:
+            self._view.reported_at = time.monotonic()
+            await self._read(_decode(message), reading)
+            while len(self._news.happenings) >= MAX_WAITING:
+                self._less.clear()
+                await self._less.wait()
+
+    async def _measure(self) -> None:
+        while True:
+            self._view.round_trip = await self._client.measure()
+            await asyncio.sleep(MEASURE_INTERVAL)
+
+    async def _write(self) -> None:
+        while True:
+            await self._more.wait()
+            self._more.clear()
+            news, self._news = self._news, News(self._site)
+            self._less.set()
+            if news:
+                await self._keeper.keep(news)
+                self._view.cursor = news.cursor or self._view.cursor
+
+    # ------------------------------------------------------------------ messages
+
+    async def _read(self, message: dict[str, Any], reading: "Reading") -> None:
+        match message.get("type"):
+            case "status" | "result" as kind:
+                await self._read_event(kind, message, reading)
+                reading.count_event(self._view)
+            case "robots":
+                robots, gone = read_robots(self._site, message.get("robots")), message.get("gone")
+                self._view.put_robots(robots, read_names(self._site, gone), all_of_them=reading.first_robots)
+                reading.first_robots = False
+            case "alerts":
+                self._view.put_alerts(read_alerts(self._site, message.get("alerts")))
+            case "approvals":
+                self._view.put_approvals(read_approvals(self._site, message.get("approvals")))
+            case "snapshot":
+                await self._read_snapshot(message, reading)
+            case "resumed":
+                reading.begin(message, self._view)
+            case "gap":
+                reading.gap = True
+            case "closing":
+                log.info("the site %s ends the stream: %s", self._site, message.get("reason"))
+
+    async def _read_event(self, kind: str, message: dict[str, Any], reading: "Reading") -> None:
+        identity, at = _read_event_id(message.get("id")), read_time(message.get("time"))
+        if kind == "status":
+            goal = read_goal(self._site, message)
+        else:
+            goal = await self._find(read_goal_id(message.get("goal_id")))
+            finish_goal(goal, message)
+        self._note(goal)
+        self._news.happenings.append(Happening("status" if kind == "status" else "result", copy(goal), at))
+        reading.newest = max(identity, reading.newest)
+        if not reading.gap:  # else what is missing has to be read first
+            self._news.cursor = reading.newest
+        self._more.set()
+
+    def _note(self, goal: Goal) -> None:
+        self._goals.pop(goal.goal_id, None)
+        self._goals[goal.goal_id] = self._news.goals[goal.goal_id] = goal
+        if len(self._goals) > MAX_GOALS:
+            del self._goals[next(iter(self._goals))]
+
+    async def _find(self, goal_id: str) -> Goal:
+        """Return a goal that has ended: as it was told before, as it is stored, or as the site has it."""
+        if (known := self._goals.get(goal_id) or await self._stored(goal_id)) is not None:
+            return copy(known)
+        goal = await self._ask(goal_id)
+        if goal is None:
+            raise ForeignDocumentError(f"the goal {goal_id} has ended, and the site does not know it")
+        return goal
+
+    async def _stored(self, goal_id: str) -> Goal | None:
+        goal = await self._history.get(goal_id)
+        return goal if goal is not None and self._is_ours(goal) else None
+
+    def _is_ours(self, goal: Goal) -> bool:
+        return goal.action_name.startswith(f"/{self._site}/")
+
+    async def _ask(self, goal_id: str) -> Goal | None:
+        status, document = await self._client.get(f"/goals/{goal_id}")
+        if status == 404:
+            return None
+        if status != 200:
+            raise ForeignDocumentError(f"GET /goals/{goal_id} is answered with {status}")
+        return read_goal(self._site, document)
+
+    # ------------------------------------------------------------------ what was missed
+
+    async def _read_snapshot(self, message: dict[str, Any], reading: "Reading") -> None:
+        self._view.put_robots(read_robots(self._site, message.get("robots")), all_of_them=True)
+        self._view.put_alerts(read_alerts(self._site, message.get("alerts")))
+        self._view.put_approvals(read_approvals(self._site, message.get("approvals")))
+        reading.first_robots = False
+        documents = message.get("goals")
+        if not isinstance(documents, list):
+            raise ForeignDocumentError("a snapshot without goals")
+        ids = [each.get("last_event_id") for each in documents if isinstance(each, dict)]
+        reading.newest = max((reading.newest, *(_read_event_id(each) for each in ids if each is not None)))
+        found = await self._take(documents, reading)
+        found |= await self._read_pages(reading)
+        await self._look_for_unfinished(found)
+        reading.gap = False
+        self._news.cursor = reading.newest or None
+        self._more.set()
+        self._view.behind = False
+
+    async def _take(self, documents: Iterable[Any], reading: "Reading") -> set[str]:
+        """Take over goals as they are now; return their ids. Their ends are told, if they may not have been told."""
+        found = set()
+        for document in documents:
+            goal = read_goal(self._site, document)
+            found.add(goal.goal_id)
+            self._note(goal)
+            if reading.tells_of(goal):
+                self._news.happenings += ends_of(copy(goal))
+        self._more.set()
+        return found
+
+    async def _read_pages(self, reading: "Reading") -> set[str]:
+        """Read the goals of the site, newest first, until those that are known already."""
+        found: set[str] = set()
+        query = f"limit={PAGE}"
+        for _ in range(MAX_PAGES):
+            status, document = await self._client.get("/goals", query)
+            if status != 200 or not isinstance(document, dict) or not isinstance(document.get("goals"), list):
+                raise ForeignDocumentError(f"GET /goals is answered with {status}")
+            page = await self._take(document["goals"], reading)
+            known = await self._history.known(page)
+            found |= page
+            cursor = document.get("next_cursor")
+            if cursor is None or all(each in known and known[each].status.final for each in page):
+                break
+            query = f"limit={PAGE}&cursor={read_goal_id(cursor)}"
+        return found
+
+    async def _look_for_unfinished(self, found: set[str]) -> None:
+        """Ask for the goals that run as far as the hub knows, and that the site has not named."""
+        for known in await self._history.unfinished():
+            if known.goal_id in found or not self._is_ours(known):
+                continue
+            goal = await self._ask(known.goal_id)
+            if goal is None:
+                goal = copy(known)
+                goal.lose(GoalError("goal_unknown", "the site no longer knows the goal"), utc_now())
+                self._news.happenings += [Happening("status", copy(goal), goal.updated_at)]
+            self._note(goal)
+            self._news.happenings += ends_of(copy(goal))
+
+
+class Reading:
+    """How far a stream of a site has been read.
+
+    Args:
+        cursor: The last event that is stored; None if the site was never read.
+
+    Attributes:
+        first_robots: Whether the next robots are all of them.
+        gap: Whether events are missing that the site no longer has: its goals are read instead.
+        newest: Id of the newest event that was read; empty if there is none yet.
+    """
+
+    def __init__(self, cursor: str | None) -> None:
+        self.first_robots = False
+        self.gap = False
+        self.newest = ""
+        self._since: datetime | None = None if cursor is None else moment(stamp_of(cursor)) - timedelta(seconds=5)
+        self._missed = 0
+
+    def begin(self, message: dict[str, Any], view: SiteView) -> None:
+        """Note how many missed events follow."""
+        count = message.get("count")
+        self._missed = count if isinstance(count, int) else 0
+        self.first_robots = True
+        view.behind = self._missed > 0
+
+    def count_event(self, view: SiteView) -> None:
+        """Note that an event was read."""
+        if self._missed:
+            self._missed -= 1
+            view.behind = self._missed > 0
+
+    def tells_of(self, goal: Goal) -> bool:
+        """Return whether the end of a goal may not have been told: it is later than what was read before."""
+        return self._since is not None and (goal.finished_at or goal.updated_at) >= self._since
+
+
+def _read_event_id(value: object) -> str:
+    if not isinstance(value, str) or not EVENT_ID.fullmatch(value):
+        raise ForeignDocumentError(f"{value!r:.60} is not the id of an event")
+    return value
+
+
+def _decode(message: str | bytes) -> dict[str, Any]:
+    try:
+        document = orjson.loads(message)
+    except orjson.JSONDecodeError:
+        document = None
+    if not isinstance(document, dict):
+        raise ForeignDocumentError("a message of its stream is not a JSON object")
+    return document

@@ -1,0 +1,251 @@
+"""`/sites/{site}/…`: the site's own API. A request is signed for who makes it, and carried to the site."""
+
+import asyncio
+import uuid
+from collections.abc import Iterable
+from dataclasses import dataclass
+from urllib.parse import parse_qsl, urlencode
+
+from fastapi import APIRouter, Request, WebSocket
+from starlette.datastructures import Headers
+from starlette.requests import HTTPConnection
+from starlette.responses import Response
+from starlette.types import Message, Receive, Scope, Send
+from starlette.websockets import WebSocketState
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import InvalidField, MalformedRequest, NotAuthenticated
+from dock_gateway.core.grant import Role
+from dock_gateway.core.tasks import cancel
+from dock_gateway.http import operation as needs
+from dock_gateway.http.operation import operation
+from dock_gateway.http.parts import parts_of
+from dock_gateway.http.principal import TICKET, principal_of
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.http.requests import read_body, read_wait
+from dock_gateway.http.slow_clients import send_in_time
+from dock_gateway.hub.site_client import DEADLINE, SiteClient
+from dock_gateway.hub.sites import Sites
+from dock_gateway.settings import Settings
+from dock_gateway.sites.names import site_grant, to_hub
+from dock_gateway.sites.tunnel.failures import SiteTimeout, silent_for
+from dock_gateway.streams.events import CLOSE_CODES
+
+router = APIRouter(tags=["Sites"])
+
+METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
+# Seconds that a stop waits for the rest of its request: who made it, for example.
+STOP_BODY_WITHIN = 0.5
+# The code with which a WebSocket is closed whose site was lost.
+SITE_LOST = 1014
+# What is about the connection to the hub, and the login there. The rest of the headers goes to the site.
+STAYING = frozenset(
+    {
+        *("authorization", "connection", "cookie", "expect", "forwarded", "host", "keep-alive", "origin"),
+        *("proxy-authorization", "referer", "te", "trailer", "transfer-encoding", "upgrade"),
+        *("content-length", "permissions-policy"),
+    }
+)
+STAYING_PREFIXES = ("proxy-", "sec-", "x-forwarded-")
+FIRST = asyncio.FIRST_COMPLETED
+LOGIN_ENDED = NotAuthenticated("the login has ended or was changed; connect again", code="invalid_token")
+Pairs = list[tuple[bytes, bytes]]
+
+
+@router.api_route("/sites/{site}/{path:path}", methods=METHODS, name="forward_request", include_in_schema=False)
+@operation(Role.VIEWER, needs.Scope.ANY, reads_body=True)
+async def forward_request(site: str, path: str, request: Request) -> Response:
+    """Carry a request to a site, and its answer back. The site decides what its user may do there."""
+    parts, principal = parts_of(request), principal_of(request)
+    robots = [to_hub(site, f"/{name.strip('/')}") for name in request.query_params.getlist("robot")]
+    audited(request, subject=f"{request.method} /sites/{site}/{path}"[:200], robot=",".join(robots)[:200] or None)
+    client = parts[Sites].client(site, principal.grant)
+    body = await _read(request, path)
+    parts[Logins].require_valid(principal)  # the body may have taken its time
+    token = _sign(client, request, f"/{path}", request.method)
+    return Forwarded(client, Asked(f"/{path}", token, _headers(request), body, DEADLINE + _wait(request)))
+
+
+@router.websocket("/sites/{site}/{path:path}", name="forward_websocket")
+@operation(Role.VIEWER, needs.Scope.ANY)
+async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
+    """Carry a WebSocket to a site. It ends with the login at the hub."""
+    parts, principal = parts_of(websocket), principal_of(websocket)
+    client = parts[Sites].client(site, principal.grant)
+    token = _sign(client, websocket, f"/{path}", "GET")
+    scope = {**websocket.scope, "query_string": _without_ticket(websocket.scope["query_string"])}
+    asked = Asked(f"/{path}", token, _headers(websocket), b"", DEADLINE)
+    with parts[Quotas].hold(principal, "streams"):
+        await Stream(websocket).run(client, asked, scope)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request to a site.
+
+    Attributes:
+        path: The path there.
+        token: Who asks, signed.
+        headers: Its headers.
+        body: Its body.
+        deadline: Seconds until the answer has to begin.
+    """
+
+    path: str
+    token: str
+    headers: Pairs
+    body: bytes
+    deadline: float
+
+
+class Forwarded(Response):
+    """The answer of a site, as it comes.
+
+    Args:
+        client: The site.
+        asked: What it is asked.
+    """
+
+    def __init__(self, client: SiteClient, asked: "Asked") -> None:
+        super().__init__()
+        self._client = client
+        self._asked = asked
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send the request, and then what comes."""
+        connection = HTTPConnection(scope)
+        timeout = parts_of(connection)[Settings].subscriber_timeout
+        prefix, asked = f"/sites/{self._client.address.site}", self._asked
+        waiting: list[Message] = [{"type": "http.request", "body": asked.body, "more_body": False}]
+
+        begun = asyncio.Event()
+
+        async def receive_all() -> Message:
+            return waiting.pop() if waiting else await receive()
+
+        async def send_own(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                begun.set()
+                message = {**message, "headers": [*_answered(message.get("headers", ()), prefix)]}
+            await send_in_time(send, message, timeout)
+
+        forward = self._client.forward(
+            scope,
+            receive_all,
+            send_own,
+            path=asked.path,
+            token=asked.token,
+            headers=asked.headers,
+            deadline=asked.deadline,
+        )
+        carrying, beginning = asyncio.ensure_future(forward), asyncio.ensure_future(begun.wait())
+        try:
+            with parts_of(connection)[Logins].watch(principal_of(connection), carrying.cancel):
+                await asyncio.wait((carrying, beginning), timeout=asked.deadline, return_when=FIRST)
+                late = not (carrying.done() or begun.is_set())
+                if not late:
+                    await asyncio.wait((carrying,))
+        finally:
+            await cancel(carrying, beginning)
+        site = self._client.address.site
+        try:
+            if late:
+                raise silent_for(site, asked.deadline)
+            if carrying.cancelled():
+                raise LOGIN_ENDED
+            carrying.result()
+        except SiteTimeout as error:
+            error.extra["idempotency_key"] = Headers(raw=asked.headers).get("idempotency-key")
+            raise
+
+
+class Stream:
+    """A WebSocket that is carried to a site.
+
+    Args:
+        websocket: The connection of the client.
+    """
+
+    def __init__(self, websocket: WebSocket) -> None:
+        self._websocket = websocket
+        self._timeout = parts_of(websocket)[Settings].subscriber_timeout
+
+    async def run(self, client: SiteClient, asked: Asked, scope: Scope) -> None:
+        """Carry messages both ways until either side ends it, or the login ends."""
+        websocket, ended = self._websocket, asyncio.Event()
+        forward = client.forward(
+            scope,
+            websocket.receive,
+            self._send,
+            path=asked.path,
+            token=asked.token,
+            headers=asked.headers,
+            deadline=asked.deadline,
+        )
+        carrying, ending = asyncio.ensure_future(forward), asyncio.ensure_future(ended.wait())
+        try:
+            with parts_of(websocket)[Logins].watch(principal_of(websocket), ended.set):
+                await asyncio.wait((carrying, ending), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            await cancel(ending, carrying)
+        if websocket.application_state is WebSocketState.CONNECTING:
+            if carrying.cancelled():
+                raise LOGIN_ENDED
+            carrying.result()  # what kept it from being opened is the answer
+        if websocket.application_state is WebSocketState.CONNECTED:
+            lost = not carrying.cancelled() and carrying.exception() is not None
+            reason = "site_unreachable" if lost else "invalid_token"
+            await websocket.close(SITE_LOST if lost else CLOSE_CODES["invalid_token"], reason)
+
+    async def _send(self, message: Message) -> None:
+        await send_in_time(self._websocket.send, message, self._timeout)
+
+
+async def _read(request: Request, path: str) -> bytes:
+    """Return the body. A stop is carried on without it, if it does not come at once."""
+    if path != "stop":
+        return await read_body(request)
+    try:
+        return await read_body(request, STOP_BODY_WITHIN)
+    except MalformedRequest:
+        return b""
+
+
+def _wait(request: Request) -> float:
+    """Return the seconds that the client lets the site wait; whether that is allowed is the site's to say."""
+    try:
+        return read_wait(request)
+    except InvalidField:
+        return 0.0
+
+
+def _sign(client: SiteClient, connection: HTTPConnection, path: str, method: str) -> str:
+    principal = principal_of(connection)
+    grant = site_grant(principal.grant, client.address.site)
+    assert grant is not None  # else there is no such site for them
+    return client.sign(method, path, principal.name, grant)
+
+
+def _headers(connection: HTTPConnection) -> Pairs:
+    """Return the headers that go to the site. What may be sent twice gets a key, so that it is done once."""
+    kept = [
+        (name, value)
+        for name, value in connection.scope["headers"]
+        if (text := name.decode("latin-1")) not in STAYING and not text.startswith(STAYING_PREFIXES)
+    ]
+    if connection.scope.get("method") == "POST" and "idempotency-key" not in connection.headers:
+        kept.append((b"idempotency-key", uuid.uuid4().hex.encode()))
+    return kept
+
+
+def _answered(headers: Iterable[tuple[bytes, bytes]], prefix: str) -> Iterable[tuple[bytes, bytes]]:
+    """Return the headers of an answer for who is at the hub: a path is below that of the site."""
+    for name, value in headers:
+        yield name, prefix.encode() + value if name.lower() == b"location" and value[:1] == b"/" else value
+
+
+def _without_ticket(query: bytes) -> bytes:
+    """Return a query without the ticket, which is one of the hub's login."""
+    pairs = parse_qsl(query.decode("latin-1"), keep_blank_values=True)
+    return urlencode([pair for pair in pairs if pair[0] != TICKET]).encode()

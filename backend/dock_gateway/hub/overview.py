@@ -1,0 +1,278 @@
+"""All robots and alerts of all sites, as the sites told them last, and the alerts of the hub about its sites."""
+
+import asyncio
+import logging
+from datetime import UTC, datetime
+from typing import Any
+
+import orjson
+
+from dock_gateway.core.alerts import SETTLED_AFTER
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.event import Event, fleet_event, notice, utc_now
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.filters import EventFilter, is_under
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.fleet.alert import Alert, AlertKind
+from dock_gateway.goals.goals import Goals
+from dock_gateway.hub.directory import SILENT_AFTER, State
+from dock_gateway.hub.sites import Sites
+from dock_gateway.storage import Acknowledgement, History
+from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
+
+log = logging.getLogger(__name__)
+
+TOPIC = "robots"
+# Seconds between two publications of what has changed.
+INTERVAL = 0.2
+# The fields of a site that change all the time. A change of the others is published.
+RESTLESS = frozenset({"lag_ms", "round_trip_ms", "clock_offset_s", "cursor"})
+NO_SERVER = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
+# What a stream of a gateway begins with besides: a hub has no robot of its own.
+NO_ROBOT: dict[str, Any] = {
+    "battery": {
+        "state": None,
+        "percentage": None,
+        "implausible": [],
+        "age_s": None,
+        "stale": True,
+        "stale_after_s": 0.0,
+        "low_below": 0.0,
+        "received_at": None,
+    },
+    "battery_publisher": {
+        "active": False,
+        "state": None,
+        "rate_hz": None,
+        "published_count": 0,
+        "started_at": None,
+    },
+    "action_server": NO_SERVER,
+    "undock_server": NO_SERVER,
+}
+Document = dict[str, Any]
+
+
+class Overview:
+    """What spans all sites. It is the robots, the alerts and the present of a hub.
+
+    Args:
+        fanout: Receives changes, and knows the subscribers.
+        sites: The sites.
+        goals: Their goals.
+        history: Stores the acknowledgements of the hub's own alerts, and knows whether it has lost something.
+
+    Attributes:
+        default_namespace: Every robot: a hub is set up for none.
+        on_change: Called when an alert begins or ends.
+    """
+
+    default_namespace = "/"
+
+    def __init__(self, fanout: Fanout, sites: Sites, goals: Goals, history: History) -> None:
+        self._fanout = fanout
+        self._sites = sites
+        self._goals = goals
+        self._history = history
+        self._acknowledgements = SharedEntries(history.documents("acknowledgement", Acknowledgement))
+        self._own: dict[str, Alert] = {}
+        self._ids: set[str] = set()
+        self._published: dict[str, bytes] = {}
+        self.on_change: list[Any] = []
+        self._tasks = Tasks("looking after the overview of sites")
+        self._tasks.spawn(self._run())
+        self._tasks.spawn(self._sync())
+
+    async def close(self) -> None:
+        """Publish nothing any longer."""
+        await self._tasks.close()
+
+    # ------------------------------------------------------------------ robots
+
+    def namespaces(self) -> list[str]:
+        """Return the namespaces of all robots, sorted."""
+        return sorted(name for view in self._sites.views() for name in view.robots)
+
+    def find(self, namespace: str | None = None) -> str:
+        """Return the namespace of a robot, or of robots: `/berlin`.
+
+        Raises:
+            NotFound: `robot_not_found`.
+        """
+        name = "/" if namespace is None else read_namespace(namespace)
+        known = name == "/" or any(is_under(each, name) for each in self.namespaces())
+        if not known and name[1:].partition("/")[0] not in self._sites.names():
+            raise NotFound(f"there is no robot {name}", code="robot_not_found")
+        return name
+
+    def robots(self, grant: Grant = UNLIMITED, namespace: str = "/") -> list[Document]:
+        """Return the robots of a grant in a namespace, by name."""
+        return [
+            view.robots[name] | {"site_state": self._sites.state(view.site)}
+            for view in sorted(self._sites.views(), key=lambda view: view.site)
+            for name in sorted(view.robots)
+            if grant.covers_robot(name) and is_under(name, namespace)
+        ]
+
+    def approvals(self, grant: Grant = UNLIMITED) -> list[Document]:
+        """Return the goals of agents that wait at sites for a person."""
+        waiting = (each for view in self._sites.views() for each in view.approvals)
+        return [each for each in waiting if grant.covers_action(each["action_name"])]
+
+    # ------------------------------------------------------------------ alerts
+
+    def documents(self, grant: Grant = UNLIMITED) -> list[Document]:
+        """Return the alerts of a grant: critical ones first, then oldest first."""
+        found = [alert for view in self._sites.views() for alert in view.alerts]
+        found += [self._document(alert) for alert in self._own.values()]
+        covered = [alert for alert in found if grant.covers_alert(alert["robot"])]
+        return sorted(covered, key=lambda alert: (alert["severity"] != "critical", _text(alert["since"]), alert["id"]))
+
+    def get(self, alert_id: str, grant: Grant = UNLIMITED) -> Document:
+        """Return an alert.
+
+        Raises:
+            NotFound: There is none, or the grant does not cover it (`alert_not_found`).
+        """
+        alert = next((each for each in self.documents(grant) if each["id"] == alert_id), None)
+        if alert is None:
+            raise NotFound(f"there is no alert {alert_id[:60]}; it may have cleared", code="alert_not_found")
+        return alert
+
+    def is_own(self, alert_id: str) -> bool:
+        """Return whether an alert is one of the hub itself, and not of a site."""
+        return alert_id in self._own
+
+    async def acknowledge(self, alert_id: str, by: str | None) -> Document:
+        """Acknowledge an alert of the hub itself, or withdraw that with None; return the alert."""
+        acknowledgement = None if by is None else Acknowledgement(by, utc_now())
+        self._acknowledgements.put(alert_id, acknowledgement)
+        await self._acknowledgements.save()
+        self._publish_alerts()
+        return self._document(self._own[alert_id])
+
+    def _document(self, alert: Alert) -> Document:
+        site = None if alert.robot is None else alert.robot[1:]
+        return alert.document(self._acknowledgements.get(alert.id)) | {"site": site}
+
+    def _look(self) -> None:
+        own = []
+        if (incident := self._history.incident) is not None:
+            own.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
+        for name in self._sites.names():
+            site, state = self._sites.find(name), self._sites.state(name)
+            since = datetime.fromtimestamp(site.since, UTC)
+            if state is State.REFUSED:
+                detail = site.detail or "It was refused."
+                own.append(Alert(AlertKind.SITE_REFUSED, f"/{name}", since, "Site refused", detail))
+            elif state is State.UNREACHABLE and self._sites.silent_for(name) >= SILENT_AFTER:
+                detail = (
+                    f"The hub does not reach {name}. Its robots go on as the site says; check that its gateway runs "
+                    "and is connected to the NATS server."
+                )
+                own.append(Alert(AlertKind.SITE_UNREACHABLE, f"/{name}", since, "Site unreachable", detail))
+        self._own = {alert.id: alert for alert in own}
+
+    async def _sync(self) -> None:
+        """Read the acknowledgements; forget those of alerts that have not come again since the start."""
+        waited = 0.0
+        while True:
+            answered = await self._acknowledgements.sync()
+            if answered and waited >= SETTLED_AFTER:
+                for ended in self._acknowledgements.keys() - self._own.keys():
+                    self._acknowledgements.put(ended, None)
+            await asyncio.sleep(SYNC_INTERVAL)
+            waited += SYNC_INTERVAL
+
+    # ------------------------------------------------------------------ streams
+
+    async def snapshot(self, event_filter: EventFilter) -> Event:
+        """Return recent goals; all robots, alerts and sites if asked for."""
+        goals = await self._goals.recent(event_filter)
+        grant = event_filter.grant or UNLIMITED
+        fleet = {}
+        if TOPIC in event_filter.topics:
+            fleet = {
+                "robots": self.robots(grant),
+                "alerts": self.documents(grant),
+                "approvals": self.approvals(grant),
+                "sites": self.site_documents(grant),
+            }
+        return notice(
+            "snapshot",
+            utc_now(),
+            ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
+            goals=[goal.document() for goal in goals],
+            stop={"latched": False, "since": None, "by": None, "robots": [], "persisted": True},
+            **NO_ROBOT,
+            **fleet,
+        )
+
+    def events(self, event_filter: EventFilter) -> list[Event]:
+        """Return the current robots, alerts and sites, if the reader wants them."""
+        if TOPIC not in event_filter.topics:
+            return []
+        grant, now = event_filter.grant or UNLIMITED, utc_now()
+        return [
+            fleet_event("robots", now, robots=self.robots(grant), gone=[]),
+            fleet_event("alerts", now, alerts=self.documents(grant)),
+            fleet_event("approvals", now, approvals=self.approvals(grant)),
+            fleet_event("sites", now, sites=self.site_documents(grant)),
+        ]
+
+    def site_documents(self, grant: Grant = UNLIMITED) -> list[Document]:
+        """Return the sites of a grant, by name."""
+        return [self._sites.document(name, grant) for name in self._sites.names(grant)]
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(INTERVAL)
+            try:
+                self._look()
+                self._publish()
+            except Exception:
+                log.exception("while updating the overview of sites")
+
+    def _publish(self) -> None:
+        views = self._sites.views()
+        ids = {alert["id"] for view in views for alert in view.alerts} | self._own.keys()
+        if ids != self._ids:
+            self._ids = ids
+            for heard in self.on_change:
+                heard()
+        if not self._fanout.watched(TOPIC):
+            self._published.clear()
+            for view in views:
+                view.changed.clear()
+            return
+        robots: list[Document] = []
+        gone: list[str] = []
+        for view in views:
+            state = self._sites.state(view.site)
+            changed, view.changed = view.changed, set()
+            robots += [view.robots[name] | {"site_state": state} for name in sorted(changed) if name in view.robots]
+            gone += sorted(changed - view.robots.keys())
+        if robots or gone:
+            self._fanout.publish(fleet_event("robots", utc_now(), robots=robots, gone=gone))
+        self._publish_alerts()
+        self._publish_if_changed("approvals", self.approvals())
+        sites = self.site_documents()
+        settled = [{name: value for name, value in site.items() if name not in RESTLESS} for site in sites]
+        self._publish_if_changed("sites", sites, settled)
+
+    def _publish_alerts(self) -> None:
+        self._publish_if_changed("alerts", self.documents())
+
+    def _publish_if_changed(self, kind: str, documents: list[Document], settled: list[Document] | None = None) -> None:
+        encoded = encode(documents if settled is None else settled)
+        if self._published.get(kind) != encoded:
+            self._published[kind] = encoded
+            shown = encoded if settled is None else encode(documents)
+            self._fanout.publish(fleet_event(kind, utc_now(), **{kind: orjson.Fragment(shown)}))
+
+
+def _text(since: object) -> str:
+    return since.isoformat().replace("+00:00", "Z") if isinstance(since, datetime) else str(since)

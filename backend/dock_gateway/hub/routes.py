@@ -1,0 +1,178 @@
+"""The API of the hub itself: its sites, and what spans all of them."""
+
+from typing import Annotated
+
+import orjson
+from fastapi import APIRouter, Depends, Path, Request
+from starlette.responses import Response
+
+from dock_gateway import __version__
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import NotFound, not_covered
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Role
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.fleet.schema import AcknowledgementBody
+from dock_gateway.http.bodies import body_schema, read_signed
+from dock_gateway.http.openapi import body
+from dock_gateway.http.operation import Scope, operation, public_operation
+from dock_gateway.http.parts import AllParts, Part, Parts
+from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import NO_QUERY, RobotQuery, json_response, known_query
+from dock_gateway.hub.overview import Overview
+from dock_gateway.hub.schema import (
+    HubHealth,
+    HubReadiness,
+    SiteAlert,
+    SiteAlertList,
+    SiteInfo,
+    SiteList,
+    SiteRobotList,
+)
+from dock_gateway.hub.site_client import DEADLINE
+from dock_gateway.hub.sites import Sites
+from dock_gateway.sites.broker import Broker
+from dock_gateway.sites.names import site_grant
+from dock_gateway.storage import History
+
+router = APIRouter()
+
+SiteName = Annotated[str, Path(description="Name of the site, such as `berlin`")]
+AlertId = Annotated[str, Path(description="`id` of the alert")]
+
+
+@router.get("/sites", tags=["Sites"], response_model=SiteList, responses=problems(422), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_sites(overview: Part[Overview], grant: TheGrant) -> Response:
+    """List the sites of which the user may see any robot, by name."""
+    return json_response({"sites": overview.site_documents(grant)})
+
+
+@router.get(
+    "/sites/{site}", tags=["Sites"], response_model=SiteInfo, responses=problems(404, 422), dependencies=[NO_QUERY]
+)
+@operation(Role.VIEWER, Scope.LISTED)
+async def get_site(site: SiteName, sites: Part[Sites], grant: TheGrant) -> Response:
+    """Return one site."""
+    return json_response(sites.document(site, grant))
+
+
+@router.delete(
+    "/sites/{site}", tags=["Sites"], status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY]
+)
+@operation(Role.ADMIN, Scope.EVERY)
+async def forget_site(site: SiteName, sites: Part[Sites]) -> Response:
+    """Forget a site, and which gateway has its name: the next one to come with that name has it.
+
+    A site that is still there comes back by itself. Its goals stay in the history.
+    """
+    await sites.forget(site)
+    return Response(status_code=204)
+
+
+@router.get(
+    "/robots",
+    tags=["Robots"],
+    response_model=SiteRobotList,
+    responses=problems(403, 404, 422),
+    dependencies=[Depends(known_query("robot"))],
+)
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_robots(overview: Part[Overview], grant: TheGrant, robot: RobotQuery = None) -> Response:
+    """List the robots of all sites, or only those at or below `robot`: `/berlin` is a whole site.
+
+    Those of a site that is not connected are as they were then.
+    """
+    if robot is None:
+        return json_response({"robots": overview.robots(grant)})
+    name = overview.find(robot)
+    found = overview.robots(grant, name)
+    if not found and not grant.covers_robot(read_namespace(robot)):
+        raise not_covered(f"the robot {name}")
+    return json_response({"robots": found})
+
+
+@router.get("/alerts", tags=["Alerts"], response_model=SiteAlertList, responses=problems(422), dependencies=[NO_QUERY])
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Response:
+    """List the active alerts of all sites, and those about sites: critical ones first, then oldest first."""
+    return json_response({"alerts": overview.documents(grant)})
+
+
+@router.put(
+    "/alerts/{alert_id}/acknowledgement",
+    tags=["Alerts"],
+    response_model=SiteAlert,
+    responses=problems(400, 404, 408, 413, 415, 422, 503, 504),
+    dependencies=[NO_QUERY],
+    openapi_extra=body(body_schema(AcknowledgementBody), required=True),
+)
+@operation(Role.OPERATOR, Scope.ALERT)
+async def acknowledge(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
+    """Acknowledge an alert: one of a site at that site, which decides whether the user may."""
+    by = (await read_signed(AcknowledgementBody, request)).by
+    return await _answer_alert(alert_id, request, parts, "PUT", by)
+
+
+@router.delete(
+    "/alerts/{alert_id}/acknowledgement",
+    tags=["Alerts"],
+    response_model=SiteAlert,
+    responses=problems(404, 422, 503, 504),
+    dependencies=[NO_QUERY],
+)
+@operation(Role.OPERATOR, Scope.ALERT)
+async def withdraw_acknowledgement(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
+    """Withdraw an acknowledgement. Succeeds even if there is none."""
+    return await _answer_alert(alert_id, request, parts, "DELETE", None)
+
+
+async def _answer_alert(alert_id: str, request: Request, parts: Parts, method: str, by: str | None) -> Response:
+    overview, principal = parts[Overview], principal_of(request)
+    alert = overview.get(alert_id, principal.grant)
+    audited(request, robot=alert["robot"])
+    if overview.is_own(alert_id):
+        return json_response(await overview.acknowledge(alert_id, by))
+    site, _, own_id = alert_id.partition(".")
+    client, grant = parts[Sites].client(site, principal.grant), site_grant(principal.grant, site)
+    if grant is None:
+        raise NotFound(f"there is no alert {alert_id[:60]}", code="alert_not_found")
+    path = f"/alerts/{own_id}/acknowledgement"
+    sent = b"" if by is None else encode({"by": by})
+    answer = await client.ask(method, path, sent, name=principal.name, grant=grant, deadline=DEADLINE)
+    if answer.status != 200:
+        media_type = "application/problem+json"
+        return Response(answer.body, answer.status, media_type=media_type)
+    acknowledged = orjson.loads(answer.body)["acknowledged"]
+    return json_response(alert | {"acknowledged": acknowledged})
+
+
+@router.get("/healthz", tags=["Health"], response_model=HubHealth)
+@public_operation()
+async def healthz(broker: Part[Broker], fanout: Part[Fanout]) -> Response:
+    """Report that the hub answers."""
+    health = {
+        "status": "ok",
+        "version": __version__,
+        "hub": True,
+        "broker_connected": broker.connected,
+        "subscribers": len(fanout),
+    }
+    return json_response(health)
+
+
+@router.get("/readyz", tags=["Health"], response_model=HubReadiness, responses={503: {"model": HubReadiness}})
+@public_operation()
+async def readyz(broker: Part[Broker], history: Part[History], sites: Part[Sites]) -> Response:
+    """Report whether the hub reaches its database and the NATS server."""
+    stats = history.stats()
+    ready = broker.connected and stats.database_reachable
+    document = {
+        "ready": ready,
+        "broker_connected": broker.connected,
+        "sites": sites.count(),
+        "history": {**vars(stats), "last_error": None},
+    }
+    return json_response(document, 200 if ready else 503)

@@ -1,0 +1,147 @@
+"""The JSON shapes of a hub: its sites, and the documents of gateways with names of the hub."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import ConfigDict, Field
+
+from dock_gateway.fleet.schema import Alert, Robot
+from dock_gateway.goals.approval_schema import Approval
+from dock_gateway.http.schema import Schema
+from dock_gateway.hub.directory import State
+from dock_gateway.observability.schema import HistoryState
+from dock_gateway.streams.schema import SnapshotEvent
+
+
+class SiteStop(Schema):
+    """The robots of a site that a stop holds."""
+
+    latched: bool
+    robots: list[str]
+
+
+class SiteInfo(Schema):
+    """A site.
+
+    `lag_ms` is the age of its newest report, `round_trip_ms` what a small answer took last. Its clock is
+    `clock_offset_s` ahead of the hub's. `behind`: the hub still reads what it has missed, from the event `cursor` on.
+    `refused` counts what was refused of this name, by code, and `detail` says why the last one was.
+    """
+
+    name: str
+    state: State
+    since: datetime
+    version: str | None
+    instance: str | None
+    machine: str
+    lag_ms: int | None
+    round_trip_ms: float | None
+    clock_offset_s: float | None
+    cursor: str | None
+    behind: bool
+    robots: int
+    goals_running: int
+    alerts: int
+    stop: SiteStop
+    refused: dict[str, int]
+    detail: str | None
+
+
+class SiteList(Schema):
+    """The sites, by name."""
+
+    sites: list[SiteInfo]
+
+
+class SiteRobot(Robot):
+    """A robot of a site; its name has the site in front. If its site is not connected, it is as it was then."""
+
+    site: str
+    site_state: State
+
+
+class SiteRobotList(Schema):
+    """The robots of all sites, by name."""
+
+    robots: list[SiteRobot]
+
+
+class SiteAlert(Alert):
+    """An alert of a site, or of the hub itself about a site; `site` is null if it is about the hub."""
+
+    site: str | None
+
+
+class SiteAlertList(Schema):
+    """The active alerts of all sites: critical ones first, then oldest first."""
+
+    alerts: list[SiteAlert]
+
+
+class SiteApproval(Approval):
+    """An agent's goal at a site, which waits until a person allows it there."""
+
+    site: str
+
+
+class HubSnapshotEvent(SnapshotEvent):
+    """The first message of a stream of a hub, which has no robot of its own."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
+
+    robots: list[SiteRobot] = Field(default_factory=list)  # type: ignore[assignment]
+    alerts: list[SiteAlert] = Field(default_factory=list)  # type: ignore[assignment]
+    approvals: list[SiteApproval] = Field(default_factory=list)  # type: ignore[assignment]
+    sites: list[SiteInfo] = Field(default_factory=list)
+
+
+class HubRobotsEvent(Schema):
+    """The current state of robots that changed; `gone` names those that left."""
+
+    type: Literal["robots"]
+    time: datetime
+    robots: list[SiteRobot]
+    gone: list[str]
+
+
+class HubAlertsEvent(Schema):
+    """The alerts changed. Contains all active alerts."""
+
+    type: Literal["alerts"]
+    time: datetime
+    alerts: list[SiteAlert]
+
+
+class HubApprovalsEvent(Schema):
+    """The goals of agents that wait for approval changed. Contains all that wait."""
+
+    type: Literal["approvals"]
+    time: datetime
+    approvals: list[SiteApproval]
+
+
+class SitesEvent(Schema):
+    """The sites changed. Contains all sites. Ages and round trips alone are not told of."""
+
+    type: Literal["sites"]
+    time: datetime
+    sites: list[SiteInfo]
+
+
+class HubHealth(Schema):
+    """Whether the hub itself works."""
+
+    status: Literal["ok"]
+    version: str
+    hub: Literal[True]
+    broker_connected: bool
+    subscribers: int
+
+
+class HubReadiness(Schema):
+    """Whether the hub reaches its database and the NATS server, and how many sites are in which state."""
+
+    ready: bool
+    broker_connected: bool
+    sites: dict[State, int]
+    history: HistoryState

@@ -1,0 +1,324 @@
+"""The sites of this hub: who is welcome, what each has told last, and how each is reached."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import partial
+from typing import Any
+
+from dock_gateway import __version__
+from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.hub.directory import Directory, Site, State
+from dock_gateway.hub.follower import Follower
+from dock_gateway.hub.site_client import SiteClient
+from dock_gateway.hub.site_view import SiteView
+from dock_gateway.hub.store import HubStore
+from dock_gateway.sites import subjects
+from dock_gateway.sites.broker import Broker, NoResponder, Received
+from dock_gateway.sites.identity import Signer
+from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, read
+from dock_gateway.sites.names import site_grant
+from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.tunnel.failures import SiteUnreachable
+from dock_gateway.storage.sql import SqlHistory
+
+log = logging.getLogger(__name__)
+
+# Seconds between two looks for sites that are silent.
+LOOK_INTERVAL = 0.5
+# Seconds that the process of a site may take to show that it is there.
+PROBE_TIMEOUT = 1.0
+# Hellos that are being answered. More are dropped: each comes again.
+MAX_HELLOS = 1000
+
+
+@dataclass(frozen=True)
+class SiteEntry:
+    """A site, as stored.
+
+    Attributes:
+        installation: The installation that has the name.
+        first_seen_at: When it came first.
+    """
+
+    installation: str
+    first_seen_at: datetime
+
+
+class Sites:
+    """All sites.
+
+    Args:
+        broker: Carries hellos.
+        caller: Sends requests to sites.
+        signer: Signs who makes them.
+        history: Stores which sites there are, and their goals.
+        store: Takes what they tell.
+
+    Attributes:
+        on_connect: Called with the name of a site that is welcome from now on.
+    """
+
+    def __init__(self, broker: Broker, caller: Caller, signer: Signer, history: SqlHistory, store: HubStore) -> None:
+        self._broker = broker
+        self._caller = caller
+        self._signer = signer
+        self._history = history
+        self._entries = history.documents("site", SiteEntry)
+        self._store = store
+        self._directory = Directory(__version__, {})
+        self._stored: set[str] = set()
+        self._views: dict[str, SiteView] = {}
+        self._followers: dict[str, tuple[str, Follower]] = {}
+        self._states: dict[str, State] = {}
+        self._quiet_since: dict[str, float] = {}
+        self._tasks = Tasks("looking after sites")
+        self._hellos = Tasks("answering hellos")
+        self._following = asyncio.Lock()
+        self.on_connect: list[Callable[[str], object]] = []
+
+    async def open(self) -> None:
+        """Read which sites are known, and answer hellos from now on."""
+        self._tasks.spawn(self._look())
+        await self._read_known()
+        await self._broker.subscribe(subjects.HELLOS, self._on_hello)
+
+    async def _read_known(self) -> None:
+        """Read the sites. No one is welcome before: another installation could take a name."""
+        while True:
+            try:
+                known = await self._entries.read()
+            except Unavailable as error:
+                log.warning("%s; no site is welcome until it does", error.detail)
+                await asyncio.sleep(LOOK_INTERVAL)
+            else:
+                break
+        self._directory = Directory(__version__, {name: entry.installation for name, entry in known.items()})
+        self._stored = set(known)
+        now, wall = time.monotonic(), time.time()
+        for name, site in self._directory.sites.items():
+            site.since, self._quiet_since[name], self._states[name] = wall, now, State.UNREACHABLE
+
+    async def close(self) -> None:
+        """Follow no site any longer."""
+        await self._hellos.close()
+        await self._tasks.close()
+        for _, follower in self._followers.values():
+            await follower.close()
+
+    # ------------------------------------------------------------------ hellos
+
+    async def _on_hello(self, received: Received) -> None:
+        name = subjects.read_hello(received.subject)
+        if name is None:
+            self._broker.refuse("foreign_subject", received.subject, "a site cannot have that name")
+            return
+        try:
+            hello = read(Hello, received.data)
+        except Malformed as error:
+            if not self._directory.count_malformed(name, error.reason, error.detail):
+                self._broker.refuse(error.reason, received.subject, error.detail)
+            await received.reply(Refusal(code=error.reason, detail=error.detail).encode())
+            return
+        if len(self._hellos) < MAX_HELLOS:
+            self._hellos.spawn(self._answer(name, hello, received))
+
+    async def _answer(self, name: str, hello: Hello, received: Received) -> None:
+        answer = self._judge(name, hello)
+        if isinstance(answer, Refusal) and answer.code == "site_connected_elsewhere" and await self._is_gone(name):
+            answer = self._judge(name, hello)
+        if isinstance(answer, Welcome) and not await self._is_stored(name, hello):
+            answer = Refusal(code="hub_unavailable", detail="the hub's database does not answer")
+        if isinstance(answer, Refusal):
+            log.warning("refused the site %s on %s: %s", name, hello.name_of_machine or "?", answer.detail)
+        await received.reply(answer.encode())
+        if isinstance(answer, Welcome):
+            await self._follow(name)
+
+    def _judge(self, name: str, hello: Hello) -> Welcome | Refusal:
+        return self._directory.judge(name, hello, time.monotonic(), time.time())
+
+    async def _is_gone(self, name: str) -> bool:
+        """Return whether the process that is welcome is certainly not there: nobody listens to its subject."""
+        instance = self._directory.welcome_instance(name, time.monotonic())
+        if instance is None:
+            return True
+        try:
+            await self._broker.request(subjects.open_stream(name, instance), b"", PROBE_TIMEOUT)
+        except NoResponder:
+            self._directory.lose(name, instance, time.time())
+            return True
+        except (Unavailable, TimeoutError):
+            return False
+        return False
+
+    async def _is_stored(self, name: str, hello: Hello) -> bool:
+        """Store whose name it is, before the first one of that name is welcome."""
+        if name in self._stored:
+            return True
+        try:
+            await self._entries.write(name, SiteEntry(str(hello.installation), utc_now()))
+        except Unavailable:
+            self._directory.forget(name)
+            return False
+        self._stored.add(name)
+        return True
+
+    async def _follow(self, name: str) -> None:
+        """Follow the process of a site that is welcome, instead of an earlier one."""
+        self._quiet_since[name] = time.monotonic()
+        async with self._following:
+            instance = self._directory.welcome_instance(name, time.monotonic())
+            if instance is None or instance != self._followers.get(name, ("", None))[0]:
+                await self._leave(name)
+            if instance is not None and name not in self._followers:
+                self._start_following(name, instance)
+
+    def _start_following(self, name: str, instance: str) -> None:
+        log.info("the site %s is connected", name)
+        client = self._client_of(name, instance)
+        follower = Follower(client, self.view(name), self._store, self._history, self._history.mirror)
+        self._followers[name] = instance, follower
+        for heard in self.on_connect:
+            heard(name)
+
+    async def _leave(self, name: str) -> None:
+        _, follower = self._followers.pop(name, (None, None))
+        if follower is not None:
+            log.info("the site %s is no longer connected", name)
+            await follower.close()
+
+    async def _look(self) -> None:
+        """Leave sites that are silent."""
+        while True:
+            await asyncio.sleep(LOOK_INTERVAL)
+            now = time.monotonic()
+            for name, site in list(self._directory.sites.items()):
+                state = site.state(now)
+                if state is not self._states.get(name):
+                    self._states[name], site.since = state, time.time()
+                    self.view(name).touch()
+                if state is not State.CONNECTED:
+                    await self._leave(name)
+
+    # ------------------------------------------------------------------ what is known
+
+    def names(self, grant: Grant = UNLIMITED) -> list[str]:
+        """Return the names of all sites of which a grant covers any robot, sorted."""
+        return sorted(name for name in self._directory.sites if site_grant(grant, name) is not None)
+
+    def find(self, name: str, grant: Grant = UNLIMITED) -> Site:
+        """Return a site.
+
+        Raises:
+            NotFound: There is none of that name, or the grant covers none of its robots (`site_not_found`).
+        """
+        site = self._directory.sites.get(name)
+        if site is None or site_grant(grant, name) is None:
+            raise NotFound(f"there is no site {name[:60]}", code="site_not_found")
+        return site
+
+    def view(self, name: str) -> SiteView:
+        """Return what a site has told last."""
+        return self._views.setdefault(name, SiteView(name))
+
+    def views(self) -> list[SiteView]:
+        """Return what all sites have told last."""
+        return [self.view(name) for name in self._directory.sites]
+
+    def state(self, name: str) -> State:
+        """Return the state of a site that is known."""
+        return self._directory.sites[name].state(time.monotonic())
+
+    def count(self) -> dict[str, int]:
+        """Return the number of sites in each state."""
+        states = [self.state(name) for name in self._directory.sites]
+        return {state.value: states.count(state) for state in State}
+
+    def silent_for(self, name: str) -> float:
+        """Return the seconds since a site was heard of; since the hub's start, if it was not."""
+        return time.monotonic() - self._quiet_since.get(name, time.monotonic())
+
+    def refused(self) -> dict[str, int]:
+        """Return the number of messages of sites that were refused, by code."""
+        counts = sum((site.refused for site in self._directory.sites.values()), self._broker.refused.copy())
+        return dict(sum((view.malformed for view in self._views.values()), counts))
+
+    def document(self, name: str, grant: Grant = UNLIMITED) -> dict[str, Any]:
+        """Return a site as `GET /sites` shows it.
+
+        Raises:
+            NotFound: `site_not_found`.
+        """
+        site, view, now = self.find(name, grant), self.view(name), time.monotonic()
+        stopped = [*filter(grant.covers_robot, view.stopped())]
+        return {
+            "name": name,
+            "state": site.state(now),
+            "since": datetime.fromtimestamp(site.since, UTC),
+            "version": site.version,
+            "instance": site.instance,
+            "machine": site.machine,
+            "lag_ms": None if view.reported_at is None else round((now - view.reported_at) * 1000),
+            "round_trip_ms": None if view.round_trip is None else round(view.round_trip * 1000, 1),
+            "clock_offset_s": None if site.version is None else round(site.clock_offset, 3),
+            "cursor": view.cursor,
+            "behind": view.behind,
+            "robots": len(view.robots),
+            "goals_running": view.goals_running(),
+            "alerts": len(view.alerts),
+            "stop": {"latched": bool(stopped), "robots": stopped},
+            "refused": dict(site.refused + view.malformed),
+            "detail": site.detail,
+        }
+
+    # ------------------------------------------------------------------ requests
+
+    def client(self, name: str, grant: Grant = UNLIMITED) -> SiteClient:
+        """Return the API of a site.
+
+        Raises:
+            NotFound: `site_not_found`.
+            SiteUnreachable: It is not connected (`site_unreachable`).
+        """
+        self.find(name, grant)
+        instance = self._directory.welcome_instance(name, time.monotonic())
+        if instance is None:
+            raise SiteUnreachable(name, "it was not heard of for 10 s, or has left")
+        return self._client_of(name, instance)
+
+    def _client_of(self, name: str, instance: str) -> SiteClient:
+        return SiteClient(self._caller, self._signer, Address(name, instance), partial(self._clock_of, name))
+
+    def _clock_of(self, name: str) -> float:
+        site = self._directory.sites.get(name)
+        return time.time() + (0.0 if site is None else site.clock_offset)
+
+    async def forget(self, name: str) -> None:
+        """Forget a site, and that its name belongs to an installation. Its goals stay.
+
+        Raises:
+            NotFound: `site_not_found`.
+            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
+        """
+        self.find(name)
+        await self._entries.write(name, None)
+        await self._history.mirror.forget(name)
+        self._directory.forget(name)
+        self._stored.discard(name)
+        await self._leave(name)
+        self._views.pop(name, None)
+        self._states.pop(name, None)
+        self._quiet_since.pop(name, None)
+
+    def read_again(self) -> None:
+        """Follow all sites from the beginning: the hub's database has lost what it had."""
+        self._stored.clear()
+        for name in list(self._followers):
+            self._tasks.spawn(self._leave(name))

@@ -1,0 +1,154 @@
+"""Stores what sites tell, and publishes what is new: each event is stored once and told once.
+
+One task writes for all sites: what arrives during a transaction is the next one. So the ids of events, which this hub's
+clock gives them, are published in their order.
+"""
+
+import asyncio
+import logging
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import Event, nanoseconds, result_event, status_event
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import Goal
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.hub.renaming import ForeignDocumentError, Happening
+from dock_gateway.storage.mirror import MirrorBatch, RefusedError, SqlMirror
+
+log = logging.getLogger(__name__)
+
+# Seconds between two attempts while the database does not answer.
+RETRY_INTERVAL = 0.5
+# Sites whose news are one transaction.
+MAX_TOGETHER = 100
+
+
+@dataclass
+class News:
+    """What a site has told, in its order.
+
+    Attributes:
+        site: The site.
+        goals: Goals as they are now, by id.
+        happenings: How they changed.
+        cursor: Id of the site's last event among these; None if that does not move.
+    """
+
+    site: str
+    goals: dict[str, Goal] = field(default_factory=dict)
+    happenings: list[Happening] = field(default_factory=list)
+    cursor: str | None = None
+
+    def __bool__(self) -> bool:
+        return bool(self.goals or self.happenings or self.cursor)
+
+
+class HubStore:
+    """Writes the news of all sites.
+
+    Args:
+        mirror: Stores them.
+        fanout: Receives the events that are new.
+    """
+
+    def __init__(self, mirror: SqlMirror, fanout: Fanout) -> None:
+        self._mirror = mirror
+        self._fanout = fanout
+        self._waiting: asyncio.Queue[tuple[News, asyncio.Future[None]]] = asyncio.Queue()
+        self._tasks = Tasks("storing what sites tell")
+        self._tasks.spawn(self._run())
+
+    async def keep(self, news: News) -> None:
+        """Store the news of a site and publish its events, as far as they are new. Waits for a database that is away.
+
+        Raises:
+            ForeignDocumentError: A goal has the id of a goal of another site.
+        """
+        done = asyncio.get_running_loop().create_future()
+        await self._waiting.put((news, done))
+        await done
+
+    async def close(self) -> None:
+        """Store no more."""
+        await self._tasks.close()
+
+    async def _run(self) -> None:
+        while True:
+            together = [await self._waiting.get()]
+            while not self._waiting.empty() and len(together) < MAX_TOGETHER:
+                together.append(self._waiting.get_nowait())
+            try:
+                await self._keep([news for news, _ in together])
+            except Exception:  # noqa: BLE001 - one of them is to blame, and only that one is refused
+                for news, done in together:
+                    await self._keep_alone(news, done)
+            else:
+                for _, done in together:
+                    _settle(done)
+
+    async def _keep_alone(self, news: News, done: "asyncio.Future[None]") -> None:
+        try:
+            await self._keep([news])
+        except RefusedError as error:
+            _settle(done, ForeignDocumentError(str(error)))
+        except Exception as error:
+            log.exception("while storing what %s tells", news.site)
+            _settle(done, error)
+        else:
+            _settle(done)
+
+    async def _keep(self, every: Sequence[News]) -> None:
+        batch: MirrorBatch | None = None
+        while True:
+            try:
+                if batch is None:
+                    batch = await self._prepare(every)
+                new = await self._mirror.take(batch)
+            except Unavailable as error:
+                log.warning("%s; what sites tell waits", error.detail)
+                await asyncio.sleep(RETRY_INTERVAL)
+            else:
+                break
+        for event in batch.events:
+            if event.id in new:
+                self._fanout.publish(event)
+
+    async def _prepare(self, every: Sequence[News]) -> MirrorBatch:
+        """Give ids to the events that are new. It is done once: what is written again has the same ids."""
+        happened: dict[str, Happening] = {}
+        for news in every:
+            for happening in news.happenings:
+                happened.setdefault(_key(news.site, happening), happening)
+        for key in await self._mirror.known_keys(list(happened)):
+            del happened[key]
+        goals: dict[str, Goal] = {}
+        for goal in (goal for news in every for goal in news.goals.values()):
+            if goals.setdefault(goal.goal_id, goal).action_name != goal.action_name:
+                raise RefusedError(f"two sites have a goal with the id {goal.goal_id}")
+            goals[goal.goal_id] = copy(goal)
+        events = []
+        for key, happening in happened.items():
+            event = _event(happening, self._fanout.clock.stamp(nanoseconds(happening.at)))
+            events.append(replace(event, key=key))
+            if happening.goal.goal_id in goals:
+                goals[happening.goal.goal_id].last_event_id = event.id
+        cursors = {news.site: news.cursor for news in every if news.cursor is not None}
+        return MirrorBatch(list(goals.values()), events, cursors)
+
+
+def _event(happening: Happening, stamp_ns: int) -> Event:
+    make = status_event if happening.kind == "status" else result_event
+    return make(copy(happening.goal), stamp_ns, nanoseconds(happening.at))
+
+
+def _key(site: str, happening: Happening) -> str:
+    """Return the key of an event: the site, and what is the same at each gateway of the site. A goal ends once."""
+    return f"{site}:{_event(happening, nanoseconds(happening.at)).key}"
+
+
+def _settle(done: "asyncio.Future[None]", error: Exception | None = None) -> None:
+    if not done.done():
+        done.set_result(None) if error is None else done.set_exception(error)

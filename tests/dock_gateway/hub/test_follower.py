@@ -1,0 +1,154 @@
+"""A site is read from where the hub was, whatever is missing in between."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+
+from dock_gateway.core.event import Event, moment, result_event, status_event
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.hub import follower
+from dock_gateway.hub.follower import Follower
+from dock_gateway.hub.site_view import SiteView
+from dock_gateway.hub.store import HubStore
+from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.storage.sql import SqlHistory
+from tests.dock_gateway.hub.test_renaming import ROBOT, decoded
+from tests.support.history import open_at
+from tests.support.waiting import until
+
+START_NS = 1_795_780_800_000_000_000
+FIRST, SECOND = (f"6a8c2b0a-5c63-4d0e-9c1e-00000000000{number}" for number in (1, 2))
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(follower, "RETRY_FIRST", 0.01)
+    monkeypatch.setattr(follower, "RETRY_LAST", 0.01)
+
+
+def make_goal(goal_id: str, status: GoalStatus, second: int = 0) -> Goal:
+    goal = Goal(goal_id, "/robot1/dock", "pkg/action/Dock", moment(START_NS), verb="dock", status=status)
+    goal.updated_at = moment(START_NS + second * 10**9)
+    goal.finished_at = goal.updated_at if status.terminal else None
+    goal.result = b'{"ok":true}' if status is GoalStatus.SUCCEEDED else None
+    return goal
+
+
+class FakeSite:
+    """What a site says on each connection, and on requests. The last connection stays."""
+
+    address = Address("berlin", "0" * 16)
+
+    def __init__(self, *connections: list[Any]) -> None:
+        self.connections = list(connections)
+        self.asked_after: list[str | None] = []
+        self.goals: dict[str, Goal] = {}
+
+    @asynccontextmanager
+    async def events(self, after: str | None) -> AsyncIterator[AsyncIterator[str]]:
+        self.asked_after.append(after)
+
+        async def messages() -> AsyncIterator[str]:
+            for message in self.connections.pop(0):
+                yield message if isinstance(message, str) else orjson.dumps(message).decode()
+            if not self.connections:
+                await asyncio.Event().wait()
+
+        yield messages()
+
+    async def get(self, path: str, query: str = "") -> tuple[int, Any]:
+        if path == "/goals":
+            return 200, {"goals": [decoded(goal.document()) for goal in self.goals.values()], "next_cursor": None}
+        goal = self.goals.get(path.removeprefix("/goals/"))
+        return (404, {}) if goal is None else (200, decoded(goal.document()))
+
+    async def measure(self) -> float:
+        return 0.001
+
+
+def snapshot(*goals: Goal) -> dict[str, Any]:
+    documents = [decoded(goal.document()) for goal in goals]
+    return {"type": "snapshot", "goals": documents, "robots": [ROBOT], "alerts": [], "approvals": []}
+
+
+def told(goal: Goal, second: int) -> dict[str, Any]:
+    make = result_event if goal.result else status_event
+    document: dict[str, Any] = orjson.loads(make(goal, START_NS + second * 10**9).data)
+    return document
+
+
+class Hub:
+    def __init__(self, history: SqlHistory, site: FakeSite) -> None:
+        self.history = history
+        self.told: list[Event] = []
+        self.store = HubStore(history.mirror, Fanout(queue_limit=10, max_subscribers=10, keep=self.told.append))
+        self.view = SiteView("berlin")
+        self.follower = Follower(site, self.view, self.store, history, history.mirror)  # type: ignore[arg-type]
+
+    def keys(self) -> list[str]:
+        return [(event.key or "").removeprefix("berlin:") for event in self.told]
+
+
+@asynccontextmanager
+async def hub(site: FakeSite, folder: Path) -> AsyncIterator[Hub]:
+    async with open_at(f"sqlite:///{folder / 'hub.db'}", folder) as history:
+        await until(lambda: history.stats().database_reachable)
+        opened = Hub(history, site)
+        try:
+            yield opened
+        finally:
+            await opened.follower.close()
+            await opened.store.close()
+
+
+async def test_a_site_is_read_on_from_its_last_event_and_ends_are_told_once(tmp_path: Path) -> None:
+    running, ended = make_goal(FIRST, GoalStatus.EXECUTING), make_goal(FIRST, GoalStatus.SUCCEEDED, 2)
+    events = [told(running, 1), told(make_goal(FIRST, GoalStatus.SUCCEEDED, 2), 2)]
+    site = FakeSite(
+        [snapshot(), {"type": "heartbeat"}, *events],
+        [{"type": "resumed", "count": 1}, events[-1], {"type": "robots", "robots": [], "gone": []}],
+    )
+    site.goals = {SECOND: make_goal(SECOND, GoalStatus.ABORTED)}
+    async with hub(site, tmp_path) as opened:
+        await until(lambda: len(site.asked_after) == 2 and not opened.view.robots)
+        assert site.asked_after == [None, events[-1]["id"]]
+        assert opened.keys()[1:] == [f"z-{FIRST}"]
+        goal = await opened.history.get(FIRST)
+        assert goal is not None
+        assert (goal.status, goal.result, goal.action_name) == (ended.status, ended.result, "/berlin/robot1/dock")
+        await until(lambda: not opened.view.behind)
+        assert await opened.history.get(SECOND) is not None  # from before, so it is not told
+
+
+async def test_what_the_site_no_longer_has_as_events_is_read_as_goals(tmp_path: Path) -> None:
+    running = make_goal(FIRST, GoalStatus.EXECUTING)
+    lost = make_goal(SECOND, GoalStatus.EXECUTING)
+    site = FakeSite(
+        [snapshot(), told(running, 1), told(lost, 1)],
+        [{"type": "gap", "count": 0}, snapshot()],
+    )
+    site.goals = {FIRST: make_goal(FIRST, GoalStatus.SUCCEEDED, 9)}
+    async with hub(site, tmp_path) as opened:
+        await until(lambda: len(opened.told) == 5)
+        assert set(opened.keys()[2:]) >= {f"s-{FIRST}", f"z-{FIRST}"}
+        await until(lambda: not opened.view.behind)
+        goals = await opened.history.known([FIRST, SECOND])
+        assert {goal.goal_id: goal.status for goal in goals.values()} == {
+            FIRST: GoalStatus.SUCCEEDED,
+            SECOND: GoalStatus.LOST,  # the site does not know it any more
+        }
+
+
+@pytest.mark.parametrize("nonsense", ["no JSON", {"type": "status", "id": "x"}, {"type": "alerts", "alerts": 5}, [1]])
+async def test_nonsense_is_counted_and_the_site_is_tried_again(nonsense: Any, tmp_path: Path) -> None:
+    site = FakeSite([snapshot(), nonsense], [snapshot(), {"type": "a newer one"}])
+    async with hub(site, tmp_path) as opened:
+        await until(lambda: len(site.asked_after) == 2 and not opened.view.behind)
+        assert opened.view.malformed == {"malformed": 1}
+        assert list(opened.view.robots) == ["/berlin/robot1"]

@@ -1,0 +1,125 @@
+"""Documents of a real gateway as those of the hub."""
+
+from copy import deepcopy
+from datetime import UTC, datetime
+from typing import Any
+
+import orjson
+import pytest
+
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
+from dock_gateway.fleet.alert import Alert, AlertKind
+from dock_gateway.hub import renaming
+
+AT = datetime(2026, 11, 27, 12, 0, 0, 123456, tzinfo=UTC)
+GOAL_ID = "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f"
+
+
+def ended_goal() -> Goal:
+    goal = Goal(GOAL_ID, "/robot1/dock", "pkg/action/Dock", AT, verb="dock", goal=b'{"a":1}', result=b'{"b":[null]}')
+    goal.status, goal.finished_at, goal.error = GoalStatus.ABORTED, AT, GoalError("blocked", "a box")
+    goal.last_event_id, goal.feedback_count, goal.stage, goal.retries = "0-z-x", 3, "approach", 1
+    return goal
+
+
+def decoded(document: object) -> Any:
+    return orjson.loads(encode(document))
+
+
+ROBOT: dict[str, Any] = {
+    "name": "/robot1",
+    "display_name": "Left",
+    "groups": ["hall"],
+    "default": True,
+    "docked": None,
+    "charging": False,
+    "simulated": True,
+    "battery": {"percentage": 0.5},
+    "battery_topic": "/robot1/battery_status",
+    "battery_publisher": {"active": False, "rate_hz": None},
+    "stop": {"latched": True, "since": None, "by": "Ada", "robots": ["/robot1"], "persisted": True},
+    "dock": {
+        "action_name": "/robot1/dock",
+        "action_type": "t",
+        "available": True,
+        "answering": True,
+        "duplicate": False,
+    },
+    "undock": None,
+    "join": {"detail": "see /robot2", "settings": []},
+    "goals": [],
+    "last_goal": decoded(ended_goal().state()),
+}
+
+
+def test_a_robot_gets_the_site_in_front_of_each_name() -> None:
+    robot = renaming.read_robots("berlin", [ROBOT | {"only": "a newer site has"}])[0]
+    assert robot["site"] == "berlin"
+    assert robot["name"] == "/berlin/robot1"
+    assert robot["battery_topic"] == "/berlin/robot1/battery_status"
+    assert robot["stop"]["robots"] == ["/berlin/robot1"]
+    assert robot["dock"]["action_name"] == "/berlin/robot1/dock"
+    assert robot["last_goal"]["action_name"] == "/berlin/robot1/dock"
+    assert (robot["join"], robot["default"], robot["last_goal"]["last_event_id"]) == (None, False, None)
+    assert robot.keys() == ROBOT.keys() | {"site"}
+    assert b"/robot1" not in orjson.dumps(robot).replace(b"/berlin/robot1", b"")
+
+
+def test_the_robot_without_a_namespace_has_the_name_of_the_site() -> None:
+    assert renaming.read_robots("oslo", [ROBOT | {"name": "/"}])[0]["name"] == "/oslo"
+    assert renaming.read_names("oslo", ["/", "/a/b"]) == ["/oslo", "/oslo/a/b"]
+
+
+def test_an_alert_of_the_gateway_is_one_of_the_site() -> None:
+    alert = decoded(Alert(AlertKind.HISTORY_LOST, None, AT, "History lost", "gone").document(None))
+    (renamed,) = renaming.read_alerts("berlin", [alert])
+    assert (renamed["robot"], renamed["site"], renamed["id"]) == ("/berlin", "berlin", f"berlin.{alert['id']}")
+    assert renamed["since"] == alert["since"]
+
+
+def test_a_goal_comes_through_as_it_was_but_for_its_name_and_its_last_event() -> None:
+    goal = ended_goal()
+    renamed = renaming.read_goal("berlin", decoded(goal.document()))
+    expected = decoded(goal.document()) | {"action_name": "/berlin/robot1/dock", "last_event_id": None}
+    assert decoded(renamed.document()) == expected
+    assert [each.kind for each in renaming.ends_of(renamed)] == ["status", "result"]
+
+
+def test_a_result_finishes_a_goal() -> None:
+    goal = ended_goal()
+    running = renaming.read_goal("berlin", decoded(goal.document()) | {"status": "executing", "result": None})
+    event = {"status": "aborted", "result": {"b": 1}, "error": None, "time": "2026-11-27T12:00:01Z"}
+    renaming.finish_goal(running, event)
+    assert (running.status, running.result, running.error) == (GoalStatus.ABORTED, b'{"b":1}', None)
+    assert running.finished_at == datetime(2026, 11, 27, 12, 0, 1, tzinfo=UTC)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("goal_id", "../etc"),
+        ("action_name", "robot1/dock"),
+        ("action_name", "/robot1/../x"),
+        ("action_type", "a\0b"),
+        ("status", "fine"),
+        ("created_at", "2026-11-27T12:00:00"),
+        ("updated_at", 5),
+        ("feedback_count", -1),
+        ("error", "late"),
+        ("goal", [1]),
+        ("origin", "hub"),
+    ],
+)
+def test_what_is_not_a_goal_is_refused_with_a_sentence(field: str, value: object) -> None:
+    document = decoded(ended_goal().document()) | {field: value}
+    with pytest.raises(renaming.ForeignDocumentError):
+        renaming.read_goal("berlin", document)
+
+
+@pytest.mark.parametrize("nonsense", [None, 5, "text", {}, [None], [[]], [{"name": 1}], [ROBOT | {"stop": None}]])
+def test_nonsense_is_refused(nonsense: object) -> None:
+    for read in (renaming.read_robots, renaming.read_alerts, renaming.read_names, renaming.read_approvals):
+        with pytest.raises(renaming.ForeignDocumentError):
+            read("berlin", deepcopy(nonsense))
+    with pytest.raises(renaming.ForeignDocumentError):
+        renaming.read_goal("berlin", nonsense)
