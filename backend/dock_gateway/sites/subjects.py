@@ -11,8 +11,8 @@ A site's name is read from the subject only: NATS checks who may publish there.
 import re
 import secrets
 
-# A ROS name in lower case.
-SITE_PATTERN = r"^[a-z][a-z0-9_]{0,39}$"
+from dock_gateway.setting_types import SITE
+
 # A process of a gateway, or a stream.
 ID_PATTERN = r"^[0-9a-f]{16}$"
 # The hub's own place among the inboxes, which no site may take.
@@ -21,13 +21,12 @@ HUB = "hub"
 HELLOS = "dock.hub.hello.*"
 STREAMS_TO_HUB = "dock.hub.stream.*.*"
 
-_SITE = re.compile(SITE_PATTERN)
 _ID = re.compile(ID_PATTERN)
 
 
 def is_site_name(name: str) -> bool:
     """Return whether a site may have that name."""
-    return name != HUB and _SITE.fullmatch(name) is not None
+    return SITE.fullmatch(name) is not None
 
 
 def new_id() -> str:
