@@ -43,9 +43,9 @@ class SiteClient:
         self._clock = clock
 
     def sign(self, method: str, path: str, name: str | None = None, grant: Grant = READER) -> str:
-        """Return who asks, signed for a request; by default the hub itself."""
+        """Return who asks, signed for a request that the site begins within `DEADLINE`; by default the hub itself."""
         site, instance = self.address.site, self.address.instance
-        return self._signer.sign(site, instance, name, grant, method, path, self._clock())
+        return self._signer.sign(site, instance, name, grant, method, path, self._clock(), lifetime=DEADLINE)
 
     def events(self, after: str | None) -> AbstractAsyncContextManager[Conversation]:
         """Follow the site: a snapshot or what was missed since an event, then everything as it happens."""
