@@ -30,6 +30,7 @@ MAX_MESSAGES, MAX_BYTES = 16_384, 64 * 1024 * 1024
 # A message's size before a server has said its limit.
 DEFAULT_MAX_PAYLOAD = 1024 * 1024
 NO_RESPONDERS = "503"
+INBOXES = "_INBOX."
 
 
 @dataclass(frozen=True)
@@ -71,12 +72,12 @@ class Received:
     _broker: "Broker | None" = field(default=None, repr=False)
 
     async def reply(self, data: bytes) -> None:
-        """Answer, if the sender waits for one.
+        """Answer, if the sender waits for one. Others than inboxes get none: a site must not speak through the hub.
 
         Raises:
             Unavailable: There is no connection to the broker.
         """
-        if self._reply_to and self._broker is not None:
+        if self._broker is not None and self._reply_to.startswith(INBOXES):
             await self._broker.publish(self._reply_to, data)
 
 

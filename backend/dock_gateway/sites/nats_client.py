@@ -126,3 +126,5 @@ def one_line(record: logging.LogRecord) -> bool:
 
 
 logging.getLogger("nats.aio.client").addFilter(one_line)
+# The end of a connection with TLS: nats-py makes its streams by hand.
+logging.getLogger("asyncio").addFilter(lambda record: "eof_received() has no effect" not in record.getMessage())

@@ -19,7 +19,6 @@ ID_PATTERN = r"^[0-9a-f]{16}$"
 HUB = "hub"
 
 HELLOS = "dock.hub.hello.*"
-STREAMS_TO_HUB = "dock.hub.stream.*.*"
 
 _ID = re.compile(ID_PATTERN)
 
@@ -57,6 +56,11 @@ def all_to_site(site: str, instance: str) -> str:
 def stream_to_hub(site: str, stream: str) -> str:
     """Return where a site sends frames of a stream."""
     return f"dock.hub.stream.{site}.{stream}"
+
+
+def streams_to_hub(site: str) -> str:
+    """Return the pattern of all frames of a site: one for each site, as leaf nodes know no wildcard for the site."""
+    return f"dock.hub.stream.{site}.*"
 
 
 def inbox(name: str) -> str:

@@ -324,7 +324,7 @@ async def test_what_is_no_message_harms_nothing(server: NatsServer) -> None:
             await tunnel.hub.publish(to_site, data)
             await tunnel.hub.publish(subjects.open_stream(SITE, tunnel.address.instance), data)
         await tunnel.hub.publish(f"dock.site.{SITE}.{tunnel.address.instance}.what", b"")
-        await tunnel.site.publish("dock.hub.stream.BERLIN.1", b"")
+        await tunnel.site.publish(f"dock.hub.stream.{SITE}.1", b"")
         await until(lambda: tunnel.hub.refused.total() >= len(nonsense) + 1)
         await until(lambda: tunnel.site.refused.total() >= 2 * len(nonsense) + 1)
         assert set(tunnel.hub.refused) | set(tunnel.site.refused) == {"malformed", "too_large"}

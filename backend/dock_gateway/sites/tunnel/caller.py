@@ -85,7 +85,8 @@ class Caller:
         self._addresses: dict[tuple[str, str], Address] = {}
         self._of_site: Counter[str] = Counter()
         self._tasks = Tasks("ending streams of sites")
-        self._subscription: Subscription | None = None
+        self._subscriptions: dict[str, Subscription] = {}  # by site
+        self._subscribing = asyncio.Lock()
 
     @property
     def streams(self) -> int:
@@ -93,16 +94,14 @@ class Caller:
         return len(self._channels)
 
     async def open(self) -> None:
-        """Listen to the sites."""
+        """Begin. A site is listened to from its first request on."""
         self._broker.on_loss.append(self._lose_all)
-        self._subscription = await self._broker.subscribe(subjects.STREAMS_TO_HUB, self._receive)
 
     async def close(self) -> None:
         """End all streams."""
-        if self._subscription is not None:
-            await self._subscription.close()
-            self._subscription = None
-            self._broker.on_loss.remove(self._lose_all)
+        self._broker.on_loss.remove(self._lose_all)
+        while self._subscriptions:
+            await self._subscriptions.popitem()[1].close()
         for channel in list(self._channels.values()):
             await channel.abort("hub_leaving", "the hub is shutting down")
         await self._tasks.close()
@@ -282,6 +281,7 @@ class Caller:
                 f"too many requests to the site {address.site} at the same time", code="too_many_streams"
             )
         stream = subjects.new_id()
+        await self._listen(address.site)
         channel = self._channel(address, stream)
         subject = subjects.open_stream(address.site, address.instance)
         try:
@@ -305,6 +305,11 @@ class Caller:
             channel.finish()
             raise refused(address.site, refusal)
         return channel
+
+    async def _listen(self, site: str) -> None:
+        async with self._subscribing:
+            if site not in self._subscriptions:
+                self._subscriptions[site] = await self._broker.subscribe(subjects.streams_to_hub(site), self._receive)
 
     def _channel(self, address: Address, stream: str) -> Channel:
         key = address.site, stream
