@@ -85,7 +85,7 @@ async def says_hello(site: Broker, name: str) -> None:
     """Ask until there is an answer: a leaf node, or a cluster, gets to know of subscriptions a little later."""
     for _ in range(1000):
         with contextlib.suppress(Unavailable, TimeoutError):
-            assert await site.request(subjects.hello(name), b"{}", 5) == b"{}"
+            assert await site.request(subjects.hello(name), b"{}", 0.5) == b"{}"
             return
         await asyncio.sleep(0.02)
 
@@ -201,11 +201,11 @@ async def at_a_leaf_reaches_nothing_else(hub: Broker, berlin: Broker, oslo: Brok
     for subject in forged:
         await berlin.publish(subject, b"forged")
     await berlin.publish(subjects.hello("berlin"), b"")
-    await until(lambda: len(at_hub.heard) == 1)  # whatever was published before it has come, too
+    await until(lambda: len(at_hub.heard) > 0)  # whatever was published before it has come, too
     assert await oslo.request(subjects.hello("oslo"), b"", 60) == b"{}"
     assert await hub.request(subjects.open_stream("oslo", ID), b"", 60) == b"{}"
     await berlin.flush(60)
-    assert at_hub.heard == [subjects.hello("berlin"), subjects.hello("oslo")]
+    assert set(at_hub.heard) == {subjects.hello("berlin"), subjects.hello("oslo")}
     assert at_oslo.heard == [subjects.open_stream("oslo", ID)]
     assert sorted(at_berlin.heard) == sorted([*forged, subjects.hello("berlin")])  # its own, of its own server
 

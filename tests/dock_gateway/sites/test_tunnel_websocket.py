@@ -237,6 +237,10 @@ async def test_a_handshake_without_an_answer(server: NatsServer) -> None:
         with pytest.raises(SiteTimeout):
             async with tunnel.caller.websocket(tunnel.address, "/", token="", deadline=0.1):
                 pass
+        client = Client("websocket")
+        with pytest.raises(SiteTimeout):
+            await client.forward(tunnel, "/", deadline=0.1)
+        assert client.sent == []
 
 
 async def test_messages_that_are_not_valid_end_the_stream(server: NatsServer) -> None:

@@ -178,7 +178,7 @@ class Caller:
             if scope["type"] == "http":
                 await forward_http(address.site, channel, rest, more=more, receive=receive, send=send)
             else:
-                await forward_websocket(address.site, channel, scope, receive, send)
+                await forward_websocket(address.site, channel, scope, receive, send, deadline=deadline)
         finally:
             self._give_up(channel)
 

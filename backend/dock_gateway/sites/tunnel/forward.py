@@ -1,5 +1,6 @@
 """Passes a client of the hub on to a stream, and the answer back: for HTTP and for WebSockets."""
 
+import asyncio
 import contextlib
 import logging
 from typing import Any
@@ -8,7 +9,7 @@ from starlette.types import Receive, Scope, Send
 
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded
-from dock_gateway.sites.tunnel.failures import ended_early
+from dock_gateway.sites.tunnel.failures import ended_early, silent_for
 from dock_gateway.sites.tunnel.frames import Accept, Close, Data, End, Head, Message, read_headers
 
 log = logging.getLogger(__name__)
@@ -99,7 +100,9 @@ def _answer_headers(head: Head) -> list[tuple[bytes, bytes]]:
     return [*read_headers(passed_on), *ADDED]
 
 
-async def forward_websocket(site: str, channel: Channel, scope: Scope, receive: Receive, send: Send) -> None:
+async def forward_websocket(
+    site: str, channel: Channel, scope: Scope, receive: Receive, send: Send, *, deadline: float
+) -> None:
     """Pass the messages of a WebSocket on, both ways, until either end closes it.
 
     Args:
@@ -108,12 +111,16 @@ async def forward_websocket(site: str, channel: Channel, scope: Scope, receive: 
         scope: The client's handshake.
         receive: Reads from the client.
         send: Sends to the client.
+        deadline: Seconds until the site must have answered the handshake.
 
     Raises:
         GatewayError: The site did not answer the handshake.
     """
     try:
-        frame, _ = await channel.receive()
+        async with asyncio.timeout(deadline):
+            frame, _ = await channel.receive()
+    except TimeoutError:
+        raise silent_for(site, deadline) from None
     except ChannelEnded as ended:
         raise ended_early(site, ended) from None
     if isinstance(frame, Accept):
