@@ -132,6 +132,8 @@ def test_a_hub_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Path)
     assert [path.name for path in folder.glob("bin/*dock*")] == ["dock-gateway"]
     only = environment | {"PATH": str(folder / "bin"), "HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)}
     assert '"keys"' in run(only, "dock-gateway", "hub-key")
+    assert "--nats" in run(only, "dock-gateway", "hub", "--help")
+    assert '"/sites/{site}"' in run(only, "dock-gateway", "openapi", "--hub")
     assert "Usage" in run(only, "dock-gateway", "stop", "--help")
     for command in ("serve", "up", "openapi", "asyncapi"):
         done = subprocess.run(

@@ -14,7 +14,7 @@ from dock_gateway.http.dashboard import page_of
 from dock_gateway.http.openapi import Union
 from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import Parts
-from dock_gateway.hub import forwarding, routes
+from dock_gateway.hub import forwarding, routes, stop_routes
 from dock_gateway.hub.assembly import open_hub
 from dock_gateway.hub.schema import (
     HubAlertsEvent,
@@ -23,6 +23,7 @@ from dock_gateway.hub.schema import (
     HubSnapshotEvent,
     SitesEvent,
 )
+from dock_gateway.hub.stop_schema import HubReleaseProblem, HubStopProblem
 from dock_gateway.observability import metrics_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
@@ -56,10 +57,12 @@ CONTENTS = Contents(
     description="Many sites behind one hub. `/sites/{site}/…` is the API of a site, with the site's own names; all "
     "else spans the sites, with names that have the site in front: `/berlin/robot1`.",
     unions=(Union("Event", EVENTS, "A message of an event stream of the hub."),),
+    models=(HubStopProblem, HubReleaseProblem),
 )
 ROUTERS = tuple(
     module.router
     for module in (
+        stop_routes,
         routes,
         events,
         export_routes,  # before goals: `export` and `tags` are not goal ids

@@ -26,6 +26,7 @@ from dock_gateway.hub.collector import HubCollector
 from dock_gateway.hub.labels import SiteLabels
 from dock_gateway.hub.overview import Overview
 from dock_gateway.hub.sites import Sites
+from dock_gateway.hub.stops import StopEntry, Stops
 from dock_gateway.hub.store import HubStore
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.robots import Robots
@@ -91,6 +92,9 @@ async def _open(
     stack.push_async_callback(store.close)
     sites = Sites(broker, caller, signer, history, store)
     stack.push_async_callback(sites.close)
+    stops = Stops(sites, history.documents("stop", StopEntry))
+    stack.push_async_callback(stops.close)
+    sites.pending_stop = stops.pending
     docking = DockingActions(DockingCatalog(settings), {})
     goals = Goals(NoLiveGoals(), docking, history)
     overview = Overview(fanout, sites, goals, history)
@@ -112,6 +116,7 @@ async def _open(
             History: history,
             Broker: broker,
             Sites: sites,
+            Stops: stops,
             Overview: overview,
             Robots: overview,
             Alerts: overview,
@@ -131,6 +136,7 @@ async def _open(
     metrics = Metrics(HubCollector(parts), CollectorRegistry())
     stack.push_async_callback(metrics.close)
     parts.add(Metrics, metrics)
+    stops.open()
     await sites.open()
     stack.callback(fanout.close)
     return parts

@@ -33,6 +33,7 @@ from dock_gateway.hub.schema import (
 )
 from dock_gateway.hub.site_client import DEADLINE
 from dock_gateway.hub.sites import Sites
+from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.names import site_grant
 from dock_gateway.storage import History
@@ -63,12 +64,14 @@ async def get_site(site: SiteName, sites: Part[Sites], grant: TheGrant) -> Respo
     "/sites/{site}", tags=["Sites"], status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY]
 )
 @operation(Role.ADMIN, Scope.EVERY)
-async def forget_site(site: SiteName, sites: Part[Sites]) -> Response:
+async def forget_site(site: SiteName, sites: Part[Sites], stops: Part[Stops]) -> Response:
     """Forget a site, and which gateway has its name: the next one to come with that name has it.
 
-    A site that is still there comes back by itself. Its goals stay in the history.
+    A site that is still there comes back by itself. Its goals stay in the history; a stop that it has not confirmed is
+    dropped.
     """
     await sites.forget(site)
+    await stops.forget(site)
     return Response(status_code=204)
 
 

@@ -9,15 +9,17 @@ from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.http.schema import Schema
 from dock_gateway.hub.directory import State
+from dock_gateway.hub.stop_schema import PendingStop
 from dock_gateway.observability.schema import HistoryState
 from dock_gateway.streams.schema import SnapshotEvent
 
 
 class SiteStop(Schema):
-    """The robots of a site that a stop holds."""
+    """The robots of a site that a stop holds, and a stop of the hub that the site has not confirmed."""
 
     latched: bool
     robots: list[str]
+    pending: PendingStop | None
 
 
 class SiteInfo(Schema):

@@ -68,7 +68,7 @@ class SiteClient:
             raise ForeignDocumentError(f"the answer to GET {path} is not JSON") from None
 
     async def ask(
-        self, method: str, path: str, body: bytes, *, name: str | None, grant: Grant, deadline: float
+        self, method: str, path: str, body: bytes, *, name: str | None, grant: Grant, deadline: float, query: str = ""
     ) -> Answer:
         """Make a request for a user of the hub; return the answer.
 
@@ -79,6 +79,7 @@ class SiteClient:
             name: Their name; None where the hub asks nobody for a login.
             grant: What they may do, in the site's own names.
             deadline: Seconds that the site may take.
+            query: The query.
 
         Raises:
             SiteUnreachable, SiteTimeout: There is no answer.
@@ -86,7 +87,7 @@ class SiteClient:
         token = self.sign(method, path, name, grant)
         headers = [(b"content-type", b"application/json")]
         return await self._caller.request(
-            self.address, method, path, token=token, headers=headers, body=body, deadline=deadline
+            self.address, method, path, token=token, query=query, headers=headers, body=body, deadline=deadline
         )
 
     async def forward(

@@ -63,6 +63,7 @@ class Sites:
 
     Attributes:
         on_connect: Called with the name of a site that is welcome from now on.
+        pending_stop: Returns the stop that a site has not confirmed, as `GET /sites` shows it.
     """
 
     def __init__(self, broker: Broker, caller: Caller, signer: Signer, history: SqlHistory, store: HubStore) -> None:
@@ -82,6 +83,7 @@ class Sites:
         self._hellos = Tasks("answering hellos")
         self._following = asyncio.Lock()
         self.on_connect: list[Callable[[str], object]] = []
+        self.pending_stop: Callable[[str], dict[str, Any] | None] = lambda _: None
 
     async def open(self) -> None:
         """Read which sites are known, and answer hellos from now on."""
@@ -224,6 +226,10 @@ class Sites:
             raise NotFound(f"there is no site {name[:60]}", code="site_not_found")
         return site
 
+    def robots(self, name: str) -> list[str]:
+        """Return the robots of a site that are known."""
+        return sorted(self.view(name).robots)
+
     def view(self, name: str) -> SiteView:
         """Return what a site has told last."""
         return self._views.setdefault(name, SiteView(name))
@@ -273,7 +279,7 @@ class Sites:
             "robots": len(view.robots),
             "goals_running": view.goals_running(),
             "alerts": len(view.alerts),
-            "stop": {"latched": bool(stopped), "robots": stopped},
+            "stop": {"latched": bool(stopped), "robots": stopped, "pending": self.pending_stop(name)},
             "refused": dict(site.refused + view.malformed),
             "detail": site.detail,
         }

@@ -1,0 +1,493 @@
+"""Stops of sites, and their release.
+
+A stop is sent at once, and counts as done only when the site has said that it is latched. Until then it is stored and
+sent again whenever the site can be reached, also by the next process of the hub. A release drops it; it is sent once,
+and never later. No release is sent while a stop is on its way to the same site, and a stop that met a release on its
+way is sent again: so the last of both that was asked for is what holds.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from typing import Any, Protocol
+from urllib.parse import urlencode
+
+import orjson
+
+from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.filters import is_under
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.sites.names import to_hub, to_site
+from dock_gateway.storage import Entries
+
+log = logging.getLogger(__name__)
+
+# All robots of a site.
+WHOLE = "/"
+# Everyone may stop every robot.
+STOPS_ALL = Grant(Role.VIEWER)
+# Answers of a site that will not change: it does not know the robot, or does not let the hub do it.
+FINAL = frozenset({400, 403, 404, 405, 409, 421, 422})
+MAX_DETAIL = 500
+NOT_STORED = "the hub's database does not answer: if the hub restarts now, it will not repeat this stop"
+
+
+class SiteAnswer(Protocol):
+    """What a site has answered."""
+
+    @property
+    def status(self) -> int:
+        """The status."""
+
+    @property
+    def body(self) -> bytes:
+        """The body."""
+
+
+class SiteApi(Protocol):
+    """The API of a site."""
+
+    async def ask(
+        self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
+    ) -> SiteAnswer:
+        """Make a request for a user of the hub.
+
+        Raises:
+            GatewayError: There is no answer.
+        """
+
+
+class ReachableSites(Protocol):
+    """The sites, as far as stops need them."""
+
+    def names(self) -> list[str]:
+        """Return the names of all sites, sorted."""
+
+    def client(self, name: str) -> SiteApi:
+        """Return the API of a site.
+
+        Raises:
+            GatewayError: It is not connected, or there is no such site.
+        """
+
+    def robots(self, name: str) -> list[str]:
+        """Return the robots of a site that are known, with names of the hub."""
+
+
+@dataclass(frozen=True)
+class StopTimes:
+    """Times in seconds.
+
+    Attributes:
+        answer_within: Time that an answer waits for the sites.
+        deadline: Time that a site may take. It does not begin later.
+        repeat_after: Time between two attempts.
+    """
+
+    answer_within: float = 5.0
+    deadline: float = 5.0
+    repeat_after: float = 0.5
+
+
+@dataclass(frozen=True)
+class StopEntry:
+    """A stop that a site has not confirmed, as stored.
+
+    Attributes:
+        robots: The robots, by the site's own names; `/` is all of them.
+        user: The user of the hub who asked for it.
+        by: Who stopped them, as the request says.
+        since: When it was asked for first.
+    """
+
+    robots: tuple[str, ...]
+    user: str | None
+    by: str | None
+    since: datetime
+
+    def join(self, later: "StopEntry") -> "StopEntry":
+        """Return one stop for both."""
+        return replace(later, robots=outermost((*self.robots, *later.robots)), since=self.since)
+
+
+@dataclass(frozen=True)
+class StopOutcome:
+    """What became of a stop at one site, as `POST /stop` answers it.
+
+    Attributes:
+        stopped: Whether the site has confirmed it.
+        robots: The robots there that a stop holds, with names of the hub.
+        warning: What the site has said besides.
+        code: Why it is not confirmed, in a word.
+        detail: The same in a sentence.
+        repeated: Whether it is sent again until it is confirmed or released.
+    """
+
+    stopped: bool
+    robots: tuple[str, ...] = ()
+    warning: str | None = None
+    code: str | None = None
+    detail: str | None = None
+    repeated: bool = False
+
+
+@dataclass(frozen=True)
+class ReleaseOutcome:
+    """What became of a release at one site: `stopped_again` says that a stop was asked for meanwhile."""
+
+    released: bool
+    code: str | None = None
+    detail: str | None = None
+
+
+@dataclass(eq=False)
+class _Site:
+    """What is on its way to one site.
+
+    Attributes:
+        entry: The stop that it has not confirmed.
+        unsaved: Whether the database may have another one.
+        stops: Number of stops that were asked for.
+        sending: The stops that are on their way.
+        release: The release that is on its way.
+    """
+
+    entry: StopEntry | None = None
+    unsaved: bool = False
+    stops: int = 0
+    sending: set[asyncio.Task[StopOutcome]] = field(default_factory=set)
+    release: asyncio.Task[ReleaseOutcome] | None = None
+    saving: asyncio.Lock = field(default_factory=asyncio.Lock)
+
+
+class Stops:
+    """Stops sites, and releases them.
+
+    Args:
+        sites: The sites.
+        store: Has the stops that are not confirmed, by site.
+        times: How long to wait.
+    """
+
+    def __init__(self, sites: ReachableSites, store: Entries[StopEntry], times: StopTimes = StopTimes()) -> None:
+        self._reach = sites
+        self._store = store
+        self._times = times
+        self._sites: dict[str, _Site] = {}
+        self._read = False
+        self._wanted = asyncio.Event()  # something is to be repeated or stored
+        self._tasks = Tasks("stopping sites")
+
+    def open(self) -> None:
+        """Read the stops that the last process of the hub has left, and repeat what is not confirmed from now on."""
+        self._tasks.spawn(self._run())
+
+    @property
+    def ready(self) -> bool:
+        """Whether the stops that the last process has left are known."""
+        return self._read
+
+    async def close(self) -> None:
+        """Send nothing any longer."""
+        await self._tasks.close()
+
+    def sites(self) -> list[str]:
+        """Return the names of all sites, sorted."""
+        return self._reach.names()
+
+    def pending(self, name: str) -> dict[str, Any] | None:
+        """Return the stop that a site has not confirmed, as `GET /sites` shows it; None if there is none."""
+        entry = self._site(name).entry
+        if entry is None:
+            return None
+        return {"robots": [to_hub(name, robot) for robot in entry.robots], "by": entry.by, "since": entry.since}
+
+    async def forget(self, name: str) -> None:
+        """Drop the stop that a site has not confirmed.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        site = self._site(name)
+        site.entry, site.unsaved = None, True
+        await self._save(name, site)
+
+    def _site(self, name: str) -> _Site:
+        return self._sites.setdefault(name, _Site())
+
+    # ------------------------------------------------------------------ stops
+
+    async def stop(
+        self, targets: Mapping[str, tuple[str, ...]], *, latch: bool, by: str | None, user: str | None
+    ) -> dict[str, StopOutcome]:
+        """Stop robots of sites, all at the same time. What is not confirmed by then is repeated, if it is latched.
+
+        Args:
+            targets: The robots of each site, by its own names; `/` is all of them.
+            latch: Whether goals are refused until the stop is released.
+            by: Who stops them.
+            user: The user of the hub who asks.
+        """
+        now, until = utc_now(), time.monotonic() + self._times.answer_within
+        sending = {
+            name: self._begin(name, StopEntry(outermost(robots), user, by, now), latch=latch)
+            for name, robots in targets.items()
+        }
+        if sending:
+            await asyncio.wait(sending.values(), timeout=self._times.answer_within)
+        await self._stored(targets, until)
+        outcomes = {name: self._outcome(name, task, latch=latch) for name, task in sending.items()}
+        for name, outcome in outcomes.items():
+            if outcome.repeated:
+                log.warning("the site %s has not confirmed a stop, which is repeated: %s", name, outcome.detail)
+        return outcomes
+
+    async def _stored(self, names: Iterable[str], until: float) -> None:
+        """Wait until what is not confirmed is stored; as short as that takes, if it does not work."""
+        saving = [self._tasks.spawn(self._save(name, site)) for name in names if (site := self._site(name)).entry]
+        if saving:
+            await asyncio.wait(saving, timeout=max(0.1, until - time.monotonic()))
+
+    def _begin(self, name: str, entry: StopEntry, *, latch: bool) -> "asyncio.Task[StopOutcome]":
+        site = self._site(name)
+        site.stops += 1
+        if latch:
+            site.entry = entry = entry if site.entry is None else site.entry.join(entry)
+            site.unsaved = True
+            self._tasks.spawn(self._save(name, site))
+            self._wanted.set()
+        return self._send(name, site, entry, latch=latch)
+
+    def _outcome(self, name: str, task: "asyncio.Task[StopOutcome]", *, latch: bool) -> StopOutcome:
+        if task.done() and task.exception() is None:
+            outcome = task.result()
+        else:
+            seconds = f"{self._times.answer_within:g} s"
+            detail = f"the site {name} has not confirmed the stop within {seconds}; whether it has stopped is not known"
+            outcome = StopOutcome(stopped=False, code="site_timeout", detail=detail)
+        if outcome.stopped or not latch or self._site(name).entry is None:
+            return outcome
+        return replace(outcome, repeated=True, warning=NOT_STORED if self._site(name).unsaved else None)
+
+    def _send(self, name: str, site: _Site, entry: StopEntry, *, latch: bool) -> "asyncio.Task[StopOutcome]":
+        task = self._tasks.spawn(self._confirm(name, site, entry, latch=latch))
+        site.sending.add(task)
+        task.add_done_callback(site.sending.discard)
+        return task
+
+    async def _confirm(self, name: str, site: _Site, entry: StopEntry, *, latch: bool) -> StopOutcome:
+        """Send a stop; once more, if a release was on its way, which could come after it."""
+        release = site.release
+        final, outcome = await self._insist(name, entry, latch=latch)
+        if release is not None:
+            await asyncio.wait({release})
+            final, outcome = await self._insist(name, entry, latch=latch)
+        if final and latch and site.entry is entry:
+            site.entry, site.unsaved = None, True
+            self._tasks.spawn(self._save(name, site))
+            if outcome.stopped:
+                log.info("the site %s has confirmed the stop", name)
+            else:
+                log.warning("the site %s refuses a stop: %s", name, outcome.detail)
+        return outcome
+
+    async def _insist(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
+        """Send a stop, as `_ask`, until that is of no use or the site is gone: it may only just have connected."""
+        until = time.monotonic() + self._times.answer_within
+        while True:
+            final, outcome = await self._ask(name, entry, latch=latch)
+            if final or time.monotonic() + self._times.repeat_after >= until or not self._is_connected(name):
+                return final, outcome
+            await asyncio.sleep(self._times.repeat_after)
+
+    def _is_connected(self, name: str) -> bool:
+        try:
+            self._reach.client(name)
+        except GatewayError:
+            return False
+        return True
+
+    async def _ask(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
+        """Send a stop. Return whether there is no use in another attempt, and what became of it."""
+        body = encode({"latch": latch, "by": entry.by})
+        query = urlencode([("robot", robot) for robot in self._named(name, entry.robots)])
+        try:
+            answer = await self._reach.client(name).ask(
+                "POST",
+                "/stop",
+                body,
+                query=query,
+                name=entry.user,
+                grant=STOPS_ALL,
+                deadline=self._times.deadline,
+            )
+        except GatewayError as error:
+            return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
+        document = _read(answer.body)
+        if answer.status != 200:
+            code, detail = _problem(document, answer.status)
+            return answer.status in FINAL, StopOutcome(stopped=False, code=code, detail=detail)
+        outcome = _judge(name, document, latch=latch)
+        return outcome.stopped, outcome
+
+    def _named(self, name: str, robots: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the robots that a request names. All robots of a site are the outermost of those that are known."""
+        if WHOLE not in robots:
+            return robots
+        return outermost(own for robot in self._reach.robots(name) if (own := to_site(name, robot)) is not None)
+
+    # ------------------------------------------------------------------ releases
+
+    async def release(self, name: str, robot: str, *, user: str | None, grant: Grant) -> ReleaseOutcome:
+        """Release the stop of robots of a site: drop what is not confirmed, and ask the site once.
+
+        Args:
+            name: The site.
+            robot: The robot, by the site's own name; those below it are released, too.
+            user: The user of the hub who asks.
+            grant: What they may do at the site.
+
+        Returns:
+            What became of it: `history_unavailable` if what is not confirmed cannot be dropped, as the database does
+            not answer. Nothing is released then.
+        """
+        site = self._site(name)
+        stops = site.stops
+        try:
+            await self._drop(name, site, robot)
+        except GatewayError as error:
+            return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
+        while on_their_way := {*site.sending, *([] if site.release is None else [site.release])}:
+            await asyncio.wait(on_their_way)
+        if site.stops != stops:
+            detail = f"a stop of the site {name} was asked for meanwhile; it holds"
+            return ReleaseOutcome(released=False, code="stopped_again", detail=detail)
+        site.release = task = self._tasks.spawn(self._ask_release(name, robot, user, grant))
+        task.add_done_callback(lambda _: setattr(site, "release", None))
+        return await asyncio.shield(task)
+
+    async def _drop(self, name: str, site: _Site, robot: str) -> None:
+        if not self._read:
+            raise Unavailable("the stops that are not confirmed are not read yet", code="history_unavailable")
+        entry = site.entry
+        if entry is not None:
+            if any(is_under(robot, each) and each != robot for each in entry.robots):
+                detail = f"a stop of more than {to_hub(name, robot)} is not confirmed yet; release that one"
+                raise Conflict(detail, code="stop_latched")
+            rest = tuple(each for each in entry.robots if not is_under(each, robot))
+            if rest != entry.robots:
+                site.entry, site.unsaved = (replace(entry, robots=rest) if rest else None), True
+        if site.unsaved:
+            try:
+                await self._save(name, site)
+            except Unavailable:
+                if entry is not None:  # it will be repeated, as before
+                    site.entry = entry if site.entry is None else entry.join(site.entry)
+                raise
+
+    async def _ask_release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
+        named = self._named(name, (robot,))
+        queries = [urlencode({"robot": each}) for each in named] or [""]
+        for query in queries:
+            try:
+                answer = await self._reach.client(name).ask(
+                    "DELETE", "/stop", b"", query=query, name=user, grant=grant, deadline=self._times.deadline
+                )
+            except GatewayError as error:
+                return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
+            if answer.status != 200:
+                code, detail = _problem(_read(answer.body), answer.status)
+                return ReleaseOutcome(released=False, code=code, detail=detail)
+        return ReleaseOutcome(released=True)
+
+    # ------------------------------------------------------------------ what is not confirmed
+
+    async def _run(self) -> None:
+        await self._read_stored()
+        while True:
+            await self._wanted.wait()
+            self._wanted.clear()
+            for name, site in list(self._sites.items()):
+                if site.entry is not None and not site.sending:
+                    self._send(name, site, site.entry, latch=True)
+                if site.unsaved and not site.saving.locked():
+                    self._tasks.spawn(self._save(name, site))
+                if site.entry is not None or site.unsaved:
+                    self._wanted.set()
+            await asyncio.sleep(self._times.repeat_after)
+
+    async def _read_stored(self) -> None:
+        while not self._read:
+            try:
+                stored = await self._store.read()
+            except Unavailable as error:
+                log.warning("%s; stops of an earlier process are repeated when it does", error.detail)
+                await asyncio.sleep(self._times.repeat_after)
+                continue
+            for name, entry in stored.items():
+                site = self._site(name)
+                site.entry = entry if site.entry is None else entry.join(site.entry)
+                log.warning("the stop of the site %s since %s is not confirmed; it is repeated", name, entry.since)
+            self._read = True
+            self._wanted.set()
+
+    async def _save(self, name: str, site: _Site) -> None:
+        """Store what a site has not confirmed.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`). It is tried again.
+        """
+        async with site.saving:
+            if not (self._read and site.unsaved):  # what the last process has left is read first
+                return
+            entry = site.entry
+            await self._store.write(name, entry)
+            if site.entry is entry:
+                site.unsaved = False
+
+
+def outermost(robots: Iterable[str]) -> tuple[str, ...]:
+    """Return robots, sorted, without those below others."""
+    names = sorted(set(robots))
+    return tuple(name for name in names if not any(name != other and is_under(name, other) for other in names))
+
+
+def _read(body: bytes) -> dict[str, Any]:
+    try:
+        document = orjson.loads(body)
+    except orjson.JSONDecodeError:
+        return {}
+    return document if isinstance(document, dict) else {}
+
+
+def _problem(document: dict[str, Any], status: int) -> tuple[str, str]:
+    """Return the code and the sentence of a problem."""
+    code, detail = document.get("code"), document.get("detail")
+    known = isinstance(code, str) and isinstance(detail, str)
+    return (code[:60], detail[:MAX_DETAIL]) if known else ("site_failed", f"the site has answered {status}")  # type: ignore[index]
+
+
+def _judge(name: str, document: dict[str, Any], *, latch: bool) -> StopOutcome:
+    """Return what the report of a site says of a stop."""
+    stop, failed, warning = document.get("stop"), document.get("failed"), document.get("warning")
+    held = stop.get("robots") if isinstance(stop, dict) else None
+    robots = tuple(to_hub(name, each) for each in held if isinstance(each, str)) if isinstance(held, list) else ()
+    latched = isinstance(stop, dict) and stop.get("latched") is True
+    moving = [
+        each
+        for each in (failed if isinstance(failed, list) else ())
+        if isinstance(each, dict) and each.get("robot") is not None and each.get("code") != "robot_not_found"
+    ]
+    if moving or not isinstance(failed, list) or (latch and not latched):
+        code, detail = _problem(moving[0] if moving else {}, 200)
+        if not moving:
+            code, detail = "site_failed", f"the site {name} has not said that the stop is latched"
+        return StopOutcome(stopped=False, robots=robots, code=code, detail=detail)
+    text = warning.get("detail") if isinstance(warning, dict) else None
+    return StopOutcome(stopped=True, robots=robots, warning=text[:MAX_DETAIL] if isinstance(text, str) else None)

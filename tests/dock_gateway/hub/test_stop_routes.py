@@ -1,0 +1,106 @@
+"""`/stop` of a hub."""
+
+from collections.abc import Iterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.application import Contents, build_app
+from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
+from dock_gateway.hub import stop_routes
+from dock_gateway.hub.stops import Stops
+from dock_gateway.robots.robots import Robots
+from dock_gateway.settings import Settings
+from dock_gateway.storage.memory import MemoryHistory
+from tests.dock_gateway.hub.test_stops import BERLIN, OSLO, TIMES, FakeSite, FakeSites, Store
+from tests.support.audit import audit_parts
+
+
+class Hub:
+    """A hub with two sites, and nothing else."""
+
+    def __init__(self) -> None:
+        settings = Settings(database_url="memory:")
+        self.reach = FakeSites(BERLIN, OSLO)
+        self.parts = Parts(
+            {**audit_parts(), Settings: settings, Logins: Logins(MemoryHistory(1)), Quotas: Quotas(settings)}
+        )
+        app = build_app(settings, (stop_routes.router,), self._open, Contents("A hub."))
+        self.http = TestClient(app, "http://127.0.0.1:8000")
+
+    @asynccontextmanager
+    async def _open(self) -> Any:
+        stops = Stops(self.reach, Store(), TIMES)
+        stops.open()
+        self.parts.add(Stops, stops)
+        self.parts.add(Robots, self.reach)  # type: ignore[arg-type]
+        yield self.parts
+        await stops.close()
+
+    def site(self, name: str) -> FakeSite:
+        return self.reach.sites[name]
+
+
+@pytest.fixture
+def hub() -> Iterator[Hub]:
+    hub = Hub()
+    with hub.http:
+        yield hub
+
+
+def test_all_sites_are_stopped_and_released(hub: Hub) -> None:
+    answer = hub.http.post("/stop", json={"by": "Ada"})
+    assert answer.status_code == 200
+    assert {name: site["stopped"] for name, site in answer.json()["sites"].items()} == {BERLIN: True, OSLO: True}
+    assert hub.site(BERLIN).latched
+    released = hub.http.delete("/stop")
+    assert released.status_code == 200
+    assert released.json()["sites"][OSLO] == {"released": True, "code": None, "detail": None}
+    assert not hub.site(OSLO).latched
+
+
+def test_a_stop_that_is_not_confirmed_is_no_success(hub: Hub) -> None:
+    hub.site(OSLO).reachable = False
+    answer = hub.http.post("/stop")
+    problem = answer.json()
+    assert (answer.status_code, problem["code"]) == (504, "stop_incomplete")
+    assert problem["sites"][BERLIN]["stopped"]
+    assert problem["sites"][OSLO] == {
+        "stopped": False,
+        "robots": [],
+        "warning": None,
+        "code": "site_unreachable",
+        "detail": "the site oslo is not connected",
+        "repeated": True,
+    }
+    assert "1 of 2 sites (oslo: the site oslo is not connected)" in problem["detail"]
+    released = hub.http.delete("/stop")
+    assert (released.status_code, released.json()["code"]) == (504, "release_incomplete")
+    assert released.json()["sites"][BERLIN]["released"]
+
+
+def test_robots_of_sites_are_stopped(hub: Hub) -> None:
+    answer = hub.http.post("/stop", params={"robot": ["/berlin/robot1", "oslo"]})
+    assert answer.status_code == 200
+    assert hub.site(BERLIN).asked == [("POST", ("/robot1",))]
+    assert hub.site(OSLO).asked == [("POST", ("/robot1", "/robot2"))]
+    assert hub.http.delete("/stop", params={"robot": "/berlin/robot1"}).status_code == 200
+    assert hub.site(BERLIN).asked[1:] == [("DELETE", ("/robot1",))]
+
+
+def test_an_unknown_site_keeps_none_from_being_stopped(hub: Hub) -> None:
+    answer = hub.http.post("/stop", params={"robot": ["/berlin", "/paris/robot1"]})
+    assert (answer.status_code, answer.json()["sites"]["paris"]["code"]) == (504, "site_not_found")
+    assert hub.site(BERLIN).latched
+    assert hub.http.post("/stop", params={"robot": "/paris"}).json()["code"] == "site_not_found"
+    assert hub.http.delete("/stop", params={"robot": "/paris"}).json()["code"] == "site_not_found"
+
+
+def test_a_malformed_request_still_stops(hub: Hub) -> None:
+    answer = hub.http.post("/stop", content=b"{", headers={"Content-Type": "application/json"})
+    assert (answer.status_code, answer.json()["warning"]["code"]) == (200, "malformed_json")
+    assert hub.site(BERLIN).latched
