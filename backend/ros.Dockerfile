@@ -42,7 +42,7 @@ RUN bash -c '. /opt/ros/*/setup.bash && colcon build --merge-install --install-b
 
 FROM base
 RUN useradd --uid 10001 --create-home --shell /usr/sbin/nologin dock \
-    && install -d -o dock -g dock -m 700 /var/lib/dock-gateway
+    && install -d -o dock -g dock -m 700 /var/lib/dock-gateway /var/lib/hub-keys
 COPY --from=messages /opt/docking-actions /opt/docking-actions
 COPY --from=install /opt/dock-gateway /opt/dock-gateway
 # As in backend/Dockerfile, which gives the reasons.

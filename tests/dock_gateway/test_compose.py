@@ -6,6 +6,8 @@ from typing import Any
 
 import yaml
 
+from dock_gateway.cli.sites import Login, broker_permissions
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -45,7 +47,12 @@ def test_on_the_network_of_the_host_its_own_address_counts() -> None:
 
 def test_who_else_is_on_its_bridge() -> None:
     """As docs/deployment.md says: they reach its port without a login."""
-    assert {name for name, service in DEFAULT.items() if "network_mode" not in service} == {"network", "grafana"}
+    on_bridge = {
+        name
+        for name, service in DEFAULT.items()
+        if "network_mode" not in service and "default" in service.get("networks", ["default"])
+    }
+    assert on_bridge == {"network", "grafana", "hub"}
 
 
 def test_only_the_gateways_reach_the_database() -> None:
@@ -93,3 +100,44 @@ def test_the_proxy_and_prometheus_find_both_gateways() -> None:
     (job,) = yaml.safe_load((ROOT / config[0]).read_text())["scrape_configs"]
     assert job["static_configs"] == [{"targets": targets}]
     assert job["authorization"]["credentials_file"].startswith(f"{token[1]}/")
+
+
+def test_sites_reach_their_broker_and_each_other_not() -> None:
+    """Each has a network namespace and shared memory of its own. On their network are only the broker and the hub."""
+    parts = ("gateway", "docking", "simulator")
+    for site, other in (("berlin", "oslo"), ("oslo", "berlin")):
+        for part in parts:
+            service = DEFAULT[f"{site}-{part}"]
+            assert service["network_mode"] == service["ipc"] == f"service:{site}"
+            assert other not in str(service)
+        assert DEFAULT[site]["networks"] == ["sites"]
+        assert "ports" not in DEFAULT[site]
+        environment = DEFAULT[f"{site}-gateway"]["environment"]
+        assert environment["DOCK_GATEWAY_SITE"] == site
+        assert environment["DOCK_GATEWAY_HUB"].startswith(f"nats://{site}:")
+        assert f"{site}-gateway" in DEFAULT["hub"]["depends_on"]
+    assert "ports" not in DEFAULT["nats"]
+    assert DEFAULT["hub"]["ports"] == DEFAULT["network"]["ports"], "in place of the gateway"
+
+
+def test_the_hub_takes_all_of_sites_with_it_and_nothing_else() -> None:
+    of_sites = {name for name, service in DEFAULT.items() if service.get("profiles") == ["sites"]}
+    started, new = set(), {"hub"}
+    while new:
+        started |= new
+        new = {name for service in new for name in DEFAULT[service].get("depends_on", ())} - started
+    assert started == of_sites
+
+
+def test_the_broker_gives_the_rights_that_the_demonstration_has_with_the_passwords_that_are_used() -> None:
+    config = yaml.load((ROOT / "docker-compose.yml").read_text(), Loader)["configs"]["nats"]["content"]
+    names = ("hub", "berlin", "oslo")
+    hub, *sites = (Login(name, f"${{{name.upper()}_PASSWORD:-{name}}}") for name in names)
+    expected = broker_permissions(hub, sites)["users"]
+    for name, found, user in zip(names, config.split("{user: ")[1:], expected, strict=True):
+        permissions = user["permissions"]
+        texts = [user["password"], *permissions["publish"], *permissions["subscribe"]]
+        assert re.findall(r'"([^"]*)"', found) == texts
+        setting = ("hub", "NATS") if name == "hub" else (f"{name}-gateway", "HUB")
+        url = DEFAULT[setting[0]]["environment"][f"DOCK_GATEWAY_{setting[1]}"]
+        assert url == f"nats://{name}:{user['password']}@nats:4222"

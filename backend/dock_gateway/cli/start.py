@@ -34,8 +34,17 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
     for setting in ("dock_action_type", "undock_action_type"):
         if action_type := getattr(settings, setting):
             check_installed(setting, action_type)
-    _refuse(find_port_fault(settings))
+    check_port(settings)
     _refuse(find_database_fault(settings))
+
+
+def check_port(settings: Settings) -> None:
+    """Refuse an address that cannot be listened on.
+
+    Raises:
+        click.ClickException: The message says why, and what to do.
+    """
+    _refuse(find_port_fault(settings))
 
 
 def check_exposure(settings: Settings) -> None:

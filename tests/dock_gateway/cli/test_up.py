@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
+from dock_gateway.cli.supervisor import supervise
 from dock_gateway.cli.up import (
     SIMULATED,
     TUTORIAL,
@@ -17,7 +18,6 @@ from dock_gateway.cli.up import (
     fleet,
     robot_commands,
     stay_on_this_machine,
-    supervise,
 )
 from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings

@@ -1,0 +1,152 @@
+"""Runs programs as supervised processes until a signal comes, and ends them together."""
+
+import asyncio
+import contextlib
+import signal
+import ssl
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
+from typing import Any, NamedTuple
+
+import click
+import httpx2
+
+from dock_gateway.client.connection import tls_context
+from robot_io.children import end_with_parent
+
+# Seconds that the parts have to end by themselves.
+END_TIMEOUT = 2.3
+
+
+class Part:
+    """One supervised process, restarted when it dies.
+
+    Args:
+        name: Its name in messages.
+        command: Starts it.
+        longest: The longest delay before it is started again, in seconds.
+        environment: Its variables; by default those of this process.
+    """
+
+    def __init__(
+        self, name: str, command: Sequence[str], longest: float, environment: Mapping[str, str] | None = None
+    ) -> None:
+        self.name = name
+        self._longest = longest
+        self._command = command
+        self._environment = environment
+        self._backoff = 1.0
+        self._restart_at: float | None = None
+        self.start()
+
+    def start(self) -> None:
+        """Start the process in its own session: Ctrl-C reaches only the supervisor, which ends the parts in order."""
+        self._restart_at = None
+        self.started_at = time.monotonic()
+        self.process = subprocess.Popen(
+            self._command, env=self._environment, start_new_session=True, preexec_fn=end_with_parent
+        )
+
+    def look(self) -> None:
+        """Restart the process if it has died, after a growing delay."""
+        now = time.monotonic()
+        if self._restart_at is not None:
+            if now >= self._restart_at:
+                self.start()
+        elif (code := self.process.poll()) is not None:
+            self._backoff = 1.0 if now - self.started_at > 4 * self._backoff else min(2 * self._backoff, self._longest)
+            click.echo(
+                f"dock-gateway: {self.name} ended ({code}); starting it again in {self._backoff:g} s",
+                err=True,
+            )
+            self._restart_at = now + self._backoff
+
+
+def _end(parts: Sequence[Part], timeout: float) -> None:
+    deadline = time.monotonic() + timeout
+    for part in parts:
+        if part.process.poll() is None:
+            part.process.terminate()
+            part.process.send_signal(signal.SIGCONT)  # a frozen process could not end
+    for part in parts:
+        try:
+            part.process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            click.echo(f"dock-gateway: {part.name} does not exit and is killed", err=True)
+            part.process.kill()
+            part.process.wait()
+
+
+class Readiness(NamedTuple):
+    """What says that everything is up.
+
+    Attributes:
+        path: Is asked for at the gateway or hub.
+        holds: Whether its answer, a JSON document, says so.
+        text: More lines to print then.
+    """
+
+    path: str = "/readyz"
+    holds: Callable[[Any], bool] = itemgetter("ready")
+    text: str = ""
+
+
+GATEWAY_READY = Readiness()
+
+
+async def _announce(url: str, readiness: Readiness) -> None:
+    context = tls_context(url)
+    if context is not None:  # the certificate is for another name than that of this machine's loopback interface
+        context.check_hostname = False
+        context.verify_mode = ssl.CERT_NONE
+    async with httpx2.AsyncClient(timeout=1.0, trust_env=False, verify=context or True) as http:
+        ready = False
+        while not ready:
+            await asyncio.sleep(0.1)
+            with contextlib.suppress(httpx2.HTTPError, ValueError, KeyError):
+                ready = readiness.holds((await http.get(f"{url}{readiness.path}")).json())
+    click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n{readiness.text}", bold=True)
+
+
+async def supervise(
+    commands: Mapping[str, Sequence[str]],
+    url: str,
+    *,
+    environments: Mapping[str, Mapping[str, str]] = {},
+    readiness: Readiness = GATEWAY_READY,
+    start_window: float = 5.0,
+    longest_delay: float = 10.0,
+    end_timeout: float = END_TIMEOUT,
+) -> bool:
+    """Run the parts until a signal arrives. Return False if the gateway, the first part, could not be started.
+
+    Args:
+        commands: Start the parts.
+        url: Where the gateway will be.
+        environments: The variables of parts that have their own, by the part's name.
+        readiness: When everything is up.
+        start_window: Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings
+            are wrong.
+        longest_delay: Maximum seconds before a part that has died is started again.
+        end_timeout: Seconds that the parts have to end by themselves.
+    """
+    ended = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
+            asyncio.get_running_loop().add_signal_handler(number, ended.set)
+    parts = [Part(name, command, longest_delay, environments.get(name)) for name, command in commands.items()]
+    started_by = time.monotonic() + start_window
+    announcing = asyncio.create_task(_announce(url, readiness))
+    try:
+        while not ended.is_set():
+            if time.monotonic() < started_by and parts[0].process.poll() is not None:
+                return False  # starting it again would not help
+            for part in parts:
+                part.look()
+            await asyncio.sleep(0.1)
+    finally:
+        announcing.cancel()
+        _end(parts, end_timeout)
+    return True
