@@ -77,6 +77,7 @@ class Follower:
         self._goals: dict[str, Goal] = {}
         self._news = News(self._site)
         self._more, self._less = asyncio.Event(), asyncio.Event()
+        view.behind = True
         self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
