@@ -1,0 +1,154 @@
+"""A hub that asks for a login, with a small site, over a real NATS server."""
+
+from collections.abc import AsyncIterator, Iterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import pytest
+import websockets.asyncio.client
+from starlette.types import Receive, Scope, Send
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.http.parts import Parts
+from dock_gateway.hub import forwarding
+from dock_gateway.hub.app import create_hub_app
+from dock_gateway.hub.assembly import open_hub
+from dock_gateway.hub.directory import State
+from dock_gateway.hub.sites import Sites
+from dock_gateway.settings import Settings
+from dock_gateway.sites.identity import Signer
+from dock_gateway.sites.messages import Refusal, Welcome
+from tests.support.edge import serving
+from tests.support.nats import NatsServer, nats_server
+from tests.support.small_site import broker_of, say_hello, small_site
+from tests.support.waiting import until
+
+
+@pytest.fixture(scope="module")
+def nats(tmp_path_factory: pytest.TempPathFactory) -> Iterator[NatsServer]:
+    with nats_server(tmp_path_factory.mktemp("nats")) as server:
+        yield server
+
+
+@dataclass
+class Hub:
+    parts: Parts
+    url: str
+    http: httpx2.AsyncClient
+
+    async def token(self, name: str, role: Role, *robots: str) -> tuple[str, dict[str, str]]:
+        """The id of a new token, and the header that shows it."""
+        token, secret = await self.parts[Logins].create_token(name, Grant(role, robots))
+        return token["id"], {"Authorization": f"Bearer {secret}"}
+
+    async def connected(self, name: str) -> None:
+        sites = self.parts[Sites]
+        await until(lambda: name in sites.names() and not sites.view(name).behind)
+        assert sites.state(name) is State.CONNECTED
+
+
+@asynccontextmanager
+async def hub_at(nats: str, folder: Path) -> AsyncIterator[Hub]:
+    settings = Settings(
+        database_url=f"sqlite:///{folder}/hub.db",
+        spool_path=folder / "spool",
+        hub_key_path=folder / "hub.key",
+        nats=(nats,),
+        authentication=True,
+    )
+    async with AsyncExitStack() as stack:
+        parts = await stack.enter_async_context(open_hub(settings))
+        app = create_hub_app(settings, parts)
+
+        async def with_parts(scope: Scope, receive: Receive, send: Send) -> None:
+            scope["state"] = {"parts": parts}
+            await app(scope, receive, send)
+
+        edge = await stack.enter_async_context(serving(with_parts))
+        http = await stack.enter_async_context(httpx2.AsyncClient(base_url=edge.url, trust_env=False))
+        yield Hub(parts, edge.url, http)
+
+
+@pytest.fixture
+async def hub(nats: NatsServer, tmp_path: Path) -> AsyncIterator[Hub]:
+    """A hub with the site berlin."""
+    signer = Signer.load_or_create(tmp_path / "hub.key")
+    async with hub_at(nats.url, tmp_path) as hub, small_site(nats.url, signer, tmp_path):
+        await hub.connected("berlin")
+        yield hub
+
+
+async def test_the_site_learns_who_asks_and_nothing_of_the_login(hub: Hub) -> None:
+    _, header = await hub.token("ada", Role.OPERATOR, "/berlin/hall_a/*", "/oslo/*")
+    said = {"Cookie": "a=b", "X-Request-ID": "mine", "X-Forwarded-For": "1.2.3.4", **header}
+    answer = await hub.http.post("/sites/berlin/echo?robot=/r1", content=b"{}", headers=said)
+    asked: dict[str, Any] = answer.json()
+    assert (asked["name"], asked["role"], asked["robots"]) == ("ada", "operator", ["/hall_a/*"])
+    assert (asked["query"], asked["body"]) == ("robot=/r1", "{}")
+    assert len(asked["headers"]["idempotency-key"]) == 32
+    assert asked["headers"].keys() & {"authorization", "cookie", "x-forwarded-for", "origin"} == set()
+    moved = await hub.http.post("/sites/berlin/elsewhere", headers=header)
+    assert (moved.status_code, moved.headers["location"]) == (202, "/sites/berlin/echo")
+    assert "set-cookie" not in moved.headers
+
+
+async def test_what_a_login_does_not_reach_is_not_there(hub: Hub) -> None:
+    _, header = await hub.token("eve", Role.ADMIN, "/oslo/*")
+    assert (await hub.http.get("/sites", headers=header)).json()["sites"] == []
+    for path in ("/sites/berlin", "/sites/berlin/echo", "/sites/paris/echo"):
+        assert (await hub.http.get(path, headers=header)).json()["code"] == "site_not_found", path
+    assert (await hub.http.get("/sites/berlin/echo")).json()["code"] == "not_authenticated"
+    foreign = {"Origin": "https://evil.example", **header}
+    assert (await hub.http.post("/sites/berlin/echo", headers=foreign)).json()["code"] == "origin_not_allowed"
+
+
+async def test_a_site_that_does_not_answer_in_time(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(forwarding, "DEADLINE", 0.2)
+    _, header = await hub.token("ada", Role.OPERATOR)
+    answer = await hub.http.post("/sites/berlin/never", headers={"Idempotency-Key": "mine", **header})
+    problem = answer.json()
+    assert (problem["status"], problem["code"], problem["idempotency_key"]) == (504, "site_timeout", "mine")
+    made = (await hub.http.post("/sites/berlin/never", headers=header)).json()["idempotency_key"]
+    assert len(made) == 32
+
+
+async def test_a_stream_through_the_hub_ends_with_the_login(hub: Hub) -> None:
+    token_id, header = await hub.token("ada", Role.VIEWER)
+    ticket = (await hub.http.post("/session/ticket", headers=header)).json()["ticket"]
+    address = f"{hub.url.replace('http', 'ws')}/sites/berlin/ws/feedback"
+    with pytest.raises(InvalidStatus) as refused:
+        await websockets.asyncio.client.connect(address)
+    assert refused.value.response.status_code == 401
+    async with websockets.asyncio.client.connect(f"{address}?ticket={ticket}") as socket:
+        assert '"snapshot"' in str(await socket.recv())
+        await socket.send("hello")
+        assert await socket.recv() == "hello"
+        await hub.parts[Logins].revoke_token(token_id)
+        with pytest.raises(ConnectionClosed) as closed:
+            await socket.recv()
+    assert closed.value.rcvd is not None
+    assert closed.value.rcvd.code == 4401
+
+
+async def test_who_is_welcome(hub: Hub, nats: NatsServer) -> None:
+    _, header = await hub.token("root", Role.ADMIN)
+    async with broker_of(nats.url, "oslo") as broker:
+        first, second = (f"{number:016x}" for number in (1, 2))
+        assert isinstance(await say_hello(broker, "oslo", first), Welcome)
+        taken = await say_hello(broker, "oslo", second, installation=2)
+        assert isinstance(taken, Refusal)
+        assert taken.code == "site_name_taken"
+        # Nobody listens to the first process, so it is gone.
+        assert isinstance(await say_hello(broker, "oslo", second), Welcome)
+        assert isinstance(await say_hello(broker, "oslo", second, leaving=True), Welcome)
+        await until(lambda: hub.parts[Sites].state("oslo") is not State.CONNECTED)
+        site = (await hub.http.get("/sites/oslo", headers=header)).json()
+        assert site["refused"] == {"site_name_taken": 1, "site_connected_elsewhere": 1}
+        assert (await hub.http.post("/sites/oslo/echo", headers=header)).json()["code"] == "site_unreachable"
+        assert (await hub.http.delete("/sites/oslo", headers=header)).status_code == 204
+        assert isinstance(await say_hello(broker, "oslo", first, installation=2), Welcome)

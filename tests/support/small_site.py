@@ -1,0 +1,117 @@
+"""A small site: it says hello to a hub and serves it with any app, without a gateway."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from uuid import UUID
+
+import orjson
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from dock_gateway import __version__
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.sites import subjects
+from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
+from dock_gateway.sites.identity import Signer, Verifier
+from dock_gateway.sites.messages import Hello, Refusal, Welcome, read_answer
+from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.server import TunnelServer
+from tests.support.waiting import until
+
+
+async def say_hello(
+    broker: Broker, site: str, instance: str, installation: int = 1, *, leaving: bool = False
+) -> Welcome | Refusal:
+    """Say hello once, as soon as the hub is there."""
+    hello = Hello(
+        installation=UUID(int=installation), instance=instance, version=__version__, at=time.time(), leaving=leaving
+    )
+    while True:
+        with suppress(Unavailable, TimeoutError):
+            return read_answer(await broker.request(subjects.hello(site), hello.encode(), 5))
+        await asyncio.sleep(0.05)
+
+
+@asynccontextmanager
+async def broker_of(nats: str, site: str) -> AsyncIterator[Broker]:
+    """The connection of a site."""
+    options = BrokerOptions((nats,), None, None, site, subjects.inbox(site))
+    async with open_broker(options) as broker:
+        await until(lambda: broker.connected)
+        yield broker
+
+
+@asynccontextmanager
+async def small_site(nats: str, signer: Signer, folder: Path, name: str = "berlin") -> AsyncIterator[str]:
+    """Serve the hub; the value is the process's id."""
+    keys = folder / f"{name}.keys"
+    keys.write_bytes(orjson.dumps(signer.public_keys()))
+    instance, verifier = subjects.new_id(), Verifier(keys, name)
+    async with broker_of(nats, name) as broker:
+        assert isinstance(await say_hello(broker, name, instance), Welcome)
+        server = TunnelServer(
+            broker,
+            Address(name, instance),
+            APP,
+            lambda token, method, path: verifier.verify(token, instance, method, path, time.time()),
+            {},
+        )
+        await server.open()
+        try:
+            yield instance
+        finally:
+            await server.close()
+
+
+async def _echo(request: Request) -> Response:
+    who = request.scope["hub"]
+    return JSONResponse(
+        {
+            "headers": dict(request.headers),
+            "query": request.url.query,
+            "body": (await request.body()).decode(),
+            "name": who.name,
+            "role": who.grant.role,
+            "robots": who.grant.robots,
+        }
+    )
+
+
+async def _elsewhere(_: Request) -> Response:
+    return Response(status_code=202, headers={"Location": "/echo", "Set-Cookie": "dock-gateway=stolen"})
+
+
+async def _never(_: Request) -> Response:
+    await asyncio.Event().wait()
+    return Response()
+
+
+async def _goals(_: Request) -> Response:
+    return JSONResponse({"goals": [], "next_cursor": None})
+
+
+async def _feedback(websocket: WebSocket) -> None:
+    """A stream of a site without robots; what comes is sent back."""
+    await websocket.accept()
+    await websocket.send_json({"type": "snapshot", "goals": [], "robots": [], "alerts": [], "approvals": []})
+    with suppress(WebSocketDisconnect):
+        while True:
+            await websocket.send_text(await websocket.receive_text())
+
+
+APP = Starlette(
+    routes=[
+        Route("/echo", _echo, methods=["GET", "POST"]),
+        Route("/elsewhere", _elsewhere, methods=["POST"]),
+        Route("/never", _never, methods=["POST"]),
+        Route("/goals", _goals),
+        Route("/healthz", _echo),
+        WebSocketRoute("/ws/feedback", _feedback),
+    ]
+)
