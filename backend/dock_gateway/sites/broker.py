@@ -235,8 +235,8 @@ class Broker:
     async def _on_reply(self, message: Msg) -> None:
         answer = self._replies.get(message.subject.rpartition(".")[2])
         if answer is None or answer.done():
-            self.refused["late_reply"] += 1
-        elif not message.data and (message.headers or {}).get("Status") == NO_RESPONDERS:
+            return  # too late
+        if not message.data and (message.headers or {}).get("Status") == NO_RESPONDERS:
             answer.set_exception(NoResponder("nobody answers"))
         else:
             answer.set_result(message.data)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.sites.broker import Broker, BrokerOptions, NoResponder, Received, open_broker
+from dock_gateway.sites.broker import MAX_MESSAGES, Broker, BrokerOptions, NoResponder, Received, open_broker
 from tests.support.certificates import Authority
 from tests.support.nats import nats_server
 from tests.support.waiting import until
@@ -83,6 +83,27 @@ async def test_a_handler_that_fails_does_not_end_the_subscription(tmp_path: Path
             await broker.subscribe("good", fragile)
             await publish(broker, "good", b"")
             assert await broker.request("good", b"1", 60) == b"1"
+
+
+async def test_a_handler_that_is_too_slow_loses_messages_and_nothing_else(tmp_path: Path) -> None:
+    """What waits for it is bounded."""
+    with nats_server(tmp_path) as server:
+        async with open_broker(options(server.url)) as broker:
+            go_on, handled = asyncio.Event(), list[bytes]()
+
+            async def slow(received: Received) -> None:
+                await go_on.wait()
+                handled.append(received.data)
+
+            await broker.subscribe("slow", slow)
+            await until(lambda: broker.connected)
+            for _ in range(MAX_MESSAGES + 100):
+                await broker.publish("slow", b"")
+            await until(lambda: broker.refused["slow_consumer"] > 0)
+            go_on.set()
+            await until(lambda: len(handled) >= MAX_MESSAGES)
+            await broker.publish("slow", b"last")
+            await until(lambda: handled[-1] == b"last")
 
 
 async def test_nothing_is_sent_later(tmp_path: Path) -> None:

@@ -325,9 +325,11 @@ async def test_what_is_no_message_harms_nothing(server: NatsServer) -> None:
             await tunnel.hub.publish(subjects.open_stream(SITE, tunnel.address.instance), data)
         await tunnel.hub.publish(f"dock.site.{SITE}.{tunnel.address.instance}.what", b"")
         await tunnel.site.publish(f"dock.hub.stream.{SITE}.1", b"")
-        await until(lambda: tunnel.hub.refused.total() >= len(nonsense) + 1)
-        await until(lambda: tunnel.site.refused.total() >= 2 * len(nonsense) + 1)
-        assert set(tunnel.hub.refused) | set(tunnel.site.refused) == {"malformed", "too_large"}
+        await tunnel.site.publish(subjects.stream_to_hub(SITE, subjects.new_id()), b"")
+        await tunnel.hub.publish(subjects.stream_to_site(SITE, tunnel.address.instance, subjects.new_id()), b"")
+        await until(lambda: tunnel.hub.refused.total() >= len(nonsense) + 2)
+        await until(lambda: tunnel.site.refused.total() >= 2 * len(nonsense) + 2)
+        assert set(tunnel.hub.refused) | set(tunnel.site.refused) == {"malformed", "too_large", "unknown_stream"}
         site.go_on.set()
         await forwarding
         assert client.answer == b"done"

@@ -1,7 +1,7 @@
 """The hub's end of the tunnel: sends requests and WebSockets to the app of a site."""
 
 import asyncio
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -26,6 +26,8 @@ from dock_gateway.sites.tunnel.frames import Accept, Data, End, Head, encode, wr
 
 # Streams at the same time: in all, and of one site.
 MAX_STREAMS, MAX_STREAMS_OF_SITE = 5_000, 500
+# Streams that have just ended, and whose last frames may still be on their way.
+REMEMBERED = 1_000
 # Bytes of an answer that the hub itself reads.
 MAX_ANSWER = 32 * 1024 * 1024
 # Headers of a client that mean nothing to a site, or that it must not get.
@@ -82,6 +84,7 @@ class Caller:
         self._timing = timing or Timing()
         self._max_streams = max_streams
         self._channels: dict[tuple[str, str], Channel] = {}
+        self._past = deque[tuple[str, str]](maxlen=REMEMBERED)
         self._addresses: dict[tuple[str, str], Address] = {}
         self._of_site: Counter[str] = Counter()
         self._tasks = Tasks("ending streams of sites")
@@ -122,8 +125,8 @@ class Caller:
             self._broker.refuse("malformed", received.subject, "the subject is none of the tunnel")
         elif (channel := self._channels.get(key)) is not None:
             channel.offer(received.data)
-        else:
-            self._broker.refused["unknown_stream"] += 1  # as a rule, one that has just ended
+        elif key not in self._past:
+            self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
 
     # Requests.
 
@@ -317,6 +320,7 @@ class Caller:
 
         def on_end() -> None:
             del self._channels[key], self._addresses[key]
+            self._past.append(key)
             self._of_site[address.site] -= 1
             if not self._of_site[address.site]:
                 del self._of_site[address.site]

@@ -249,7 +249,7 @@ class Channel:
         while self.ended is None:
             await asyncio.sleep(self._timing.alive)
             if self._clock() - self._heard > self._timing.silence:
-                self._fail("silent", f"nothing was heard for {self._timing.silence:g} s")
+                await self.abort("silent", f"nothing was heard for {self._timing.silence:g} s")
                 return
             try:
                 await self._send({"type": "alive"})

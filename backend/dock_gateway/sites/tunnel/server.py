@@ -1,6 +1,7 @@
 """The site's end of the tunnel: calls the site's own ASGI app for each stream that the hub opens."""
 
 import logging
+from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from http import HTTPStatus
@@ -23,6 +24,8 @@ log = logging.getLogger(__name__)
 
 # Streams at the same time, and requests whose stream has ended but that the app has not left yet.
 MAX_STREAMS = 500
+# Streams that have just ended, and whose last frames may still be on their way.
+REMEMBERED = 1_000
 INTERNAL = GatewayError("internal error; the site's log has the details")
 
 
@@ -62,6 +65,7 @@ class TunnelServer:
         self._timing = timing or Timing()
         self._max_streams = max_streams
         self._channels: dict[str, Channel] = {}
+        self._past = deque[str](maxlen=REMEMBERED)
         self.calls = 0
         self._tasks = Tasks("serving the hub")
         self._subscription: Subscription | None = None
@@ -97,8 +101,8 @@ class TunnelServer:
         if stream is not None:
             if (channel := self._channels.get(stream)) is not None:
                 channel.offer(received.data)
-            else:
-                self._broker.refused["unknown_stream"] += 1  # as a rule, one that has just ended
+            elif stream not in self._past:
+                self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
         elif received.subject == subjects.open_stream(self._address.site, self._address.instance):
             self._open(received)
         else:
@@ -111,8 +115,8 @@ class TunnelServer:
             self._broker.refuse(error.reason, received.subject, error.detail)
             self._answer(received, Refusal(code=error.reason, detail=error.detail, status=HTTPStatus.BAD_REQUEST))
             return
-        if opened.id in self._channels:
-            self._broker.refuse("duplicate", received.subject, f"the stream {opened.id} is open already")
+        if opened.id in self._channels or opened.id in self._past:
+            self._broker.refuse("duplicate", received.subject, f"the stream {opened.id} was opened already")
             return
         try:
             if self.calls >= self._max_streams:
@@ -135,6 +139,7 @@ class TunnelServer:
 
         def on_end() -> None:
             del self._channels[stream]
+            self._past.append(stream)
 
         channel = self._channels[stream] = Channel(
             partial(self._broker.publish, subject),
