@@ -15,13 +15,21 @@ import { whyNot } from "../src/operations/operation";
 import { robot } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
-const OUT: SessionState = { required: true, open_to: null, principal: null, provider: null, hub: false };
+const OUT: SessionState = {
+  required: true,
+  open_to: null,
+  principal: null,
+  provider: null,
+  hub: false,
+  share: [],
+};
 const as = (role: Role, name = "Ada", kind: "token" | "user" | "person" = "token"): SessionState => ({
   required: true,
   open_to: null,
   principal: { name, kind, role, robots: [], actions: [], topics: [] },
   provider: null,
   hub: false,
+  share: [],
 });
 
 const BOB: User = {

@@ -108,6 +108,7 @@ describe("the page", () => {
       principal: { name: "Ada", kind: "token", role: "viewer", robots: [], actions: [], topics: [] },
       provider: null,
       hub: false,
+      share: [],
     });
     renderPage(fakeGateway(), {}, "/ui/audit");
     expect(await screen.findByText("Needs the role admin; you are viewer.")).toBeTruthy();

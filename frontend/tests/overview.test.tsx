@@ -1,6 +1,7 @@
 import type { BatteryState, Robot } from "@dock-gateway/client";
 import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
+import { session } from "../src/api/session";
 import { listed, overviewView } from "../src/pages/overview/list";
 import { alert, at, battery, goal, latched, robot, server } from "./events";
 import { fakeGateway, loadRobotTable, renderPage } from "./page";
@@ -468,5 +469,21 @@ describe("the list's view", () => {
       ["1", "2", "10"],
       ["10", "1", "2"],
     ]);
+  });
+});
+
+describe("the share of the robots that a gateway serves", () => {
+  it("is named, with the gateways that serve the others", async () => {
+    session.set({ ...session.state, share: ["/fleet_a/*"] });
+    const gateway = { host: "hall", address: null, robots: ["/fleet_a/*"], this: true, id: "a" };
+    const other = { ...gateway, address: "http://hall:8001", robots: ["/fleet_b/*"], this: false, id: "b" };
+    vi.stubGlobal("fetch", async () => Response.json({ gateways: [gateway, other] }));
+    renderPage(fakeGateway(), { robots });
+    const link = await screen.findByRole("link", { name: "http://hall:8001" });
+    expect(link.parentElement?.textContent).toBe(
+      "This gateway serves /fleet_a/*. /fleet_b/*: http://hall:8001 on hall.",
+    );
+    session.set({ ...session.state, share: [] });
+    vi.unstubAllGlobals();
   });
 });

@@ -102,6 +102,16 @@ describe("a warning of the gateway", () => {
     expect(screen.getByText(/No space left on device \(stop_not_persisted\)/)).toBeDefined();
   });
 
+  it("says which other gateways stop their robots, too", async () => {
+    const others = [{ host: "hall", address: "http://hall:8001", robots: ["/fleet_b/*"] }];
+    const stop = vi.fn(async () => stopReport({ others }));
+    const { user } = renderPage(fakeGateway({ stop }));
+    await user.click(button("Stop"));
+    expect(
+      await screen.findByText(/Other gateways stop their own robots: http:\/\/hall:8001\./),
+    ).toBeDefined();
+  });
+
   it("is shown beside a robot that was not reached", async () => {
     const failure = { action_name: null, robot: "/robot1", code: "publish_failed", detail: "no zero" };
     const stop = vi.fn(async () => stopReport({ warning, failed: [failure] }));

@@ -124,7 +124,7 @@ describe("stream", () => {
   });
 
   it("waits for a login when its token is no longer valid, and goes on at once after it", async () => {
-    const out = { required: true, open_to: null, principal: null, provider: null, hub: false };
+    const out = { required: true, open_to: null, principal: null, provider: null, hub: false, share: [] };
     vi.stubGlobal("fetch", async () => Response.json(out));
     const socket = await newest();
     socket.open();
@@ -141,7 +141,14 @@ describe("stream", () => {
 
   it("asks whether a login is needed where a handshake was refused", async () => {
     vi.stubGlobal("fetch", async () =>
-      Response.json({ required: true, open_to: null, principal: null, provider: null, hub: false }),
+      Response.json({
+        required: true,
+        open_to: null,
+        principal: null,
+        provider: null,
+        hub: false,
+        share: [],
+      }),
     );
     (await newest()).drop();
     await vi.advanceTimersByTimeAsync(60_000);

@@ -133,6 +133,7 @@ class Session(Schema):
 
     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the
     network; null where requests need one. `hub` is whether this is a hub of many sites, rather than a gateway.
+    `share` are patterns of the robots that this gateway serves; none if that is every robot, or nobody is logged in.
     """
 
     required: bool
@@ -140,6 +141,7 @@ class Session(Schema):
     principal: Requester | None
     provider: Provider | None
     hub: bool
+    share: list[str]
 
 
 class Token(Grant):

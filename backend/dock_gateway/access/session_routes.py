@@ -65,6 +65,7 @@ def _session(request: Request, settings: Settings, logins: Logins, principal: Pr
         "open_to": None if "hub" in request.scope else settings.open_to,
         "principal": who,
         "hub": getattr(request.app.state, "hub", False),
+        "share": [] if principal is None else settings.robots,
         "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
     }
     response = json_response(document)

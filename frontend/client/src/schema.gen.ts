@@ -4993,6 +4993,7 @@ export interface components {
          *
          *     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the
          *     network; null where requests need one. `hub` is whether this is a hub of many sites, rather than a gateway.
+         *     `share` are patterns of the robots that this gateway serves; none if that is every robot, or nobody is logged in.
          */
         Session: {
             /** Required */
@@ -5003,6 +5004,8 @@ export interface components {
             provider: components["schemas"]["Provider"] | null;
             /** Hub */
             hub: boolean;
+            /** Share */
+            share: string[];
         };
         /**
          * Simulator

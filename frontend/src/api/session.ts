@@ -24,6 +24,7 @@ export const ANYBODY: SessionState = {
   principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
   provider: null,
   hub: false,
+  share: [],
 };
 
 /** Who uses this page, as the gateway says. The login itself is a cookie, which scripts cannot read. */

@@ -75,7 +75,7 @@ function showStopping(naming: Naming, robots: Stopped): void {
 }
 
 export function showStopped(
-  { canceling, failed, unconfirmed, warning }: StopReport,
+  { canceling, failed, unconfirmed, others, warning }: StopReport,
   naming: Naming,
   robots: Stopped = null,
 ): void {
@@ -108,7 +108,7 @@ export function showStopped(
   show(robots, {
     color: unconfirmed.length === 0 && warning === null ? "green" : "orange",
     title: warning === null ? stopped : `${stopped}, with a warning`,
-    message: `Zero velocity was sent. ${waiting}${warned}`,
+    message: `Zero velocity was sent. ${waiting}${wordsOfOthers(others)}${warned}`,
     autoClose: warning === null ? 8000 : false,
   });
 }
@@ -138,6 +138,12 @@ export function showSitesStopped(sites: SiteStops, _naming: Naming, robots: Stop
     message: `${confirmed}Each site has confirmed it.${warned}`,
     autoClose: warnings.length > 0 ? false : 8000,
   });
+}
+
+/** What of the robots that other gateways serve. */
+function wordsOfOthers(others: StopReport["others"]): string {
+  const names = others.map(({ address, host }) => address ?? host);
+  return names.length === 0 ? "" : ` Other gateways stop their own robots: ${names.join(", ")}.`;
 }
 
 /** @param robots Those that were to stop. */

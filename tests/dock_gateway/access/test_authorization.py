@@ -37,7 +37,7 @@ SOCKETS = [
 ]
 HTTPS = "https://127.0.0.1:8000"
 PASSWORD = "correct horse battery staple"
-OUT = {"required": True, "open_to": None, "principal": None, "provider": None, "hub": False}
+OUT = {"required": True, "open_to": None, "principal": None, "provider": None, "hub": False, "share": []}
 
 pytestmark = pytest.mark.usefixtures("quick_hashes", "stopped_clock")
 
@@ -157,6 +157,7 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
             "principal": described("operator", "token", "operator"),
             "provider": None,
             "hub": False,
+            "share": [],
         }
         assert answer.json() == who
         attributes = answer.headers["set-cookie"].lower()
@@ -172,6 +173,7 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
             "principal": None,
             "provider": None,
             "hub": False,
+            "share": [],
         }
         assert not client.cookies
         assert client.get("/robots").status_code == 401
@@ -253,6 +255,7 @@ def test_without_authentication_everybody_may_do_everything() -> None:
         "principal": described(None, "anybody", "admin"),
         "provider": None,
         "hub": False,
+        "share": [],
     }
     with Site(Settings()).client() as client:
         assert client.get("/session").json() == anybody
@@ -284,6 +287,7 @@ def test_a_user_logs_in_and_out(users: Site, url: str) -> None:
             "principal": None,
             "provider": None,
             "hub": False,
+            "share": [],
         }
         assert list(client.cookies.values()) == [browser]  # what is no login stays
         for ended in (secret, browser):

@@ -14,6 +14,7 @@ import { Section, usePageTitle } from "../../ui/Section";
 import { RobotView } from "../robot/RobotPage";
 import { overviewView } from "./list";
 import classes from "./overview.module.css";
+import { Shares } from "./Shares";
 
 const SiteStrip = lazyPart(() => import("../../sites/SiteStrip"));
 const RobotTable = lazyPart(() => import("./RobotTable"));
@@ -62,6 +63,7 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
       <>
         <Heading />
         <AlertList group={group} />
+        <Shares />
         <Suspense fallback={<Skeleton height={360} />}>
           <RobotTable robots={there} />
         </Suspense>
@@ -73,6 +75,7 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
     <Stack gap="md" onPointerDownCapture={() => setTouched(true)} onKeyDownCapture={() => setTouched(true)}>
       {there.length > 1 && <MoreRobots count={there.length} onShow={() => setView("all")} />}
       <AlertList quiet />
+      <Shares />
       {robot === undefined && <NoRobot />}
       <RobotView robot={scopeOf(robot)} />
     </Stack>
