@@ -128,12 +128,13 @@ class Share:
             ServedElsewhere: It is not.
         """
         if not self.covers_robot(namespace):
-            raise self._elsewhere(_name_in(namespace), f"the robot {namespace[:100]}")
+            hint = "; name one of its own with `robot`" if namespace == "/" else ""
+            raise self._elsewhere(_name_in(namespace), f"the robot {namespace[:100]}", hint)
 
-    def _elsewhere(self, name: str, about: str) -> ServedElsewhere:
+    def _elsewhere(self, name: str, about: str, hint: str = "") -> ServedElsewhere:
         other = next((claim for claim in self.others() if claim.claimed and claim.covers(name)), None)
         does = "no other gateway is known that does" if other is None else f"{other.where} does"
-        detail = f"this gateway serves {self.what}, not {about}: {does}"
+        detail = f"this gateway serves {self.what}, not {about}: {does}{hint}"
         return ServedElsewhere(detail, gateway=None if other is None else other.document())
 
     @cached_property

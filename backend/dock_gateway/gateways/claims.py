@@ -70,8 +70,10 @@ class Gateways:
         share.others = self.others
 
     def listen(self, address: str) -> None:
-        """Set where this gateway listens."""
+        """Set where this gateway listens, and let the others know."""
         self._own = replace(self._own, address=address)
+        if self._shared:
+            self._tasks.spawn(self.look())
 
     async def open(self) -> None:
         """Claim the robots, and keep the claim.

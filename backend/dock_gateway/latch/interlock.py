@@ -87,6 +87,7 @@ class Interlock:
         self._latches = Latches(file.read(default), shared, homes)
         self._writer = LatchWriter(file, self._show_soon, retry_after=retry_after)
         self._topics: dict[str, LatchTopic] = {}
+        self._places: set[str] = set()  # those of them that are no robots
         # The state we last published on each topic; None if that failed, so it is unknown what subscribers received.
         self._published: dict[str, bool | None] = {}
         self._published_at: dict[str, float] = {}
@@ -149,7 +150,7 @@ class Interlock:
 
     def _make_documents(self, names: set[str]) -> dict[str, dict[str, Any]]:
         persisted = self._writer.problem is None
-        documents = self._latches.documents(names)
+        documents = self._latches.documents(names, self._places)
         return {name: document | {"persisted": persisted} for name, document in documents.items()}
 
     def shown(self, namespace: str) -> dict[str, Any]:
@@ -158,9 +159,16 @@ class Interlock:
 
     # ------------------------------------------------------------------ changes
 
-    def join(self, namespace: str, topic: LatchTopic) -> None:
-        """Add a robot. If a gateway's stop holds for it, the stop is published on its topic."""
+    def join(self, namespace: str, topic: LatchTopic, *, robot: bool = True) -> None:
+        """Add a robot. If a gateway's stop holds for it, the stop is published on its topic.
+
+        Args:
+            namespace: The robot.
+            topic: Its topic.
+            robot: Whether there is a robot of this name, or only some below it.
+        """
         self._topics[namespace] = topic
+        (self._places.discard if robot else self._places.add)(namespace)
         over = self._stopped_at(namespace)
         if over is not None:
             self._latches.latch(namespace, self._latches.held[over])

@@ -70,12 +70,17 @@ class Latches:
         names = lineage(self._homes.get(name, name))
         return next((above for above in names if above in self.held and above not in leave_out), None)
 
-    def documents(self, robots: Iterable[str]) -> dict[str, dict[str, Any]]:
-        """Return for each robot whether a stop holds, and the held robots at or below it; ready for `orjson`."""
+    def documents(self, robots: Iterable[str], places: Collection[str] = ()) -> dict[str, dict[str, Any]]:
+        """Return for each robot whether a stop holds, and the held robots at or below it; ready for `orjson`.
+
+        Args:
+            robots: The robots, and namespaces that are none.
+            places: The latter.
+        """
         names = sorted(robots)
         below: defaultdict[str, list[str]] = defaultdict(list)
         for name in names:
-            if self.over(name) is not None:
+            if self.over(name) is not None and name not in places:
                 for above in lineage(name):
                     below[above].append(name)
         return {name: self._document(name, below[name]) for name in names}

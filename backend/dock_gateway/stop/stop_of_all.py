@@ -60,7 +60,7 @@ class StopOfAll:
 
         bridge = self._robots.topics.bridge
         self._port = await bridge.call(make, undo=LatchPort.close)
-        self._interlock.join(ROOT, self._port)
+        self._interlock.join(ROOT, self._port, robot=False)
 
     def _heard(self, namespace: str) -> None:
         """Stop the robots as if that had been requested here: with zero velocity, their goals canceled, latched."""

@@ -1,6 +1,7 @@
 """A limited grant: every route and every command about another robot is refused, whatever the role."""
 
 import asyncio
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,8 +13,9 @@ from dock_gateway.access.scopes import require_covered
 from dock_gateway.app import create_app
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
-from dock_gateway.core.errors import NotAllowed, NotFound
+from dock_gateway.core.errors import NotAllowed, NotFound, ServedElsewhere
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
@@ -213,3 +215,50 @@ def test_every_scope_is_used_and_known() -> None:
     used = {operation.scope for operation in (*(each for *_, each in REQUESTS), *OPERATIONS.values())}
     assert used == set(Scope)
     assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED, Scope.ALERT, Scope.APPROVAL}
+
+
+@pytest.mark.parametrize(
+    ("scope", "names", "elsewhere"),
+    [
+        (Scope.ROBOT, {"robot": "/robot2"}, True),
+        (Scope.ROBOT, {"robot": "/robot1"}, False),
+        (Scope.ROBOT, {}, True),  # the configured one
+        (Scope.ROBOTS, {"robot": "/robot2"}, True),
+        (Scope.ROBOTS, {"robot": "/"}, False),
+        (Scope.DOCK, {"robot": "/robot2"}, True),
+        (Scope.UNDOCK, {"robot": "/robot2"}, True),
+        (Scope.ACTION, {"name": "robot2/spin"}, True),
+        (Scope.ACTION, {"name": "robot1/spin"}, False),
+        (Scope.GOAL, {"goal_id": GOAL}, True),
+        (Scope.NEW_GOAL, {"robot": "/robot2"}, True),
+        (Scope.NEW_GOAL, {"robot": "/robot2", "action": "spin"}, True),
+        (Scope.NEW_GOAL, {"robot": "/robot1", "action": "spin"}, False),
+        (Scope.NEW_GOAL, {"robot": "/robot1", "action": "/robot2/spin"}, True),
+        (Scope.NEW_GOAL, {"action": "/elsewhere/dock1"}, False),
+        (Scope.SERVICE, {"service": "/robot2/set"}, True),
+        (Scope.NODE, {"node": "/robot2/controller"}, True),
+        (Scope.PUBLISHING, {"topic": "/robot2/cmd_vel"}, True),
+        (Scope.PUBLISHING, {"topic": "/cmd_vel"}, True),
+        (Scope.PUBLISHING, {"topic": "/robot1/cmd_vel"}, False),
+        (Scope.TOPIC, {"topic": "/robot2/odom"}, False),
+        (Scope.PLACE, {"node": "/robot2/controller"}, False),
+        (Scope.EVERY, {}, False),
+        (Scope.LISTED, {}, False),
+        (Scope.ANY, {}, False),
+    ],
+)
+async def test_what_would_act_on_a_robot_of_another_gateway_is_refused(
+    parts: Other, scope: Scope, names: dict[str, Any], *, elsewhere: bool
+) -> None:
+    share = Share(["/robot1"], {"/elsewhere/dock1": "/robot1"})
+    parts.add(Share, share)
+    with pytest.raises(ServedElsewhere) if elsewhere else nullcontext():
+        await require_covered(parts, share.narrow(Grant(Role.SUPERVISOR)), scope, names, "it")
+
+
+async def test_who_may_not_see_a_robot_does_not_learn_who_serves_it(parts: Other) -> None:
+    parts.add(Share, share := Share(["/robot1"]))
+    with pytest.raises(NotFound):
+        await require_covered(parts, share.narrow(ROBOT1), Scope.GOAL, {"goal_id": GOAL}, "it")
+    with pytest.raises(NotAllowed):
+        await require_covered(parts, share.narrow(ROBOT1), Scope.DOCK, {"robot": "/robot2"}, "it")
