@@ -5,6 +5,7 @@ import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
+from typing import Any
 from uuid import UUID
 
 import orjson
@@ -23,6 +24,31 @@ from dock_gateway.sites.messages import Hello, Refusal, Welcome, read_answer
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.server import TunnelServer
 from tests.support.waiting import until
+
+ROBOT: dict[str, Any] = {
+    "name": "/robot1",
+    "display_name": "Left",
+    "groups": ["hall"],
+    "default": True,
+    "docked": None,
+    "charging": False,
+    "simulated": True,
+    "battery": {"percentage": 0.5},
+    "battery_topic": "/robot1/battery_status",
+    "battery_publisher": {"active": False, "rate_hz": None},
+    "stop": {"latched": True, "since": None, "by": "Ada", "robots": ["/robot1"], "persisted": True},
+    "dock": {
+        "action_name": "/robot1/dock",
+        "action_type": "t",
+        "available": True,
+        "answering": True,
+        "duplicate": False,
+    },
+    "undock": None,
+    "join": {"detail": "see /robot2", "settings": []},
+    "goals": [],
+    "last_goal": None,
+}
 
 
 async def say_hello(
@@ -66,6 +92,7 @@ async def small_site(nats: str, signer: Signer, folder: Path, name: str = "berli
         try:
             yield instance
         finally:
+            await say_hello(broker, name, instance, leaving=True)
             await server.close()
 
 
@@ -97,9 +124,9 @@ async def _goals(_: Request) -> Response:
 
 
 async def _feedback(websocket: WebSocket) -> None:
-    """A stream of a site without robots; what comes is sent back."""
+    """A stream of a site with one robot; what comes is sent back."""
     await websocket.accept()
-    await websocket.send_json({"type": "snapshot", "goals": [], "robots": [], "alerts": [], "approvals": []})
+    await websocket.send_json({"type": "snapshot", "goals": [], "robots": [ROBOT], "alerts": [], "approvals": []})
     with suppress(WebSocketDisconnect):
         while True:
             await websocket.send_text(await websocket.receive_text())
@@ -112,6 +139,7 @@ APP = Starlette(
         Route("/never", _never, methods=["POST"]),
         Route("/goals", _goals),
         Route("/healthz", _echo),
+        WebSocketRoute("/ws", _feedback),
         WebSocketRoute("/ws/feedback", _feedback),
     ]
 )

@@ -8,7 +8,7 @@ from fastapi import APIRouter, FastAPI
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.audit import routes as audit_routes
-from dock_gateway.goals import export_routes, note_routes
+from dock_gateway.goals import export_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.http.dashboard import page_of
 from dock_gateway.http.openapi import Union
@@ -65,8 +65,7 @@ ROUTERS = tuple(
         stop_routes,
         routes,
         events,
-        export_routes,  # before goals: `export` and `tags` are not goal ids
-        note_routes,
+        export_routes,  # before goals: `export` is not a goal id
         goal_routes,
         statistics_routes,
         webhook_routes,

@@ -4,7 +4,7 @@ A site's name belongs to the installation that came first, until an admin forget
 at a time: another one is, as soon as the first has left or was not heard of for `SILENT_AFTER` seconds.
 """
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -36,7 +36,8 @@ class Site:
         version: Its release.
         machine: The name of its machine.
         heard_at: When that process was heard of last, on the hub's monotonic clock; None: it has left, or never came.
-        clock_offset: Seconds that its clock is ahead of the hub's.
+        clock_offset: Seconds that its clock is ahead of the hub's, as the fastest of the last hellos shows it.
+        offsets: The same, as each of the last hellos shows it: less by what the hello took.
         refused: How many hellos were refused, by code.
         refused_at: When the last one was, on the monotonic clock.
         detail: Why that was.
@@ -50,9 +51,15 @@ class Site:
     machine: str = ""
     heard_at: float | None = None
     clock_offset: float = 0.0
+    offsets: deque[float] = field(default_factory=lambda: deque(maxlen=5))
     refused: Counter[str] = field(default_factory=Counter)
     refused_at: float | None = None
     detail: str | None = None
+
+    def note_offset(self, offset: float) -> None:
+        """Take over what a hello shows of its clock. One that is far off shows that a clock was set."""
+        self.offsets.append(offset)
+        self.clock_offset = max(each for each in self.offsets if abs(each - offset) < SILENT_AFTER)
 
     def state(self, now: float) -> State:
         """Return its state at a time on the monotonic clock."""
@@ -118,7 +125,8 @@ class Directory:
         if site.state(now) is not State.CONNECTED or site.instance != hello.instance:
             site.since = wall
         site.installation, site.instance, site.heard_at = installation, hello.instance, now
-        site.version, site.machine, site.clock_offset = hello.version, hello.name_of_machine, hello.at - wall
+        site.version, site.machine = hello.version, hello.name_of_machine
+        site.note_offset(hello.at - wall)
         site.detail = site.refused_at = None
         return Welcome(hub_version=self._version, at=wall)
 

@@ -3,7 +3,9 @@
 import asyncio
 import uuid
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
+from http import HTTPStatus
 from urllib.parse import parse_qsl, urlencode
 
 from fastapi import APIRouter, Request, WebSocket
@@ -11,15 +13,15 @@ from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
 from starlette.types import Message, Receive, Scope, Send
-from starlette.websockets import WebSocketState
+from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.audit.trail import audited
+from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.errors import InvalidField, MalformedRequest, NotAuthenticated
 from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http import operation as needs
-from dock_gateway.http.operation import operation
+from dock_gateway.http.operation import operation, operation_of
 from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.quotas import Quotas
@@ -37,6 +39,8 @@ router = APIRouter(tags=["Sites"])
 METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 # Seconds that a stop waits for the rest of its request: who made it, for example.
 STOP_BODY_WITHIN = 0.5
+# The WebSockets that take commands: the hub records that they were opened, and the site each command.
+COMMANDING = frozenset({"ws", "rosbridge", "foxglove"})
 # The code with which a WebSocket is closed whose site was lost.
 SITE_LOST = 1014
 # What is about the connection to the hub, and the login there. The rest of the headers goes to the site.
@@ -76,6 +80,10 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
     token = _sign(client, websocket, f"/{path}", "GET")
     scope = {**websocket.scope, "query_string": _without_ticket(websocket.scope["query_string"])}
     asked = Asked(f"/{path}", token, _headers(websocket), b"", DEADLINE)
+    if path in COMMANDING:
+        trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
+        trail.fields |= {"robot": None, "subject": f"/sites/{site}/{path}"[:200]}
+        await trail.record(HTTPStatus.SWITCHING_PROTOCOLS)
     with parts[Quotas].hold(principal, "streams"):
         await Stream(websocket).run(client, asked, scope)
 
@@ -193,10 +201,12 @@ class Stream:
             if carrying.cancelled():
                 raise LOGIN_ENDED
             carrying.result()  # what kept it from being opened is the answer
-        if websocket.application_state is WebSocketState.CONNECTED:
-            lost = not carrying.cancelled() and carrying.exception() is not None
-            reason = "site_unreachable" if lost else "invalid_token"
-            await websocket.close(SITE_LOST if lost else CLOSE_CODES["invalid_token"], reason)
+        elif WebSocketState.CONNECTED is websocket.application_state is websocket.client_state:
+            with suppress(WebSocketDisconnect):
+                if carrying.cancelled():
+                    await websocket.close(CLOSE_CODES["invalid_token"], "invalid_token")
+                elif carrying.exception() is not None:
+                    await websocket.close(SITE_LOST, "site_unreachable")
 
     async def _send(self, message: Message) -> None:
         await send_in_time(self._websocket.send, message, self._timeout)

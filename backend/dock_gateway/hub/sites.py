@@ -315,10 +315,10 @@ class Sites:
         """
         self.find(name)
         await self._entries.write(name, None)
-        await self._history.mirror.forget(name)
         self._directory.forget(name)
         self._stored.discard(name)
         await self._leave(name)
+        await self._history.mirror.forget(name)
         self._views.pop(name, None)
         self._states.pop(name, None)
         self._quiet_since.pop(name, None)

@@ -59,6 +59,10 @@ def test_the_clocks_may_be_an_hour_apart() -> None:
     directory = Directory("0.7.0", {})
     directory.judge("berlin", hello(at=4600.0), 0, 1000.0)
     assert directory.sites["berlin"].clock_offset == 3600.0
+    directory.judge("berlin", hello(at=4603.0), 3, 1009.0)  # it took 6 s
+    assert directory.sites["berlin"].clock_offset == 3600.0
+    directory.judge("berlin", hello(at=1012.0), 6, 1012.0)  # the clock was set
+    assert directory.sites["berlin"].clock_offset == 0.0
 
 
 steps = st.tuples(

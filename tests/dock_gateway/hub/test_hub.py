@@ -1,5 +1,6 @@
 """A hub that asks for a login, with a small site, over a real NATS server."""
 
+import asyncio
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -7,8 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
+import orjson
 import pytest
 import websockets.asyncio.client
+from hypothesis import given
+from hypothesis import strategies as st
 from starlette.types import Receive, Scope, Send
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -23,6 +27,7 @@ from dock_gateway.hub.sites import Sites
 from dock_gateway.settings import Settings
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Refusal, Welcome
+from dock_gateway.sites.names import site_grant
 from tests.support.edge import serving
 from tests.support.nats import NatsServer, nats_server
 from tests.support.small_site import broker_of, say_hello, small_site
@@ -133,6 +138,52 @@ async def test_a_stream_through_the_hub_ends_with_the_login(hub: Hub) -> None:
             await socket.recv()
     assert closed.value.rcvd is not None
     assert closed.value.rcvd.code == 4401
+
+
+async def test_a_socket_for_commands_is_in_the_audit_log(hub: Hub) -> None:
+    _, header = await hub.token("ada", Role.ADMIN)
+    address = f"{hub.url.replace('http', 'ws')}/sites/berlin/ws"
+    async with websockets.asyncio.client.connect(address, additional_headers=header) as socket:
+        await socket.recv()
+        while not (records := (await hub.http.get("/audit", headers=header)).json()["records"]):
+            await asyncio.sleep(0.05)
+    assert [(each["what"], each["subject"], each["principal"]) for each in records] == [
+        ("forward_websocket", "/sites/berlin/ws", "ada")
+    ]
+
+
+async def test_robots_of_a_site_stay_as_they_were_when_it_leaves(hub: Hub, nats: NatsServer, tmp_path: Path) -> None:
+    _, header = await hub.token("ada", Role.VIEWER, "/turin/*")
+    address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=robots"
+    async with small_site(nats.url, Signer.load_or_create(tmp_path / "hub.key"), tmp_path, "turin"):
+        await hub.connected("turin")
+        shown = (await hub.http.get("/robots", headers=header)).json()["robots"]
+        assert [(robot["name"], robot["site"], robot["site_state"]) for robot in shown] == [
+            ("/turin/robot1", "turin", "connected")
+        ]
+        socket = await websockets.asyncio.client.connect(address, additional_headers=header)
+        snapshot = orjson.loads(await socket.recv())
+        assert [site["name"] for site in snapshot["sites"]] == ["turin"]
+        assert [robot["name"] for robot in snapshot["robots"]] == ["/turin/robot1"]
+    told: list[dict[str, Any]] = []
+    while not {"robots", "sites"} <= {event["type"] for event in told}:
+        told.append(orjson.loads(await socket.recv()))
+    await socket.close()
+    robots = next(event["robots"] for event in told if event["type"] == "robots")
+    assert robots == [shown[0] | {"site_state": "unreachable", "join": None}]
+    sites = next(event["sites"] for event in told if event["type"] == "sites")
+    assert [(site["name"], site["state"], site["stop"]["robots"]) for site in sites] == [
+        ("turin", "unreachable", ["/turin/robot1"])
+    ]
+
+
+limits = st.lists(st.text(alphabet="/ab*", min_size=1, max_size=6).map(lambda text: f"/{text.strip('/')}"), max_size=3)
+
+
+@given(limits, st.sampled_from(["a", "ab", "b"]))
+def test_a_site_of_which_a_robot_may_be_seen_may_be_reached(robots: list[str], site: str) -> None:
+    grant = Grant(Role.VIEWER, tuple(robots))
+    assert grant.may_reach(site) or site_grant(grant, site) is None
 
 
 async def test_who_is_welcome(hub: Hub, nats: NatsServer) -> None:

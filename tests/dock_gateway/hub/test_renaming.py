@@ -10,6 +10,7 @@ import pytest
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
 from dock_gateway.fleet.alert import Alert, AlertKind
 from dock_gateway.hub import renaming
+from tests.support import small_site
 
 AT = datetime(2026, 11, 27, 12, 0, 0, 123456, tzinfo=UTC)
 GOAL_ID = "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f"
@@ -26,30 +27,7 @@ def decoded(document: object) -> Any:
     return orjson.loads(encode(document))
 
 
-ROBOT: dict[str, Any] = {
-    "name": "/robot1",
-    "display_name": "Left",
-    "groups": ["hall"],
-    "default": True,
-    "docked": None,
-    "charging": False,
-    "simulated": True,
-    "battery": {"percentage": 0.5},
-    "battery_topic": "/robot1/battery_status",
-    "battery_publisher": {"active": False, "rate_hz": None},
-    "stop": {"latched": True, "since": None, "by": "Ada", "robots": ["/robot1"], "persisted": True},
-    "dock": {
-        "action_name": "/robot1/dock",
-        "action_type": "t",
-        "available": True,
-        "answering": True,
-        "duplicate": False,
-    },
-    "undock": None,
-    "join": {"detail": "see /robot2", "settings": []},
-    "goals": [],
-    "last_goal": decoded(ended_goal().state()),
-}
+ROBOT = small_site.ROBOT | {"last_goal": decoded(ended_goal().state())}
 
 
 def test_a_robot_gets_the_site_in_front_of_each_name() -> None:
