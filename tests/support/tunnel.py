@@ -52,7 +52,7 @@ async def open_tunnel(
     """Open both ends, and wait until both are connected."""
     address = Address(SITE, subjects.new_id())
     async with open_broker(options_of(url, "hub")) as hub, open_broker(options_of(site_url or url, SITE)) as site:
-        caller = Caller(hub, timing=timing)
+        caller = Caller(hub, timing=timing, patience=0.1)
         server = TunnelServer(
             site, address, app, admit, {"settings": "of the site"}, timing=timing, max_streams=max_streams
         )

@@ -301,6 +301,16 @@ async def test_a_site_that_is_not_there_or_goes(server: NatsServer) -> None:
             await tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60)
 
 
+async def test_a_site_that_listens_a_moment_later_gets_the_request(server: NatsServer) -> None:
+    async with open_tunnel(server.url, Site().app) as tunnel:
+        tunnel.caller._patience = 60
+        await tunnel.server.close()
+        asking = asyncio.create_task(tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60))
+        await until(lambda: tunnel.caller.streams == 1)
+        await tunnel.server.open()
+        assert (await asking).status == 201
+
+
 async def test_what_is_no_message_harms_nothing(server: NatsServer) -> None:
     """Nonsense on all subjects is dropped and counted; streams and subscriptions go on."""
     site = Site()

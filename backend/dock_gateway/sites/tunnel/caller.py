@@ -71,6 +71,8 @@ class Caller:
         broker: The connection to the broker.
         timing: When a site counts as gone.
         max_streams: Maximum number of streams at the same time: in all, and of one site.
+        patience: Seconds for which a request is tried again while nobody gets it: a site says hello a little before it
+            listens, and servers of a cluster do not know at once of all that listen.
     """
 
     def __init__(
@@ -79,10 +81,12 @@ class Caller:
         *,
         timing: Timing | None = None,
         max_streams: tuple[int, int] = (MAX_STREAMS, MAX_STREAMS_OF_SITE),
+        patience: float = 1.0,
     ) -> None:
         self._broker = broker
         self._timing = timing or Timing()
         self._max_streams = max_streams
+        self._patience = patience
         self._channels: dict[tuple[str, str], Channel] = {}
         self._past = deque[tuple[str, str]](maxlen=REMEMBERED)
         self._addresses: dict[tuple[str, str], Address] = {}
@@ -288,9 +292,8 @@ class Caller:
         channel = self._channel(address, stream)
         subject = subjects.open_stream(address.site, address.instance)
         try:
-            refusal = read_refusal(
-                await self._broker.request(subject, encode({"id": stream, **fields}, body), deadline)
-            )
+            message = encode({"id": stream, **fields}, body)
+            refusal = read_refusal(await self._deliver(subject, message, deadline))
         except Unavailable as error:
             channel.finish()
             detail = "it does not listen on the broker" if isinstance(error, NoResponder) else error.detail
@@ -308,6 +311,17 @@ class Caller:
             channel.finish()
             raise refused(address.site, refusal)
         return channel
+
+    async def _deliver(self, subject: str, message: bytes, deadline: float) -> bytes:
+        clock = asyncio.get_running_loop().time
+        until = clock() + min(self._patience, deadline)
+        while True:
+            try:
+                return await self._broker.request(subject, message, deadline)
+            except NoResponder:
+                if clock() > until:
+                    raise
+            await asyncio.sleep(0.05)
 
     async def _listen(self, site: str) -> None:
         async with self._subscribing:
