@@ -74,11 +74,20 @@ class SmallHub:
         return Address(self.site, self.hellos[-1].instance)
 
     def sign(
-        self, method: str, path: str, name: str | None = "alice", grant: Grant = OPERATOR, *, corrected: bool = True
+        self,
+        method: str,
+        path: str,
+        name: str | None = "alice",
+        grant: Grant = OPERATOR,
+        *,
+        query: str = "",
+        body: bytes = b"",
+        corrected: bool = True,
     ) -> str:
         offset = self.hellos[-1].at - (self._heard_at - self.late)  # of the site's clock, as the hello has shown it
         now = self.clock() + (offset if corrected else 0.0)
-        return self.signer.sign(self.site, self.address.instance, name, grant, method, path, now)
+        content = self.caller.content_of(query, body)
+        return self.signer.sign(self.site, self.address.instance, name, grant, method, path, now, content=content)
 
     async def request(
         self, method: str, path: str, *, token: str | None = None, deadline: float = PATIENCE, **said: Any
@@ -86,11 +95,11 @@ class SmallHub:
         """Ask the site; `said` goes to `sign`."""
         query = path.partition("?")[2]
         path = path.partition("?")[0]
-        token = token or self.sign(method, path, **said)
+        token = token or self.sign(method, path, query=query, **said)
         return await self.caller.request(self.address, method, path, token=token, query=query, deadline=deadline)
 
     def websocket(self, path: str, query: str = "", **said: Any) -> AbstractAsyncContextManager[Conversation]:
-        token = self.sign("GET", path, **said)
+        token = self.sign("GET", path, query=query, **said)
         return self.caller.websocket(self.address, path, token=token, query=query)
 
 

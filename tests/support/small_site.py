@@ -85,7 +85,7 @@ async def small_site(nats: str, signer: Signer, folder: Path, name: str = "berli
             broker,
             Address(name, instance),
             APP,
-            lambda token, method, path: verifier.verify(token, instance, method, path, time.time()),
+            lambda token, method, path, content: verifier.verify(token, instance, method, path, time.time(), content),
             {},
         )
         await server.open()

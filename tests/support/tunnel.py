@@ -18,7 +18,7 @@ from tests.support.waiting import until
 SITE = "berlin"
 
 
-def accept_all(token: str, method: str, path: str) -> Any:
+def accept_all(token: str, method: str, path: str, _: str) -> Any:
     """Believe whatever the hub says."""
     return {"token": token, "method": method, "path": path}
 
@@ -44,7 +44,7 @@ async def open_tunnel(
     url: str,
     app: ASGIApp,
     *,
-    admit: Callable[[str, str, str], Any] = accept_all,
+    admit: Callable[[str, str, str, str], Any] = accept_all,
     timing: Timing | None = None,
     site_url: str = "",
     max_streams: int = 500,

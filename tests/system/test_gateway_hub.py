@@ -134,6 +134,7 @@ async def test_identities_that_are_refused(site: RunningGateway, hub: SmallHub, 
         "it is for another site, or for another process of this one"
     )
     assert await refusal(hub, hub.sign("GET", "/stop")) == "it is for another request"
+    assert await refusal(hub, hub.sign("POST", "/stop", query="robot=/robot1")) == "it is for another request"
     assert await refusal(hub, signed(hub.signer, at=now - 60)) == "it has expired"
     assert (await hub.request("GET", "/stop")).json()["latched"] is False
     metrics = await asyncio.to_thread(lambda: site.http.get("/metrics").text)

@@ -67,7 +67,7 @@ async def forward_request(site: str, path: str, request: Request) -> Response:
     client = parts[Sites].client(site, principal.grant)
     body = await _read(request, path)
     parts[Logins].require_valid(principal)  # the body may have taken its time
-    token = _sign(client, request, f"/{path}", request.method)
+    token = _sign(client, request.method, f"/{path}", request.scope, body)
     return Forwarded(client, Asked(f"/{path}", token, _headers(request), body, DEADLINE + _wait(request)))
 
 
@@ -77,8 +77,8 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
     """Carry a WebSocket to a site. It ends with the login at the hub."""
     parts, principal = parts_of(websocket), principal_of(websocket)
     client = parts[Sites].client(site, principal.grant)
-    token = _sign(client, websocket, f"/{path}", "GET")
     scope = {**websocket.scope, "query_string": _without_ticket(websocket.scope["query_string"])}
+    token = _sign(client, "GET", f"/{path}", scope)
     asked = Asked(f"/{path}", token, _headers(websocket), b"", DEADLINE)
     if path in COMMANDING:
         trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
@@ -230,11 +230,11 @@ def _wait(request: Request) -> float:
         return 0.0
 
 
-def _sign(client: SiteClient, connection: HTTPConnection, path: str, method: str) -> str:
-    principal = principal_of(connection)
+def _sign(client: SiteClient, method: str, path: str, scope: Scope, body: bytes = b"") -> str:
+    principal = principal_of(HTTPConnection(scope))
     grant = site_grant(principal.grant, client.address.site)
     assert grant is not None  # else there is no such site for them
-    return client.sign(method, path, principal.name, grant)
+    return client.sign(method, path, scope["query_string"].decode("latin-1"), body, principal.name, grant)
 
 
 def _headers(connection: HTTPConnection) -> Pairs:

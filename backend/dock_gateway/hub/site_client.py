@@ -42,16 +42,19 @@ class SiteClient:
         self.address = address
         self._clock = clock
 
-    def sign(self, method: str, path: str, name: str | None = None, grant: Grant = READER) -> str:
+    def sign(  # noqa: PLR0917 - what a token says
+        self, method: str, path: str, query: str, body: bytes = b"", name: str | None = None, grant: Grant = READER
+    ) -> str:
         """Return who asks, signed for a request that the site begins within `DEADLINE`; by default the hub itself."""
-        site, instance = self.address.site, self.address.instance
-        return self._signer.sign(site, instance, name, grant, method, path, self._clock(), lifetime=DEADLINE)
+        (site, instance), now = (self.address.site, self.address.instance), self._clock()
+        content = self._caller.content_of(query, body)
+        return self._signer.sign(site, instance, name, grant, method, path, now, content=content, lifetime=DEADLINE)
 
     def events(self, after: str | None) -> AbstractAsyncContextManager[Conversation]:
         """Follow the site: a snapshot or what was missed since an event, then everything as it happens."""
         path = "/ws/feedback"
         query = "include=robots&feedback=false" + ("" if after is None else f"&after={after}")
-        return self._caller.websocket(self.address, path, token=self.sign("GET", path), query=query)
+        return self._caller.websocket(self.address, path, token=self.sign("GET", path, query), query=query)
 
     async def get(self, path: str, query: str = "") -> tuple[int, Any]:
         """Return the status and the document of an answer.
@@ -60,7 +63,7 @@ class SiteClient:
             ForeignDocumentError: It is not JSON.
             SiteUnreachable, SiteTimeout: There is no answer.
         """
-        token = self.sign("GET", path)
+        token = self.sign("GET", path, query)
         answer = await self._caller.request(self.address, "GET", path, token=token, query=query, deadline=DEADLINE)
         try:
             return answer.status, orjson.loads(answer.body)
@@ -84,7 +87,7 @@ class SiteClient:
         Raises:
             SiteUnreachable, SiteTimeout: There is no answer.
         """
-        token = self.sign(method, path, name, grant)
+        token = self.sign(method, path, query, body, name, grant)
         headers = [(b"content-type", b"application/json")]
         return await self._caller.request(
             self.address, method, path, token=token, query=query, headers=headers, body=body, deadline=deadline

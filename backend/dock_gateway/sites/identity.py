@@ -1,5 +1,6 @@
 """Who asks, signed by the hub for one request, and verified by the site. The time is given."""
 
+import hashlib
 import os
 import tempfile
 import uuid
@@ -29,6 +30,20 @@ MAX_USED = 100_000
 
 Name = Annotated[str, StringConstraints(min_length=1, max_length=MAX_NAME, pattern=r"^[^\p{Cc}\p{Cf}\p{Zl}\p{Zp}]+$")]
 Patterns = tuple[Annotated[str, StringConstraints(min_length=1, max_length=MAX_PATTERN)], ...]
+
+
+def content_of(query: str, body: bytes | None = b"") -> str:
+    """Return what is signed of a request besides its method and path: a digest of its query and its body.
+
+    Args:
+        query: The query, encoded.
+        body: The body; None if it is too long to come with the request.
+    """
+    return hashlib.sha256(query.encode() if body is None else b"%b\n%b" % (query.encode(), body)).hexdigest()
+
+
+# Neither a query nor a body.
+NOTHING: Final = content_of("")
 
 
 class KeyFault(Exception):
@@ -69,6 +84,7 @@ class _Claims(BaseModel):
     topics: Patterns
     htm: str
     htu: str
+    content: str
     jti: Annotated[str, StringConstraints(min_length=16, max_length=64)]
     iat: Annotated[float, Field(allow_inf_nan=False)]
     exp: Annotated[float, Field(allow_inf_nan=False)]
@@ -120,6 +136,7 @@ class Signer:
         path: str,
         now: float,
         *,
+        content: str = NOTHING,
         lifetime: float = LIFETIME,
     ) -> str:
         """Return who asks, signed for one request.
@@ -132,6 +149,7 @@ class Signer:
             method: The request's method.
             path: Its path at the site, without the query.
             now: The time by the site's clock, in seconds since 1970.
+            content: Its query and its body (`content_of`).
             lifetime: Seconds after which the site does not begin with the request any more, at most `LIFETIME`.
         """
         claims = {
@@ -145,6 +163,7 @@ class Signer:
             "topics": grant.topics,
             "htm": method,
             "htu": path,
+            "content": content,
             "jti": uuid.uuid4().hex,
             "iat": now,
             "exp": now + min(lifetime, LIFETIME),
@@ -168,7 +187,9 @@ class Verifier:
         self._site = site
         self._used: dict[str, float] = {}
 
-    def verify(self, token: str, instance: str, method: str, path: str, now: float) -> Identity:
+    def verify(  # noqa: PLR0917 - what a token says
+        self, token: str, instance: str, method: str, path: str, now: float, content: str = NOTHING
+    ) -> Identity:
         """Return who asks.
 
         Args:
@@ -177,6 +198,7 @@ class Verifier:
             method: The method of the request that it came with.
             path: The path of that request, without the query.
             now: The time, in seconds since 1970.
+            content: Its query and its body (`content_of`).
 
         Raises:
             NotAuthenticated: It is not signed by the hub, it is for another site, process or request, or it has expired
@@ -187,7 +209,7 @@ class Verifier:
         claims, key = self._read(token)
         if (claims.aud, claims.instance) != (self._site, instance):
             raise _refusal("it is for another site, or for another process of this one")
-        if (claims.htm, claims.htu) != (method, path):
+        if (claims.htm, claims.htu, claims.content) != (method, path, content):
             raise _refusal("it is for another request")
         if now >= claims.exp:
             raise _refusal("it has expired")

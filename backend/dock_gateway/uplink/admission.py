@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dock_gateway.core.access import Principal, hub_principal
 from dock_gateway.core.grant import Role
 from dock_gateway.settings import Settings
-from dock_gateway.sites.identity import Verifier
+from dock_gateway.sites.identity import NOTHING, Verifier
 
 
 class Admission:
@@ -28,18 +28,19 @@ class Admission:
         self._instance = instance
         self._clock = clock
 
-    def __call__(self, token: str, method: str, path: str) -> Principal:
+    def __call__(self, token: str, method: str, path: str, content: str = NOTHING) -> Principal:
         """Return who makes a request.
 
         Args:
             token: What the hub has signed.
             method: The request's method.
             path: Its path, without the query.
+            content: Its query and its body, as `content_of` has them.
 
         Raises:
             NotAuthenticated: The hub has not signed it, or it is late (`invalid_identity`); or it was received already
                 (`identity_reused`).
             TooManyRequests: The hub has sent too many requests in the last minute.
         """
-        said = self._verifier.verify(token, self._instance, method, path, self._clock())
+        said = self._verifier.verify(token, self._instance, method, path, self._clock(), content)
         return hub_principal(said.name, said.grant.narrowed(*self._limits), said.key)

@@ -12,7 +12,7 @@ from joserfc.jwk import OctKey, OKPKey
 from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.sites import identity
-from dock_gateway.sites.identity import AHEAD, KIND, LIFETIME, IdentityReused, KeyFault, Signer, Verifier
+from dock_gateway.sites.identity import AHEAD, KIND, LIFETIME, IdentityReused, KeyFault, Signer, Verifier, content_of
 
 NOW = 1_800_000_000.25
 GRANT = Grant(Role.OPERATOR, ("/robot1", "/hall_a/*"), ("*/dock",), ("/robot1/battery_status",))
@@ -63,6 +63,17 @@ def test_one_request_only(signer: Signer, verifier: Verifier) -> None:
     with pytest.raises(IdentityReused):
         verifier.verify(token, *REQUEST, NOW)
     assert refusal(verifier, token, now=NOW + LIFETIME) == "it has expired"
+
+
+def test_a_query_and_a_body_that_were_changed_on_the_way(signer: Signer, verifier: Verifier) -> None:
+    sent = content_of("robot=/r1", b'{"dock_id":"1"}')
+    others = (("robot=/r2", b'{"dock_id":"1"}'), ("robot=/r1", b'{"dock_id":"2"}'), ("robot=/r1", None), ("", b""))
+    assert sent not in {content_of(query, body) for query, body in others}
+    token = signer.sign("berlin", *REQUEST[:1], "alice", GRANT, *REQUEST[1:], NOW, content=sent)
+    for query, body in others:
+        with pytest.raises(GatewayError, match="it is for another request"):
+            verifier.verify(token, *REQUEST, NOW, content_of(query, body))
+    verifier.verify(token, *REQUEST, NOW, sent)
 
 
 def test_another_site(signer: Signer, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from dock_gateway.core.errors import GatewayError, TooManyRequests, Unavailable
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, NoResponder, Received, Subscription
+from dock_gateway.sites.identity import content_of
 from dock_gateway.sites.messages import Malformed, read_refusal
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, piece_of
 from dock_gateway.sites.tunnel.conversation import Conversation
@@ -133,6 +134,10 @@ class Caller:
             self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
 
     # Requests.
+
+    def content_of(self, query: str, body: bytes = b"") -> str:
+        """Return what is signed of a request besides its method and path; its body only if it comes in one piece."""
+        return content_of(query, body if len(body) <= piece_of(self._broker.max_payload) else None)
 
     async def forward(
         self,

@@ -13,7 +13,7 @@ from dock_gateway.core.errors import GatewayError, TooManyRequests, Unavailable
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, Received, Subscription
-from dock_gateway.sites.identity import IdentityReused
+from dock_gateway.sites.identity import IdentityReused, content_of
 from dock_gateway.sites.messages import Malformed, Refusal
 from dock_gateway.sites.tunnel.call import HttpCall, WebSocketCall, scope_of, send_body, send_head
 from dock_gateway.sites.tunnel.caller import Address
@@ -36,8 +36,8 @@ class TunnelServer:
         broker: The connection to the broker.
         address: This site, and this process.
         app: Called for each stream; its scope has what `admit` returned as `hub`.
-        admit: Called with the token, the method and the path of a request. Returns who asks, or raises a GatewayError:
-            the hub gets it as the refusal.
+        admit: Called with the token, the method, the path and the content (`content_of`) of a request. Returns who
+            asks, or raises a GatewayError: the hub gets it as the refusal.
         state: What the app's requests have as their state.
         timing: When the hub counts as gone.
         max_streams: Maximum number of streams at the same time.
@@ -51,7 +51,7 @@ class TunnelServer:
         broker: Broker,
         address: Address,
         app: ASGIApp,
-        admit: Callable[[str, str, str], Any],
+        admit: Callable[[str, str, str, str], Any],
         state: Mapping[str, Any],
         *,
         timing: Timing | None = None,
@@ -121,7 +121,8 @@ class TunnelServer:
         try:
             if self.calls >= self._max_streams:
                 raise TooManyRequests(f"the site serves {self._max_streams} requests already", code="too_many_streams")
-            hub = self._admit(opened.token, opened.method, opened.path)
+            content = content_of(opened.query, None if opened.more else body)
+            hub = self._admit(opened.token, opened.method, opened.path, content)
         except IdentityReused as error:  # the network has delivered the request twice
             self._broker.refuse(error.code, received.subject, error.detail)
         except GatewayError as error:
