@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-import socket
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager
@@ -40,6 +39,7 @@ from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
 from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.machine import own_address
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.docks import Docks
@@ -277,7 +277,8 @@ def _watch_activity(robots: RobotRegistry, actions: ActionRegistry) -> Activity:
 
 async def _claim_robots(settings: Settings, history: History, stack: AsyncExitStack) -> tuple[Share, Gateways]:
     share = Share(settings.robots, DockingCatalog(settings).homes)
-    gateways = Gateways(history.documents("gateway", Claim), share, socket.gethostname(), shared=history.shared)
+    address = own_address(settings, settings.port)
+    gateways = Gateways(history.documents("gateway", Claim), share, address, shared=history.shared)
     await gateways.open()
     return share, _closed_by(stack, gateways)
 

@@ -2,7 +2,6 @@
 
 import logging
 import os
-import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -13,6 +12,7 @@ from dock_gateway.assembly import open_gateway
 from dock_gateway.cli.server import Uplink, run
 from dock_gateway.doctor.environment import describe_ros
 from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.machine import own_address
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
@@ -20,9 +20,6 @@ from dock_gateway.uplink.link import HubLink
 from robot_io import ros_variables
 
 log = logging.getLogger(__name__)
-
-# What `host` may be, and no other machine can use.
-EVERY_ADDRESS = ("0.0.0.0", "::", "")  # noqa: S104
 
 
 def run_gateway(settings: Settings) -> bool:
@@ -36,12 +33,7 @@ def run_gateway(settings: Settings) -> bool:
 
 def _tell_address(parts: Parts, port: int) -> None:
     """Let the other gateways on the database know where this one is."""
-    settings = parts[Settings]
-    host = settings.published_on or settings.host
-    if host in EVERY_ADDRESS:
-        host = socket.gethostname()
-    scheme = "https" if settings.tls else "http"
-    parts[Gateways].listen(f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}")
+    parts[Gateways].listen(own_address(parts[Settings], port))
 
 
 def _make_uplink(settings: Settings, parts: Parts, app: ASGIApp) -> Uplink | None:

@@ -21,7 +21,8 @@ class Claim:
 
     Attributes:
         host: Name of its machine.
-        address: Where it listens; empty until it does.
+        boot: Id of the machine since it was started.
+        address: Where it listens; empty if that is not known yet.
         robots: Patterns of the namespaces that it serves; empty: all.
         serves: Namespaces of the robots that it has found.
         version: Its version.
@@ -32,6 +33,7 @@ class Claim:
     """
 
     host: str
+    boot: str
     address: str
     robots: tuple[str, ...]
     serves: tuple[str, ...]
@@ -50,6 +52,11 @@ class Claim:
     def what(self) -> str:
         """The robots in a sentence."""
         return ", ".join(self.robots) or "every robot"
+
+    def replaces(self, other: "Claim") -> bool:
+        """Return whether the other gateway must have ended: this one has the same port of the same machine."""
+        places = ((claim.host, claim.boot, claim.address) for claim in (self, other))
+        return bool(self.address) and len({*places}) == 1
 
     def covers(self, name: str) -> bool:
         """Return whether it serves what has a name on the ROS graph."""

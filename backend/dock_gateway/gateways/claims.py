@@ -14,6 +14,7 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import Claim, Share, compete
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.gateways.machine import boot_id, host_name
 from dock_gateway.storage import Entries
 
 log = logging.getLogger(__name__)
@@ -33,7 +34,7 @@ class Gateways:
     Args:
         store: Stores the claims.
         share: The robots that this gateway serves.
-        host: Name of this machine.
+        address: Where this gateway will listen; empty if that is not known yet.
         shared: Whether other gateways may use the same database. If not, nothing is stored.
         beat: See `BEAT`.
         expiry: See `EXPIRY`.
@@ -48,7 +49,7 @@ class Gateways:
         self,
         store: Entries[Claim],
         share: Share,
-        host: str,
+        address: str = "",
         *,
         shared: bool,
         beat: float = BEAT,
@@ -62,7 +63,9 @@ class Gateways:
         self._beat = beat
         self._expiry = expiry
         now = utc_now()
-        self._own = Claim(host, "", share.patterns, (), __version__, now, now, 0, claimed=not shared)
+        self._own = Claim(
+            host_name(), boot_id(), address, share.patterns, (), __version__, now, now, 0, claimed=not shared
+        )
         self._known: Mapping[str, Claim] = {}
         self._seen: dict[str, tuple[int, float]] = {}  # the counter of each, and since when, on the monotonic clock
         self._beating: set[str] = set()  # those whose counter has changed
@@ -71,8 +74,9 @@ class Gateways:
 
     def listen(self, address: str) -> None:
         """Set where this gateway listens, and let the others know."""
+        news = address != self._own.address
         self._own = replace(self._own, address=address)
-        if self._shared:
+        if self._shared and news:
             self._tasks.spawn(self.look())
 
     async def open(self) -> None:
@@ -142,6 +146,8 @@ class Gateways:
             await self._forget(key, claims[key])
 
     def _is_over(self, key: str, claim: Claim) -> bool:
+        if self._own.replaces(claim):
+            return True
         beat, since = self._seen.get(key, (claim.beat, time.monotonic()))
         return beat == claim.beat and time.monotonic() - since >= self._expiry
 
@@ -233,5 +239,4 @@ def _claimed(own: Claim, other: Claim) -> Conflict:
 
 def _document(key: str, claim: Claim, *, this: bool) -> dict[str, Any]:
     fields = vars(claim) | {"id": key, "this": this, "address": claim.address or None}
-    del fields["beat"]
-    return fields
+    return {name: value for name, value in fields.items() if name not in ("beat", "boot")}

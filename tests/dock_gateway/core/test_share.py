@@ -9,7 +9,7 @@ from dock_gateway.core.share import EVERYTHING, Claim, Share
 
 
 def claim(*robots: str, claimed: bool = True) -> Claim:
-    return Claim("host2", "http://host2:8000", robots, (), "1.0.0", utc_now(), utc_now(), 1, claimed)
+    return Claim("host2", "boot2", "http://host2:8000", robots, (), "1.0.0", utc_now(), utc_now(), 1, claimed)
 
 
 def test_the_actions_of_its_robots_belong_to_it_wherever_they_are() -> None:

@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack
+from dataclasses import replace
 from datetime import timedelta
 
 import pytest
@@ -11,6 +12,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.machine import boot_id, host_name
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
 
@@ -26,8 +28,8 @@ def store() -> SharedStore[Claim]:
 async def make(store: SharedStore[Claim]) -> AsyncIterator[Make]:
     async with AsyncExitStack() as stack:
 
-        def gateway(*robots: str, beat: float = 0.01, expiry: float = 60.0) -> Gateways:
-            made = Gateways(store, Share(robots), "host", shared=True, beat=beat, expiry=expiry)
+        def gateway(*robots: str, address: str = "", beat: float = 0.01, expiry: float = 60.0) -> Gateways:
+            made = Gateways(store, Share(robots), address, shared=True, beat=beat, expiry=expiry)
             stack.push_async_callback(made.close)
             return made
 
@@ -37,7 +39,7 @@ async def make(store: SharedStore[Claim]) -> AsyncIterator[Make]:
 def left_behind(*robots: str) -> Claim:
     """The claim of a gateway that was killed, with a clock that is an hour ahead."""
     later = utc_now() + timedelta(hours=1)
-    return Claim("dead", "http://dead:8000", robots, (), "1.0.0", later, later, 7)
+    return Claim("dead", "boot", "http://dead:8000", robots, (), "1.0.0", later, later, 7)
 
 
 async def test_two_that_share_no_robot_know_each_other(make: Make) -> None:
@@ -87,6 +89,16 @@ async def test_the_claim_of_a_gateway_that_was_killed_ends_whatever_its_clock_sa
     assert {*await store.read()} == {gateway.id}
 
 
+async def test_a_gateway_that_was_killed_is_replaced_at_once_on_its_own_port(
+    make: Make, store: SharedStore[Claim]
+) -> None:
+    address = "http://127.0.0.1:8000"
+    await store.write("dead", replace(left_behind("/a/*"), host=host_name(), boot=boot_id(), address=address))
+    gateway = make("/a/*", address=address)
+    await gateway.open()
+    assert {*await store.read()} == {gateway.id}
+
+
 async def test_a_start_without_the_database_claims_when_it_is_back(make: Make, store: SharedStore[Claim]) -> None:
     store.away = True
     gateway = make("/a/*")
@@ -115,7 +127,7 @@ async def test_who_finds_its_robots_claimed_goes_on_says_so_and_claims_them_agai
 
 
 async def test_a_database_of_one_gateway_gets_no_claim(store: SharedStore[Claim]) -> None:
-    gateway = Gateways(store, Share(["/a/*"]), "host", shared=False)
+    gateway = Gateways(store, Share(["/a/*"]), shared=False)
     await gateway.open()
     await gateway.close()
     assert await store.read() == {}
