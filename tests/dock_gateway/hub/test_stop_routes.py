@@ -1,7 +1,9 @@
 """`/stop` of a hub."""
 
+import asyncio
 from collections.abc import Iterator
 from contextlib import asynccontextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -9,6 +11,7 @@ from fastapi.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.application import Contents, build_app
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.hub import stop_routes
@@ -23,12 +26,11 @@ from tests.support.audit import audit_parts
 class Hub:
     """A hub with two sites, and nothing else."""
 
-    def __init__(self) -> None:
-        settings = Settings(database_url="memory:")
+    def __init__(self, **how: Any) -> None:
+        settings = Settings(**{"database_url": "memory:", **how})
         self.reach = FakeSites(BERLIN, OSLO)
-        self.parts = Parts(
-            {**audit_parts(), Settings: settings, Logins: Logins(MemoryHistory(1)), Quotas: Quotas(settings)}
-        )
+        self.logins = Logins(MemoryHistory(10))
+        self.parts = Parts({**audit_parts(), Settings: settings, Logins: self.logins, Quotas: Quotas(settings)})
         app = build_app(settings, (stop_routes.router,), self._open, Contents("A hub."))
         self.http = TestClient(app, "http://127.0.0.1:8000")
 
@@ -37,7 +39,7 @@ class Hub:
         stops = Stops(self.reach, Store(), TIMES)
         stops.open()
         self.parts.add(Stops, stops)
-        self.parts.add(Robots, self.reach)  # type: ignore[arg-type]
+        self.parts.add(Robots, SimpleNamespace(default_namespace="/"))  # type: ignore[arg-type]
         yield self.parts
         await stops.close()
 
@@ -104,3 +106,21 @@ def test_a_malformed_request_still_stops(hub: Hub) -> None:
     answer = hub.http.post("/stop", content=b"{", headers={"Content-Type": "application/json"})
     assert (answer.status_code, answer.json()["warning"]["code"]) == (200, "malformed_json")
     assert hub.site(BERLIN).latched
+
+
+@pytest.mark.parametrize("role", [Role.VIEWER, Role.SUPERVISOR])
+def test_everyone_may_stop_every_robot_and_release_what_is_theirs(role: Role) -> None:
+    hub = Hub(authentication=True, database_url="sqlite:////nowhere")
+    _, secret = asyncio.run(hub.logins.create_token("ada", Grant(role, robots=("/berlin",))))
+    with hub.http:
+        assert hub.http.post("/stop").status_code == 401
+        hub.http.headers["Authorization"] = f"Bearer {secret}"
+        assert hub.http.post("/stop").status_code == 200
+        assert hub.site(OSLO).who == [("ada", Grant(Role.VIEWER))]
+        wrong = {hub.http.delete("/stop", params=query).json()["code"] for query in ({}, {"robot": "/oslo/robot1"})}
+        mine = hub.http.delete("/stop", params={"robot": "/berlin/robot1"})
+    if role is Role.VIEWER:
+        assert (wrong, mine.status_code) == ({"role_required"}, 403)
+    else:
+        assert (wrong, mine.status_code) == ({"not_covered"}, 200)
+        assert hub.site(BERLIN).who[1:] == [("ada", Grant(role, robots=("*",)))]

@@ -43,6 +43,7 @@ class FakeSite:
     latched: bool = False
     stops: int = 0
     asked: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
+    who: list[tuple[str | None, Grant]] = field(default_factory=list)
 
     async def ask(
         self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
@@ -52,6 +53,7 @@ class FakeSite:
             await asyncio.sleep(deadline)
             raise ServerTimeout("the site did not answer", code="site_timeout")
         await asyncio.sleep(self.delay)
+        self.who.append((name, grant))
         self.asked.append((method, tuple(parse_qs(query).get("robot", ()))))
         if self.refusal is not None:
             return self.refusal
@@ -148,6 +150,7 @@ async def test_every_site_is_stopped_at_once_with_all_its_robots() -> None:
         await until(lambda: not scene.stops.pending(BERLIN))
         assert (await scene.release()).released
         assert not scene.berlin.latched
+        assert scene.berlin.who == [("ada", Grant(Role.VIEWER)), *[("ada", Grant(Role.SUPERVISOR))] * 2]
 
 
 async def test_a_site_that_is_away_is_stopped_when_it_is_back_also_by_another_process_of_the_hub() -> None:
