@@ -9,10 +9,12 @@ from typing import Any
 from dock_gateway import __version__
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.sites import subjects
-from dock_gateway.sites.broker import Broker, BrokerOptions, Received, open_broker
+from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Refusal, Welcome, read
-from dock_gateway.sites.tunnel.caller import Address, Answer, Caller
+from dock_gateway.sites.subscription import Received
+from dock_gateway.sites.tunnel.answer import Answer
+from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.conversation import Conversation
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
 from tests.support.waiting import PATIENCE, until

@@ -11,7 +11,8 @@ from starlette.types import Receive, Scope, Send
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.hub.renaming import ForeignDocumentError
 from dock_gateway.sites.identity import Signer
-from dock_gateway.sites.tunnel.caller import Address, Answer, Caller
+from dock_gateway.sites.tunnel.answer import Answer
+from dock_gateway.sites.tunnel.caller import Address, Caller
 
 # Seconds that a site may take to begin its answer, besides those that `Prefer: wait` asks for.
 DEADLINE = 10.0

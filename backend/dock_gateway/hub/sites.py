@@ -20,10 +20,11 @@ from dock_gateway.hub.site_client import SiteClient
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
 from dock_gateway.sites import subjects
-from dock_gateway.sites.broker import Broker, NoResponder, Received
+from dock_gateway.sites.broker import Broker, NoResponder
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, read
 from dock_gateway.sites.names import site_grant
+from dock_gateway.sites.subscription import Received
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
 from dock_gateway.storage.sql import SqlHistory

@@ -8,29 +8,26 @@ import random
 from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from nats import errors
 from nats.aio.msg import Msg
-from nats.aio.subscription import Subscription as NatsSubscription
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.sites.nats_client import ConnectFailed, NatsClient
 from dock_gateway.sites.servers import read_server
 from dock_gateway.sites.subjects import new_id
+from dock_gateway.sites.subscription import Received, Subscription
 
 log = logging.getLogger(__name__)
 
 # Bytes that may wait for a slow connection before who sends more has to wait.
 MAX_WAITING = 256 * 1024
-# What may wait for a handler, for each subscription: messages, and bytes.
-MAX_MESSAGES, MAX_BYTES = 16_384, 64 * 1024 * 1024
 # A message's size before a server has said its limit.
 DEFAULT_MAX_PAYLOAD = 1024 * 1024
 NO_RESPONDERS = "503"
-INBOXES = "_INBOX."
 
 
 @dataclass(frozen=True)
@@ -60,58 +57,6 @@ class NoResponder(Unavailable):
     """Nobody is there who could answer a request."""
 
     code = "no_responder"
-
-
-@dataclass(frozen=True)
-class Received:
-    """A message that has arrived."""
-
-    subject: str
-    data: bytes
-    _reply_to: str = field(default="", repr=False)
-    _broker: "Broker | None" = field(default=None, repr=False)
-
-    async def reply(self, data: bytes) -> None:
-        """Answer, if the sender waits for one. Others than inboxes get none: a site must not speak through the hub.
-
-        Raises:
-            Unavailable: There is no connection to the broker.
-        """
-        if self._broker is not None and self._reply_to.startswith(INBOXES):
-            await self._broker.publish(self._reply_to, data)
-
-
-Handler = Callable[[Received], Awaitable[None]]
-
-
-class Subscription:
-    """Messages of one subject, on each connection anew until it is closed."""
-
-    def __init__(self, broker: "Broker", subject: str, handler: Callable[[Msg], Awaitable[None]]) -> None:
-        self.subject = subject
-        self._broker = broker
-        self._handler = handler
-        self._on: NatsClient | None = None
-        self._nats: NatsSubscription | None = None
-
-    def is_on(self, client: NatsClient) -> bool:
-        """Return whether that connection has it."""
-        return self._on is client
-
-    async def place(self, client: NatsClient) -> None:
-        """Subscribe on a connection."""
-        self._on = client
-        self._nats = await client.subscribe(
-            self.subject, cb=self._handler, pending_msgs_limit=MAX_MESSAGES, pending_bytes_limit=MAX_BYTES
-        )
-
-    async def close(self) -> None:
-        """End the subscription. What waits for its handler is dropped. Idempotent."""
-        self._broker.forget(self)
-        nats, self._nats = self._nats, None
-        if nats is not None:
-            with contextlib.suppress(errors.Error):
-                await nats.unsubscribe()
 
 
 class Broker:
@@ -198,7 +143,7 @@ class Broker:
             if not answer.cancel() and not answer.cancelled():
                 answer.exception()  # it is known: the message was not sent
 
-    async def subscribe(self, subject: str, handler: Handler) -> Subscription:
+    async def subscribe(self, subject: str, handler: Callable[[Received], Awaitable[None]]) -> Subscription:
         """Hand messages of a subject to a handler, one after the other, until the subscription is closed.
 
         The handler must not wait for anything but `reply`: it holds up all that follow.
@@ -206,7 +151,7 @@ class Broker:
 
         async def deliver(message: Msg) -> None:
             try:
-                await handler(Received(message.subject, message.data, message.reply, self))
+                await handler(Received(message.subject, message.data, message.reply, self.publish))
             except Unavailable as error:
                 log.info("while handling a message on %s: %s", message.subject, error.detail)
             except Exception:
@@ -217,13 +162,12 @@ class Broker:
             await subscription.place(self._usable())
         return subscription
 
-    def forget(self, subscription: Subscription) -> None:
-        """Do not subscribe again on the next connection."""
+    def _forget(self, subscription: Subscription) -> None:
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
 
     def _add(self, subject: str, handler: Callable[[Msg], Awaitable[None]]) -> Subscription:
-        subscription = Subscription(self, subject, handler)
+        subscription = Subscription(subject, handler, self._forget)
         self._subscriptions.append(subscription)
         return subscription
 

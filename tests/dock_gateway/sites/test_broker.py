@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.sites.broker import MAX_MESSAGES, Broker, BrokerOptions, NoResponder, Received, open_broker
+from dock_gateway.sites.broker import Broker, BrokerOptions, NoResponder, open_broker
+from dock_gateway.sites.subscription import MAX_MESSAGES, Received
 from tests.support.certificates import Authority
 from tests.support.nats import nats_server
 from tests.support.waiting import until

@@ -13,7 +13,8 @@ from starlette.types import Receive, Scope, Send
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.sites import subjects
-from dock_gateway.sites.broker import Broker, BrokerOptions, Received, open_broker
+from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
+from dock_gateway.sites.subscription import Received
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.server import TunnelServer
 from tests.support.certificates import Authority

@@ -6,31 +6,28 @@ from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from http import HTTPStatus
 from typing import Any
 
-import orjson
-from starlette.types import Message as AsgiMessage
 from starlette.types import Receive, Scope, Send
 
-from dock_gateway.core.errors import GatewayError, TooManyRequests, Unavailable
+from dock_gateway.core.errors import TooManyRequests, Unavailable
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites import subjects
-from dock_gateway.sites.broker import Broker, NoResponder, Received, Subscription
+from dock_gateway.sites.broker import Broker, NoResponder
 from dock_gateway.sites.identity import content_of
 from dock_gateway.sites.messages import Malformed, read_refusal
+from dock_gateway.sites.subscription import Received, Subscription
+from dock_gateway.sites.tunnel.answer import Answer, Asker
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, piece_of
-from dock_gateway.sites.tunnel.conversation import Conversation
+from dock_gateway.sites.tunnel.conversation import Conversation, shake_hands
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteUnreachable, ended_early, refused, silent_for
 from dock_gateway.sites.tunnel.forward import CLIENT_GONE, forward_http, forward_websocket
-from dock_gateway.sites.tunnel.frames import Accept, Data, End, Head, encode, write_headers
+from dock_gateway.sites.tunnel.frames import encode, write_headers
 
 # Streams at the same time: in all, and of one site.
 MAX_STREAMS, MAX_STREAMS_OF_SITE = 5_000, 500
 # Streams that have just ended, and whose last frames may still be on their way.
 REMEMBERED = 1_000
-# Bytes of an answer that the hub itself reads.
-MAX_ANSWER = 32 * 1024 * 1024
 # Headers of a client that mean nothing to a site, or that it must not get.
 KEPT_BACK = frozenset(
     {"authorization", "connection", "cookie", "expect", "host", "origin", "proxy-authorization", "te"}
@@ -43,26 +40,6 @@ class Address:
 
     site: str
     instance: str
-
-
-@dataclass(frozen=True)
-class Answer:
-    """The answer to a request of the hub itself."""
-
-    status: int
-    headers: dict[str, str]
-    body: bytes
-
-    def json(self) -> Any:
-        """Return the body as JSON.
-
-        Raises:
-            SiteFailed: It is none.
-        """
-        try:
-            return orjson.loads(self.body)
-        except ValueError:
-            raise SiteFailed("a site has answered with something that is no JSON") from None
 
 
 class Caller:
@@ -224,33 +201,15 @@ class Caller:
             GatewayError: The site refuses it, or there are too many requests.
         """
         scope = {"type": "http", "method": method, "query_string": query.encode(), "headers": list(headers)}
-        parts, status, names = list[bytes](), 0, dict[str, str]()
-        unread = [{"type": "http.request", "body": body, "more_body": False}]
-
-        async def receive() -> AsgiMessage:
-            return unread.pop() if unread else await asyncio.get_running_loop().create_future()
-
-        async def send(message: AsgiMessage) -> None:
-            nonlocal status
-            if message["type"] == "http.response.start":
-                status = message["status"]
-                names.update((name.decode("latin-1"), value.decode("latin-1")) for name, value in message["headers"])
-                return
-            parts.append(message["body"])
-            if sum(map(len, parts)) > MAX_ANSWER:
-                raise SiteFailed(f"the site {address.site} has answered with more than {MAX_ANSWER} bytes")
-            if not message["more_body"]:
-                complete.set()
-
-        complete = asyncio.Event()
+        client = Asker(address.site, body)
         try:
             async with asyncio.timeout(deadline):
-                await self.forward(address, scope, receive, send, path=path, token=token, deadline=deadline)
+                await self.forward(
+                    address, scope, client.receive, client.send, path=path, token=token, deadline=deadline
+                )
         except TimeoutError:
             raise silent_for(address.site, deadline) from None
-        if not complete.is_set():
-            raise ended_early(address.site, ChannelEnded("incomplete", "the answer is not complete"))
-        return Answer(status, names, b"".join(parts))
+        return client.answer
 
     @asynccontextmanager
     async def websocket(
@@ -275,7 +234,7 @@ class Caller:
         try:
             try:
                 async with asyncio.timeout(deadline):
-                    await _handshake(address.site, channel)
+                    await shake_hands(address.site, channel)
             except ChannelEnded as ended:
                 raise ended_early(address.site, ended) from None
             except TimeoutError:
@@ -358,26 +317,3 @@ class Caller:
     def _give_up(self, channel: Channel) -> None:
         if channel.ended is None:
             self._tasks.spawn(channel.abort(*CLIENT_GONE))
-
-
-async def _handshake(site: str, channel: Channel) -> None:
-    frame, body = await channel.receive()
-    if isinstance(frame, Accept):
-        return
-    if not isinstance(frame, Head):
-        raise SiteFailed(f"the site {site} has answered a handshake with something else", site=site)
-    status, parts = frame.status, list[bytes]()
-    while not isinstance(frame, End):
-        frame, body = await channel.receive()
-        if isinstance(frame, Data) and len(parts) < 100:
-            parts.append(body)
-    channel.finish()
-    raise _problem(site, status, b"".join(parts))
-
-
-def _problem(site: str, status: int, body: bytes) -> GatewayError:
-    try:
-        problem = orjson.loads(body)
-        return GatewayError(str(problem["detail"]), code=str(problem["code"]), status=HTTPStatus(status), site=site)
-    except (ValueError, KeyError, TypeError):
-        return SiteFailed(f"the site {site} has refused a WebSocket with status {status}", site=site)

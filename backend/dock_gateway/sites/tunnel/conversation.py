@@ -1,10 +1,14 @@
 """A WebSocket of the hub itself at a site."""
 
+from http import HTTPStatus
 from typing import Self
 
+import orjson
+
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteUnreachable
-from dock_gateway.sites.tunnel.frames import Close, Message
+from dock_gateway.sites.tunnel.frames import Accept, Close, Data, End, Head, Message
 
 
 class Conversation:
@@ -69,3 +73,32 @@ class Conversation:
             except ChannelEnded:
                 return
             self._channel.finish()
+
+
+async def shake_hands(site: str, channel: Channel) -> None:
+    """Wait until the site has opened the WebSocket.
+
+    Raises:
+        GatewayError: It refuses it.
+        ChannelEnded: The stream has ended.
+    """
+    frame, body = await channel.receive()
+    if isinstance(frame, Accept):
+        return
+    if not isinstance(frame, Head):
+        raise SiteFailed(f"the site {site} has answered a handshake with something else", site=site)
+    status, parts = frame.status, list[bytes]()
+    while not isinstance(frame, End):
+        frame, body = await channel.receive()
+        if isinstance(frame, Data) and len(parts) < 100:
+            parts.append(body)
+    channel.finish()
+    raise _problem(site, status, b"".join(parts))
+
+
+def _problem(site: str, status: int, body: bytes) -> GatewayError:
+    try:
+        problem = orjson.loads(body)
+        return GatewayError(str(problem["detail"]), code=str(problem["code"]), status=HTTPStatus(status), site=site)
+    except (ValueError, KeyError, TypeError):
+        return SiteFailed(f"the site {site} has refused a WebSocket with status {status}", site=site)

@@ -12,9 +12,10 @@ from starlette.types import ASGIApp
 from dock_gateway.core.errors import GatewayError, TooManyRequests, Unavailable
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites import subjects
-from dock_gateway.sites.broker import Broker, Received, Subscription
+from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.identity import IdentityReused, content_of
 from dock_gateway.sites.messages import Malformed, Refusal
+from dock_gateway.sites.subscription import Received, Subscription
 from dock_gateway.sites.tunnel.call import HttpCall, WebSocketCall, scope_of, send_body, send_head
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded, Timing
