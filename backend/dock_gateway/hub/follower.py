@@ -45,6 +45,9 @@ MAX_WAITING = 500
 MAX_GOALS = 1000
 # Goals in a page, and pages that are read of a site at most.
 PAGE, MAX_PAGES = 200, 50
+# What a site lets the hub work for without a break, in seconds; and how many times as long, or how long, others come
+# first after that.
+LONG_WORK, BREAK, LONGEST_BREAK = 0.005, 3.0, 0.5
 # Seconds between two measurements of the round trip.
 MEASURE_INTERVAL = 15.0
 
@@ -123,8 +126,10 @@ class Follower:
 
     async def _read_all(self, conversation: Conversation, reading: "Reading") -> None:
         async for message in conversation:
-            self._view.reported_at = time.monotonic()
+            self._view.reported_at = began = time.monotonic()
             await self._read(_decode(message), reading)
+            took = time.monotonic() - began
+            await asyncio.sleep(min(BREAK * took, LONGEST_BREAK) if took > LONG_WORK else 0)  # one site is not all
             while len(self._news.happenings) >= MAX_WAITING:
                 self._less.clear()
                 await self._less.wait()

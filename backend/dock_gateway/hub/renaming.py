@@ -23,6 +23,8 @@ T = TypeVar("T")
 
 ROS_NAME = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*)?")
 MAX_TEXT = 8000  # characters
+# Entries of a list, and bytes of a robot, an alert or an approval.
+MAX_ENTRIES, MAX_DOCUMENT = 2000, 32 * 1024
 ORIGINS = ("gateway", "automation", "external")
 VERBS = ("dock", "undock", None)
 
@@ -104,9 +106,20 @@ def _shape(fields: Mapping[str, Reader], *, site_field: bool = False) -> Callabl
         if not isinstance(value, dict):
             raise ForeignDocumentError(f"{value!r:.60} is not an object")
         document = {name: field(site, value.get(name)) for name, field in fields.items()}
-        return document | {"site": site} if site_field else document
+        return _sized(document | {"site": site}) if site_field else document
 
     return read
+
+
+def _sized(document: Document) -> Document:
+    """Return a document, unless it is too large or too deep to be shown together with others."""
+    try:
+        size = len(orjson.dumps([[[[document]]]]))
+    except orjson.JSONEncodeError as error:
+        raise ForeignDocumentError(f"a document cannot be written as JSON: {error}") from None
+    if size > MAX_DOCUMENT:
+        raise ForeignDocumentError(f"a document has {size} bytes, and at most {MAX_DOCUMENT} are read")
+    return document
 
 
 def _maybe(reader: Reader) -> Reader:
@@ -117,6 +130,8 @@ def _each(reader: Callable[[str, Any], T]) -> Callable[[str, Any], list[T]]:
     def read(site: str, value: Any) -> list[T]:
         if not isinstance(value, list):
             raise ForeignDocumentError(f"{value!r:.60} is not a list")
+        if len(value) > MAX_ENTRIES:
+            raise ForeignDocumentError(f"a list has {len(value)} entries, and at most {MAX_ENTRIES} are read")
         return [reader(site, item) for item in value]
 
     return read

@@ -5,7 +5,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
+from dock_gateway.hub.renaming import ForeignDocumentError
+
 Document = dict[str, Any]
+
+# Robots of a site. More are not taken over.
+MAX_ROBOTS = 2000
 
 
 @dataclass
@@ -39,11 +44,17 @@ class SiteView:
     malformed: Counter[str] = field(default_factory=Counter)
 
     def put_robots(self, robots: Iterable[Document], gone: Iterable[str] = (), *, all_of_them: bool = False) -> None:
-        """Take over robots; those that are gone, or not among all of them, leave."""
+        """Take over robots; those that are gone, or not among all of them, leave.
+
+        Raises:
+            ForeignDocumentError: The site would have too many.
+        """
         new = {robot["name"]: robot for robot in robots}
         left = self.robots.keys() - new.keys() if all_of_them else self.robots.keys() & set(gone)
         for name in left:
             del self.robots[name]
+        if len(self.robots.keys() | new.keys()) > MAX_ROBOTS:
+            raise ForeignDocumentError(f"the site has more than {MAX_ROBOTS} robots")
         self.robots |= new
         self.changed |= left | new.keys()
 

@@ -1,7 +1,8 @@
 """A site is read from where the hub was, whatever is missing in between."""
 
 import asyncio
-from collections.abc import AsyncIterator
+import itertools
+from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -45,7 +46,7 @@ class FakeSite:
 
     address = Address("berlin", "0" * 16)
 
-    def __init__(self, *connections: list[Any]) -> None:
+    def __init__(self, *connections: Iterable[Any]) -> None:
         self.connections = list(connections)
         self.asked_after: list[str | None] = []
         self.goals: dict[str, Goal] = {}
@@ -152,3 +153,9 @@ async def test_nonsense_is_counted_and_the_site_is_tried_again(nonsense: Any, tm
         await until(lambda: len(site.asked_after) == 2 and not opened.view.behind)
         assert opened.view.malformed == {"malformed": 1}
         assert list(opened.view.robots) == ["/berlin/robot1"]
+
+
+async def test_a_site_that_never_stops_talking_leaves_time_for_others(tmp_path: Path) -> None:
+    told = itertools.repeat({"type": "robots", "robots": [ROBOT], "gone": []})
+    async with hub(FakeSite(itertools.chain([snapshot()], told)), tmp_path) as opened:
+        await until(lambda: bool(opened.view.robots))

@@ -10,6 +10,7 @@ import pytest
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
 from dock_gateway.fleet.alert import Alert, AlertKind
 from dock_gateway.hub import renaming
+from dock_gateway.hub.site_view import MAX_ROBOTS, SiteView
 from tests.support import small_site
 
 AT = datetime(2026, 11, 27, 12, 0, 0, 123456, tzinfo=UTC)
@@ -101,3 +102,24 @@ def test_nonsense_is_refused(nonsense: object) -> None:
             read("berlin", deepcopy(nonsense))
     with pytest.raises(renaming.ForeignDocumentError):
         renaming.read_goal("berlin", nonsense)
+
+
+def nested(depth: int) -> Any:
+    return [nested(depth - 1)] if depth else []
+
+
+@pytest.mark.parametrize("value", [nested(250), "x" * renaming.MAX_DOCUMENT])
+def test_a_value_that_nobody_could_be_shown_is_refused(value: Any) -> None:
+    with pytest.raises(renaming.ForeignDocumentError):
+        renaming.read_robots("berlin", [ROBOT | {"battery": value}])
+
+
+def test_a_site_has_only_so_many_robots() -> None:
+    view = SiteView("berlin")
+    every = [ROBOT | {"name": f"/berlin/r{number}"} for number in range(MAX_ROBOTS)]
+    view.put_robots(every)
+    with pytest.raises(renaming.ForeignDocumentError, match="more than"):
+        view.put_robots([ROBOT])
+    with pytest.raises(renaming.ForeignDocumentError, match="a list has"):
+        renaming.read_names("berlin", ["/r1"] * (renaming.MAX_ENTRIES + 1))
+    assert len(view.robots) == MAX_ROBOTS
