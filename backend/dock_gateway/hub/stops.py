@@ -393,7 +393,9 @@ class Stops:
 
     async def _ask_release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
         named = self._named(name, (robot,))
-        queries = [urlencode({"robot": each}) for each in named] or [""]
+        queries = [urlencode({"robot": each}) for each in named]
+        if robot == WHOLE:  # a stop from before the robots were known named none, and may hold above them
+            queries.insert(0, "")
         for query in queries:
             try:
                 answer = await self._reach.client(name).ask(
@@ -401,7 +403,7 @@ class Stops:
                 )
             except GatewayError as error:
                 return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
-            if answer.status != 200:
+            if answer.status != 200 and (query or not named):
                 code, detail = _problem(_read(answer.body), answer.status)
                 return ReleaseOutcome(released=False, code=code, detail=detail)
         return ReleaseOutcome(released=True)

@@ -180,6 +180,15 @@ async def test_a_release_drops_what_a_site_has_not_confirmed() -> None:
         assert scene.berlin.asked == []
 
 
+async def test_a_release_of_all_robots_covers_a_stop_from_before_they_were_known() -> None:
+    async with running() as scene:
+        scene.berlin.robots = []  # the hub has just started
+        assert (await scene.stop(BERLIN))[BERLIN].stopped
+        scene.berlin.robots = ["/robot1", "/robot2"]
+        assert (await scene.release()).released
+        assert scene.berlin.asked == [("POST", ()), ("DELETE", ()), ("DELETE", ("/robot1",)), ("DELETE", ("/robot2",))]
+
+
 async def test_a_part_of_what_is_not_confirmed_is_not_released_alone() -> None:
     async with running() as scene:
         scene.berlin.reachable = False
