@@ -33,7 +33,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) backend/action_tutorials_interfaces/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-physics bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-physics bench-sites bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -63,6 +63,9 @@ bench-docking: setup ## dock from 1,000 random starts with each controller, in s
 
 bench-physics: setup $(BENCH)/installed ## dock in MuJoCo, with our controller and with nav2's law; see docs/docking-results.md
 	@PYTHONPATH=backend $(BENCH)/own/bin/python -m benchmarks.docking --physics $(BENCH_ARGS)
+
+bench-sites: setup ## 50 simulated sites behind a hub on one core (BENCH_ARGS='--seconds 300' watches its memory); see docs/performance.md
+	@$(BIN)/python -m benchmarks.sites $(BENCH_ARGS)
 
 bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minutes 30' watches its memory); see docs/performance.md
 	@$(BIN)/python -m benchmarks.dashboard $(BENCH_ARGS)
