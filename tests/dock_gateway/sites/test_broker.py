@@ -135,7 +135,7 @@ async def test_what_waits_for_a_frozen_server_is_never_sent(tmp_path: Path) -> N
     with nats_server(tmp_path) as server:
         async with (
             open_broker(options(server.url)) as one,
-            open_broker(options(server.url, check=(0.2, 0.5))) as other,
+            open_broker(options(server.url, check=(0.2, 1.5))) as other,
         ):
             heard = Heard()
             await one.subscribe("good", heard)
