@@ -213,7 +213,8 @@ class Broker:
             while missing := [each for each in self._subscriptions if not each.is_on(client)]:
                 for each in missing:
                     await each.place(client)
-            await client.rtt(options.check[1])  # type: ignore[arg-type]  # seconds; the server has all subscriptions
+                # Seconds. The server has these subscriptions then; others may have come meanwhile.
+                await client.rtt(options.check[1])  # type: ignore[arg-type]
         except errors.Error as error:
             raise ConnectFailed(client.reason or str(error)) from None
         self._client = client

@@ -72,6 +72,19 @@ async def test_requests_subscriptions_and_nobody_there(tmp_path: Path) -> None:
             assert one.connected
 
 
+async def test_what_is_subscribed_to_while_the_connection_comes_about_is_heard(tmp_path: Path) -> None:
+    with nats_server(tmp_path) as server:
+        async with open_broker(options(server.url)) as broker:
+            heard, count = Heard(), 0
+            while not broker.connected:
+                if count < 200:
+                    await broker.subscribe(f"good.{count}", heard)
+                    count += 1
+                await asyncio.sleep(0.001)
+            answers = [await broker.request(f"good.{number}", b"1", 60) for number in range(count)]
+            assert answers == [b"heard 1"] * count
+
+
 async def test_a_handler_that_fails_does_not_end_the_subscription(tmp_path: Path) -> None:
     with nats_server(tmp_path) as server:
         async with open_broker(options(server.url)) as broker:
