@@ -67,7 +67,6 @@ class Caller:
         self._patience = patience
         self._channels: dict[tuple[str, str], Channel] = {}
         self._past = deque[tuple[str, str]](maxlen=REMEMBERED)
-        self._addresses: dict[tuple[str, str], Address] = {}
         self._of_site: Counter[str] = Counter()
         self._tasks = Tasks("ending streams of sites")
         self._subscriptions: dict[str, Subscription] = {}  # by site
@@ -90,12 +89,6 @@ class Caller:
         for channel in list(self._channels.values()):
             await channel.abort("hub_leaving", "the hub is shutting down")
         await self._tasks.close()
-
-    def drop(self, address: Address, detail: str) -> None:
-        """End all streams to a process that has gone, without waiting until it is silent for long enough."""
-        for key, each in list(self._addresses.items()):
-            if each == address:
-                self._channels[key].end("silent", detail)
 
     def _lose_all(self) -> None:
         for channel in list(self._channels.values()):
@@ -297,13 +290,12 @@ class Caller:
         subject = subjects.stream_to_site(address.site, address.instance, stream)
 
         def on_end() -> None:
-            del self._channels[key], self._addresses[key]
+            del self._channels[key]
             self._past.append(key)
             self._of_site[address.site] -= 1
             if not self._of_site[address.site]:
                 del self._of_site[address.site]
 
-        self._addresses[key] = address
         self._of_site[address.site] += 1
         channel = self._channels[key] = Channel(
             partial(self._broker.publish, subject),
