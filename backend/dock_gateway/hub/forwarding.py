@@ -3,7 +3,7 @@
 import asyncio
 import uuid
 from collections.abc import Iterable
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from http import HTTPStatus
 from urllib.parse import parse_qsl, urlencode
@@ -149,7 +149,10 @@ class Forwarded(Response):
         )
         carrying, beginning = asyncio.ensure_future(forward), asyncio.ensure_future(begun.wait())
         try:
-            with parts_of(connection)[Logins].watch(principal_of(connection), carrying.cancel):
+            with (
+                self._counted(connection),
+                parts_of(connection)[Logins].watch(principal_of(connection), carrying.cancel),
+            ):
                 await asyncio.wait((carrying, beginning), timeout=asked.deadline, return_when=FIRST)
                 late = not (carrying.done() or begun.is_set())
                 if not late:
@@ -166,6 +169,11 @@ class Forwarded(Response):
         except SiteTimeout as error:
             error.extra["idempotency_key"] = Headers(raw=asked.headers).get("idempotency-key")
             raise
+
+    def _counted(self, connection: HTTPConnection) -> AbstractContextManager[None]:
+        if self._asked.path == "/stop":
+            return nullcontext()
+        return parts_of(connection)[Quotas].hold(principal_of(connection), "streams")
 
 
 class Stream:

@@ -257,6 +257,8 @@ async def test_refusals(server: NatsServer) -> None:
         assert (full.status, full.code) == (429, "too_many_streams")
         counted = {"role_required": 1, "invalid_identity": 1, "identity_reused": 1, "too_many_streams": 1}
         assert tunnel.site.refused.items() >= counted.items()
+        stop = await tunnel.caller.request(tunnel.address, "POST", "/stop", token="", deadline=60)
+        assert stop.status == 404
         forwarding.cancel()
 
 
@@ -267,8 +269,14 @@ async def test_the_hub_has_a_limit_of_streams(server: NatsServer) -> None:
         client.body(b"")
         forwarding = client.forward(tunnel, "/wait")
         await until(lambda: tunnel.server.streams == 1)
+        another, stop = Client(), Client(method="POST")
+        for each in (another, stop):
+            each.body(b"")
         with pytest.raises(TooManyRequests):
-            await tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60)
+            await another.forward(tunnel, "/echo")
+        await stop.forward(tunnel, "/stop")
+        assert stop.status == 404
+        assert (await tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60)).status == 201
         other = Address("oslo", tunnel.address.instance)
         with pytest.raises(SiteUnreachable, match="does not listen"):
             await tunnel.caller.request(other, "GET", "/echo", token="", deadline=60)

@@ -22,10 +22,10 @@ from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, pie
 from dock_gateway.sites.tunnel.conversation import Conversation, shake_hands
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteUnreachable, ended_early, refused, silent_for
 from dock_gateway.sites.tunnel.forward import CLIENT_GONE, forward_http, forward_websocket
-from dock_gateway.sites.tunnel.frames import encode, write_headers
+from dock_gateway.sites.tunnel.frames import STOP, encode, write_headers
 
-# Streams at the same time: in all, and of one site.
-MAX_STREAMS, MAX_STREAMS_OF_SITE = 5_000, 500
+# Streams of clients at the same time: in all, and of one site, which takes some more, for the hub itself.
+MAX_STREAMS, MAX_STREAMS_OF_SITE = 5_000, 450
 # Streams that have just ended, and whose last frames may still be on their way.
 REMEMBERED = 1_000
 # Headers of a client that mean nothing to a site, or that it must not get.
@@ -48,7 +48,8 @@ class Caller:
     Args:
         broker: The connection to the broker.
         timing: When a site counts as gone.
-        max_streams: Maximum number of streams at the same time: in all, and of one site.
+        max_streams: Maximum number of streams at the same time, in all and of one site, beyond which only the hub
+            itself opens more, and only stops are passed on.
         patience: Seconds for which a request is tried again while nobody gets it: a site says hello a little before it
             listens, and servers of a cluster do not know at once of all that listen.
     """
@@ -120,6 +121,7 @@ class Caller:
         token: str,
         deadline: float,
         headers: Iterable[tuple[bytes, bytes]] | None = None,
+        own: bool = False,
     ) -> None:
         """Pass a request or a WebSocket of a client on to a site, and what it answers back.
 
@@ -132,6 +134,7 @@ class Caller:
             token: Who asks, signed.
             deadline: Seconds until the site must have begun.
             headers: Those of the request, if others than in the scope.
+            own: Whether it is a request of the hub itself.
 
         Raises:
             SiteUnreachable: The site did not get the request.
@@ -155,7 +158,7 @@ class Caller:
         body, more = first.get("body", b""), first.get("more_body", False)
         piece = piece_of(self._broker.max_payload)
         now, rest = body[:piece], body[piece:]
-        channel = await self._open(address, {**fields, "more": more or bool(rest)}, now, deadline)
+        channel = await self._open(address, {**fields, "more": more or bool(rest)}, now, deadline, own=own)
         try:
             if scope["type"] == "http":
                 await forward_http(address.site, channel, rest, more=more, receive=receive, send=send)
@@ -198,7 +201,7 @@ class Caller:
         try:
             async with asyncio.timeout(deadline):
                 await self.forward(
-                    address, scope, client.receive, client.send, path=path, token=token, deadline=deadline
+                    address, scope, client.receive, client.send, path=path, token=token, deadline=deadline, own=True
                 )
         except TimeoutError:
             raise silent_for(address.site, deadline) from None
@@ -223,7 +226,7 @@ class Caller:
             GatewayError: The site refuses it.
         """
         fields = {"token": token, "kind": "websocket", "method": "GET", "path": path, "query": query}
-        channel = await self._open(address, fields, b"", deadline)
+        channel = await self._open(address, fields, b"", deadline, own=True)
         try:
             try:
                 async with asyncio.timeout(deadline):
@@ -238,9 +241,12 @@ class Caller:
         finally:
             self._give_up(channel)
 
-    async def _open(self, address: Address, fields: dict[str, Any], body: bytes, deadline: float) -> Channel:
+    async def _open(
+        self, address: Address, fields: dict[str, Any], body: bytes, deadline: float, *, own: bool
+    ) -> Channel:
         most, most_of_site = self._max_streams
-        if len(self._channels) >= most or self._of_site[address.site] >= most_of_site:
+        full = len(self._channels) >= most or self._of_site[address.site] >= most_of_site
+        if full and not own and (fields["method"], fields["path"]) != STOP:
             raise TooManyRequests(
                 f"too many requests to the site {address.site} at the same time", code="too_many_streams"
             )

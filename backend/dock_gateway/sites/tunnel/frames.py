@@ -14,6 +14,9 @@ MAX_LINE, MAX_PIECE = 256 * 1024, 128 * 1024
 # What either end may send of a stream before the other one has taken it, in bytes; a frame costs some more than it has.
 WINDOW, OVERHEAD = 1024 * 1024, 256
 
+# The request that is never one too many.
+STOP = ("POST", "/stop")
+
 Name = Annotated[str, StringConstraints(max_length=256, pattern=r"^[!#$%&'*+\-.^_`|~0-9a-z]+$")]
 Value = Annotated[str, StringConstraints(max_length=65_536, pattern=r"^[\t\x20-\x7e\u0080-\u00ff]*$")]
 Headers = Annotated[list[tuple[Name, Value]], Field(max_length=200)]

@@ -19,7 +19,7 @@ from dock_gateway.sites.subscription import Received, Subscription
 from dock_gateway.sites.tunnel.call import HttpCall, WebSocketCall, scope_of, send_body, send_head
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded, Timing
-from dock_gateway.sites.tunnel.frames import Open, encode, read_open
+from dock_gateway.sites.tunnel.frames import STOP, Open, encode, read_open
 
 log = logging.getLogger(__name__)
 
@@ -41,7 +41,7 @@ class TunnelServer:
             asks, or raises a GatewayError: the hub gets it as the refusal.
         state: What the app's requests have as their state.
         timing: When the hub counts as gone.
-        max_streams: Maximum number of streams at the same time.
+        max_streams: Maximum number of streams at the same time. A stop is never one too many.
 
     Attributes:
         calls: Number of requests that the app has not left yet.
@@ -120,7 +120,7 @@ class TunnelServer:
             self._broker.refuse("duplicate", received.subject, f"the stream {opened.id} was opened already")
             return
         try:
-            if self.calls >= self._max_streams:
+            if self.calls >= self._max_streams and (opened.method, opened.path) != STOP:
                 raise TooManyRequests(f"the site serves {self._max_streams} requests already", code="too_many_streams")
             content = content_of(opened.query, None if opened.more else body)
             hub = self._admit(opened.token, opened.method, opened.path, content)
