@@ -67,10 +67,12 @@ class Overview:
 
     Attributes:
         default_namespace: Every robot: a hub is set up for none.
+        own_robot: Likewise.
         on_change: Called when an alert begins or ends.
     """
 
     default_namespace = "/"
+    own_robot = False
 
     def __init__(self, fanout: Fanout, sites: Sites, goals: Goals, history: History) -> None:
         self._fanout = fanout

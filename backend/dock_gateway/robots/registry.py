@@ -54,6 +54,8 @@ class RobotRegistry:
         topics: Their other topics.
     """
 
+    own_robot = True
+
     def __init__(
         self,
         settings: Settings,

@@ -10,9 +10,11 @@ class Robots(Protocol):
 
     Attributes:
         default_namespace: The robot that is meant where none is named.
+        own_robot: Whether that is one robot, so that a stream that names none is about it or another one.
     """
 
     default_namespace: str
+    own_robot: bool
 
     def namespaces(self) -> list[str]:
         """Return the namespaces of all robots, sorted."""

@@ -111,6 +111,8 @@ def _read_robot(robots: Robots, robot: str | None, grant: Grant) -> str:
     found = robots.find(robot)
     if grant.covers_robot(found) or (grant.share is not None and not robots.namespaces()):
         return found
+    if robot is None and not robots.own_robot:
+        return found
     covered = [each for each in robots.namespaces() if grant.covers_robot(each)]
     if not covered:
         raise not_covered(f"the robot {found}")

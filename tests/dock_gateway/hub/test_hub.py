@@ -107,6 +107,10 @@ async def test_what_a_login_does_not_reach_is_not_there(hub: Hub) -> None:
     for path in ("/sites/berlin", "/sites/berlin/echo", "/sites/paris/echo"):
         assert (await hub.http.get(path, headers=header)).json()["code"] == "site_not_found", path
     assert (await hub.http.get("/sites/berlin/echo")).json()["code"] == "not_authenticated"
+    address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=robots"
+    async with websockets.asyncio.client.connect(address, additional_headers=header) as socket:
+        snapshot = orjson.loads(await socket.recv())
+        assert (snapshot["robots"], snapshot["sites"]) == ([], [])
     foreign = {"Origin": "https://evil.example", **header}
     assert (await hub.http.post("/sites/berlin/echo", headers=foreign)).json()["code"] == "origin_not_allowed"
 
