@@ -1,4 +1,4 @@
-import { Anchor, Badge, Skeleton, Stack, Table, Text } from "@mantine/core";
+import { Anchor, Badge, Skeleton, Stack, Table, Text, VisuallyHidden } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQueryClient } from "@tanstack/react-query";
 import { memo } from "react";
@@ -50,7 +50,9 @@ function SitesTable({ sites }: { sites: readonly Site[] }) {
           <Table.Th visibleFrom="sm">Version</Table.Th>
           <Table.Th visibleFrom="md">Newest report</Table.Th>
           <Table.Th visibleFrom="md">Round trip</Table.Th>
-          <Table.Th aria-label="Commands" />
+          <Table.Th>
+            <VisuallyHidden>Commands</VisuallyHidden>
+          </Table.Th>
         </Table.Tr>
       </Table.Thead>
       <Table.Tbody>

@@ -32,12 +32,14 @@ export default function MapPage() {
 
 interface RobotsMapProps {
   title: string;
+  /** Whether it takes no room where no robot is on it. */
+  compact?: boolean;
   scenes: FleetScenes;
   robots: readonly Robot[];
 }
 
 /** The map of robots, with those that are not on it. */
-export function RobotsMap({ title, scenes, robots }: RobotsMapProps) {
+export function RobotsMap({ title, compact = false, scenes, robots }: RobotsMapProps) {
   const frames = useSyncExternalStore(scenes.subscribe, () => scenes.frames);
   const alerts = useFleetTopic("alerts");
   const { placed, missing } = useMemo(
@@ -52,7 +54,7 @@ export function RobotsMap({ title, scenes, robots }: RobotsMapProps) {
         ) : placed.length > 0 ? (
           <FleetMap scenes={scenes} placed={placed} />
         ) : (
-          <NoRobots />
+          <NoRobots compact={compact} />
         )}
       </Section>
       {frames !== null && missing.length > 0 && <NotShown missing={missing} />}
@@ -78,9 +80,9 @@ function Fresh({ scenes }: { scenes: FleetScenes }) {
   return <FreshnessBadge freshness={freshness} />;
 }
 
-function NoRobots() {
+function NoRobots({ compact }: { compact: boolean }) {
   return (
-    <Stack gap={4} className={classes.empty}>
+    <Stack gap={4} className={compact ? "" : (classes.empty ?? "")}>
       <Text fw={600}>No robot on this map</Text>
       <Text size="sm" c="dimmed">
         Robots share a map if their poses are in one frame, as those of simulated robots are, or on one map,

@@ -54,7 +54,7 @@ function SiteMap({ site, robots }: { site: string; robots: readonly Robot[] }) {
           <Text>The site is not connected: where its robots are now is not known.</Text>
         </Section>
       ) : (
-        <RobotsMap title={site} scenes={scenes} robots={robots} />
+        <RobotsMap compact title={site} scenes={scenes} robots={robots} />
       )}
     </div>
   );
