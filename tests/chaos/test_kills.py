@@ -1,6 +1,5 @@
 """Gateways that are killed at random moments under load: no goal is missing, repeated or told twice."""
 
-import math
 import os
 import random
 import time
@@ -19,7 +18,7 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
 ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "2"))
 
 
-def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, slack: float = 0.0) -> None:
+def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str) -> None:
     """What must hold after any number of kills.
 
     Args:
@@ -28,7 +27,6 @@ def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, s
         executed: The file of the action server.
         kills: How many there were.
         title: Of the report.
-        slack: The share of goals, rounded up, whose end a reader may have missed, or got twice under the same id.
     """
     accepted, reader = load.accepted, load.reader
     began = Counter(map(int, executed.read_text().split()))
@@ -89,11 +87,11 @@ def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, s
     assert wrong == [], wrong
     assert [number for number, count in began.items() if count > 1] == []
     odd = {goal_id for goal_id in goals if (results[goal_id], statuses[goal_id]) != (1, 1)}
-    assert len(odd) <= math.ceil(slack * len(goals)), odd
+    assert odd == set()
     assert histories[False] == 0
     repeated = [identity for identity, count in ids.items() if count > 1]
     older = [identity for _, identity in reader.older]
-    assert [each for each in (*repeated, *older) if not any(goal_id in each for goal_id in (*late, *odd))] == []
+    assert [each for each in (*repeated, *older) if not any(goal_id in each for goal_id in late)] == []
     assert reader.notices["gap"] == 0, "nothing has been deleted"
 
 
@@ -130,5 +128,4 @@ def test_gateways_that_are_killed_in_turn_while_a_reader_resumes_at_the_other(
             time.sleep(1)
             load.stop_sending()
             load.wait_for_all_ends()
-            # While a gateway starts it lags behind the other one, which docs/history.md says: longer on a busy machine.
-            check(load, fleet, executed, ROUNDS, "Two gateways on PostgreSQL, killed in turn", slack=0.1)
+            check(load, fleet, executed, ROUNDS, "Two gateways on PostgreSQL, killed in turn")

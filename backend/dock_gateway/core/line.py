@@ -61,12 +61,13 @@ class Line:
         """Publish an event that has an id as soon as it may be; never, if its goal is over."""
         if event.goal_id is not None and event.goal_id in self._over:
             return
-        if self._allowed is not None and time.monotonic() - self._allowed_at > WANT_AFTER:
-            self.on_want()
         if self._waiting or not self._may(event):
             self._waiting.append(event)
-        else:
-            self._deliver(event)
+            self.on_want()
+            return
+        if self._allowed is not None and time.monotonic() - self._allowed_at > WANT_AFTER:
+            self.on_want()
+        self._deliver(event)
 
     def hold(self, source_ns: int) -> Hold:
         """Reserve a place for events that must be stored before they are published. Release it soon."""
@@ -116,8 +117,9 @@ class Line:
             stamp = self._clock.stamp(time.time_ns())
             stored = [restamped(event, stamp) for event in end]
         self._insert(stored)
-        self.on_want()
         self.advance()
+        if self._waiting:
+            self.on_want()
         return stored
 
     def _insert(self, ends: Iterable[Event]) -> None:

@@ -94,6 +94,9 @@ def test_permission_is_asked_for_only_when_it_may_soon_be_needed() -> None:
     line.put(event(1))
     line.allow([], allowed(9))
     line.put(event(2))
-    assert asked == [], "it was given just now"
     line.publish_end([], end(3))
-    assert asked
+    assert asked == [], "it was given just now"
+    line.publish_end([], end(10, B))
+    assert asked == [1]
+    line.put(event(11, "goal-c"))
+    assert asked == [1, 1]
