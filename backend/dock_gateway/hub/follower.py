@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import orjson
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import moment, stamp_of, utc_now
+from dock_gateway.core.event import CLOCK_TOLERANCE, STATUS, event_id, moment, nanoseconds, stamp_of, utc_now
 from dock_gateway.core.goal import Goal, GoalError
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http.queries import EVENT_ID
@@ -233,7 +233,7 @@ class Follower:
         found |= await self._read_pages(reading)
         await self._look_for_unfinished(found)
         reading.gap = False
-        self._news.cursor = reading.newest or None
+        self._news.cursor = reading.newest or _id_before(read_time(message.get("time")))
         self._more.set()
         self._view.behind = False
 
@@ -321,6 +321,11 @@ def _read_event_id(value: object) -> str:
     if not isinstance(value, str) or not EVENT_ID.fullmatch(value):
         raise ForeignDocumentError(f"{value!r:.60} is not the id of an event")
     return value
+
+
+def _id_before(time: datetime) -> str:
+    """Return an id to resume from at a site that had no event at that time: all of its events come later."""
+    return event_id(nanoseconds(time) - CLOCK_TOLERANCE, STATUS, "none")
 
 
 def _decode(message: str | bytes) -> dict[str, Any]:
