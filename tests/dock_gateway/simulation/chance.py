@@ -9,6 +9,8 @@ from typing import Any
 
 from tests.dock_gateway.simulation.virtual import START_NS, VirtualLoop
 
+TICK = 1e-6  # seconds between messages that keep their order
+
 
 @dataclass(frozen=True)
 class Faults:
@@ -24,6 +26,8 @@ class Faults:
         discovery: How long a gateway that has just started does not hear an action server, at most.
         database: How long a transaction takes, at most.
         stall: How long one takes now and then.
+        loss, repeat, reorder: How likely it is that a message of the broker is lost, comes twice, or is overtaken.
+        cuts: How many times the broker is away.
     """
 
     gateways: int = 2
@@ -35,6 +39,10 @@ class Faults:
     discovery: float = 1.0
     database: float = 0.006
     stall: float = 0.4
+    loss: float = 0.003
+    repeat: float = 0.01
+    reorder: float = 0.003
+    cuts: int = 2
 
 
 class Chance:

@@ -27,7 +27,7 @@ class Disk:
     def empty(self) -> None:
         with self.engine.begin() as connection:
             for table in metadata.sorted_tables:
-                if table.name in ("goals", "events", "idempotency_keys", "horizons"):
+                if table.name in ("goals", "events", "idempotency_keys", "horizons", "documents"):
                     connection.execute(sa.delete(table))
             connection.execute(sa.insert(horizons).values(topic=BEGINNING, event_id=f"{START_NS:020d}"))
 

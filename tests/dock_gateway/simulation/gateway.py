@@ -5,14 +5,14 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from contextvars import Context, ContextVar
+from contextvars import Context
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
 from dock_gateway.core.event import Event, message_event, moment, notice
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.filters import EventFilter, GoalFilter
 from dock_gateway.core.goal import Goal, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals import unfinished
@@ -24,14 +24,13 @@ from dock_gateway.storage import History, sql, writer
 from dock_gateway.storage.retention import Limits
 from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.streams.present import Present
-from tests.dock_gateway.simulation.chance import Chance
+from tests.dock_gateway.simulation.chance import TICK, Chance
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
+from tests.dock_gateway.simulation.process import Process
 from tests.dock_gateway.simulation.server import ActionServer
 
 ACTIONS = ("/one", "/two")
 FOREVER = Limits(10**9, 10**12, 10**9, 10**12, 10**9, 10**9)
-# The gateway that the running code belongs to.
-alive: ContextVar["Gateway"] = ContextVar("alive")
 
 
 class Call:
@@ -68,39 +67,35 @@ class Port:
         return call
 
 
-class Nothing:
-    """The state of robots that are not simulated."""
+class GoalsOnly:
+    """The present state, without robots."""
+
+    def __init__(self, history: History) -> None:
+        self._history = history
 
     async def snapshot(self, _: EventFilter) -> Event:
-        return notice("snapshot", moment(time.time_ns()))
+        goals = await self._history.page(GoalFilter(), limit=20)
+        lists: dict[str, list[Any]] = {"robots": [], "alerts": [], "approvals": []}
+        return notice("snapshot", moment(time.time_ns()), goals=[goal.document() for goal in goals], **lists)
 
     def events(self, _: EventFilter) -> list[Event]:
         return []
 
 
-class Gateway:
+class Gateway(Process):
     """One life of a gateway: the parts of the product that deal with goals and their events."""
 
     def __init__(
         self, chance: Chance, server: ActionServer, disk: Disk, spool: dict[int, list[bytes]], name: str
     ) -> None:
-        self.chance = chance
+        super().__init__(chance, name)
         self.server = server
-        self.name = name
         self._disk = disk
         self._spool = spool
         self._again = self.chance.loop.time() > 0.1  # one that starts with the run knows the action server at once
-        self.dead = False
-        self.ready = False
         self.heard: set[str] = set()
         self.trackers: dict[str, GoalTracker] = {}
-        self.tasks: set[asyncio.Task[Any]] = set()
         self._busy_until: defaultdict[str, float] = defaultdict(float)
-
-    def note(self, task: "asyncio.Task[Any]") -> None:
-        """Remember a task of this process, which ends with it."""
-        self.tasks.add(task)
-        task.add_done_callback(self.tasks.discard)
 
     async def start(self) -> None:
         spool: Any = SimulatedSpool(self._spool)
@@ -113,7 +108,7 @@ class Gateway:
         self.fanout = Fanout(queue_limit=1000, max_subscribers=10, keep=history.record_event, newest=history.newest)
         self.fanout.line.on_want = history.follow(self.fanout.line.allow)
         settings = SimpleNamespace(heartbeat_interval=3600.0)
-        self.parts = Parts({Fanout: self.fanout, History: history, Settings: settings, Present: Nothing()})
+        self.parts = Parts({Fanout: self.fanout, History: history, Settings: settings, Present: GoalsOnly(history)})
         actions: Any = self
         asyncio.create_task(unfinished.take_over_unfinished(actions, history))  # noqa: RUF006 - noted
         self._expected: list[Goal] = []
@@ -146,14 +141,13 @@ class Gateway:
     def carry(self, link: str, message: Callable[[], object]) -> None:
         """Bring a message here; those of one link arrive in their order."""
         now = self.chance.loop.time()
-        at = max(now + self.chance.latency() + self.chance.lag_of(self.name), self._busy_until[link])
+        at = max(now + self.chance.latency() + self.chance.lag_of(self.name), self._busy_until[link] + TICK)
         self._busy_until[link] = at
 
         def arrive() -> None:
             if not self.dead:
-                token = alive.set(self)
-                message()
-                alive.reset(token)
+                with self.running():
+                    message()
 
         self.chance.loop.call_at(at, arrive, context=Context())
 
@@ -185,13 +179,6 @@ class Gateway:
         """Take the state of the robot's battery."""
         event = message_event("battery", b"{}", self.fanout.clock.stamp(stamp), stamp, robot="/")
         self.fanout.publish(event)
-
-    def kill(self) -> None:
-        """End this process at once, whatever it is doing."""
-        self.dead = True
-        self.chance.say(self.name, "killed")
-        for task in list(self.tasks):
-            task.cancel()
 
 
 @contextmanager

@@ -2,23 +2,30 @@
 
 import asyncio
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import orjson
 
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.streams import feed
 from tests.dock_gateway.simulation.chance import Chance, short
-from tests.dock_gateway.simulation.gateway import Gateway, alive
+from tests.dock_gateway.simulation.process import Process
 
 
 class Reader:
-    """Reads every event, and resumes after the last one: at another gateway, if its own is gone."""
+    """Reads every event, and resumes after the last one: at another gateway, if its own is gone.
 
-    def __init__(self, chance: Chance, gateways: Callable[[], list[Gateway]]) -> None:
+    Attributes:
+        since: The id to begin after; empty: with what happens now.
+        seen: What it got: the process, and the event's id, type and goal.
+        notices: How many notices it got, by type.
+    """
+
+    def __init__(self, chance: Chance, gateways: Callable[[], Sequence[Process]]) -> None:
         self._chance = chance
         self._gateways = gateways
-        self.seen: list[tuple[str, str, str, str]] = []  # gateway, id, type, goal
+        self.seen: list[tuple[str, str, str, str]] = []
+        self.since = ""  # where to begin
         self.notices: Counter[str] = Counter()
         self._move = False
         self._expelled = lambda: None
@@ -29,7 +36,7 @@ class Reader:
         self._expelled()
 
     async def run(self) -> None:
-        at: Gateway | None = None
+        at: Process | None = None
         while True:
             others = [gateway for gateway in self._gateways() if gateway.ready and not gateway.dead]
             if at is not None and self._move:
@@ -43,12 +50,11 @@ class Reader:
             if not at.dead:
                 await self._read(at)
 
-    async def _read(self, gateway: Gateway) -> None:
-        last = max((identity for _, identity, _, _ in self.seen), default="")
+    async def _read(self, gateway: Process) -> None:
+        last = max((identity for _, identity, _, _ in self.seen), default=self.since)
         self._chance.say("reader", f"at {gateway.name} after {short(last)}")
         subscriber = gateway.fanout.subscribe(EventFilter(frozenset({"goals", "battery"})))
         self._expelled = subscriber.expel
-        token = alive.set(gateway)
         stream = feed.feed(gateway.parts, subscriber, after=last or None)
         try:
             async for event in stream:
@@ -64,5 +70,4 @@ class Reader:
                 self.seen.append((gateway.name, event.id, kind, document.get("goal_id", "")))
                 self._chance.say("reader", f"gets {short(event.id)} {kind}")
         finally:
-            alive.reset(token)
             gateway.fanout.unsubscribe(subscriber)

@@ -5,15 +5,22 @@ tries one, with all that happened.
 """
 
 import os
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
+from typing import TypeVar
 
 import pytest
 
 from tests.dock_gateway.simulation.chance import Faults
 from tests.dock_gateway.simulation.database import Disk
 from tests.dock_gateway.simulation.gateway import simulated
+from tests.dock_gateway.simulation.sites_world import SitesWorld
 from tests.dock_gateway.simulation.virtual import run
 from tests.dock_gateway.simulation.world import World
+
+WorldT = TypeVar("WorldT", bound=World)
 
 pytestmark = pytest.mark.timeout(3600)
 
@@ -33,22 +40,43 @@ def disk() -> Disk:
     return Disk()
 
 
-async def run_of(seed: int, disk: Disk, faults: Faults) -> World:
-    world = World(seed, disk, faults)
+async def run_of(make: Callable[[], WorldT]) -> WorldT:
+    world = make()
     await world.run()
     return world
 
 
+def seeds_of_case() -> Sequence[int]:
+    """Return the seeds for each of the four cases."""
+    return range(SEEDS // 4) if ONLY is None else [int(ONLY)]
+
+
+def check(world: World, seed: int) -> int:
+    """Check what a reader got; return the number of goals."""
+    if ONLY is not None or world.faults_found():
+        print(world.story())
+    assert world.faults_found() == [], f"SIMULATION_SEED={seed}"
+    assert world.server.goals
+    return len(world.server.goals)
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_each_end_is_told_once(disk: Disk, case: str) -> None:
-    seeds = range(SEEDS // len(CASES)) if ONLY is None else [int(ONLY)]
+    seeds = seeds_of_case()
     goals = 0
     with simulated():
         for seed in seeds:
-            world = run(run_of(seed, disk, CASES[case]))
-            if ONLY is not None or world.faults_found():
-                print(world.story())
-            assert world.faults_found() == [], f"SIMULATION_SEED={seed}"
-            goals += len(world.server.goals)
+            goals += check(run(run_of(partial(World, seed, disk, CASES[case]))), seed)
     print(goals, "goals in", len(seeds), "runs")
-    assert goals
+
+
+def test_each_end_is_told_once_at_a_hub(disk: Disk) -> None:
+    seeds = seeds_of_case()
+    goals, counts = 0, Counter[str]()
+    hub_disk = Disk()
+    with simulated():
+        for seed in seeds:
+            world = run(run_of(partial(SitesWorld, seed, disk, hub_disk, replace(HARSH, gateways=1))))
+            goals += check(world, seed)
+            counts += Counter(lost=world.nats.lost, repeated=world.nats.repeated, reordered=world.nats.reordered)
+    print(goals, "goals in", len(seeds), "runs; messages of the broker:", dict(counts))

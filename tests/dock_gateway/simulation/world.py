@@ -7,11 +7,13 @@ messages take their time, the database's delays, and the kills. One random seed 
 import asyncio
 import itertools
 from collections import Counter, defaultdict
+from collections.abc import Coroutine, Sequence
 from typing import Any
 
 from tests.dock_gateway.simulation.chance import Chance, Faults, short
 from tests.dock_gateway.simulation.database import Disk
-from tests.dock_gateway.simulation.gateway import ACTIONS, Gateway, alive
+from tests.dock_gateway.simulation.gateway import ACTIONS, Gateway
+from tests.dock_gateway.simulation.process import Process, noted
 from tests.dock_gateway.simulation.reader import Reader
 from tests.dock_gateway.simulation.server import ActionServer
 
@@ -31,48 +33,50 @@ class World:
         self._chance = chance = Chance(seed, faults)
         self._random = chance.random
         self.server = ActionServer(chance)
-        self.reader = Reader(chance, lambda: self._gateways)
+        self.reader = Reader(chance, self._readable)
         self._gateways: list[Gateway] = []
         self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
 
     # ------------------------------------------------------------------ the run
 
     async def run(self) -> None:
-        self._chance.loop.set_task_factory(self._note)
-        self._disk.empty()
-        for name in "ABC"[: self._faults.gateways]:
-            await self._start(name)
+        self._chance.loop.set_task_factory(noted)
+        await self._begin()
         self._chance.spawn(self.reader.run())
         self._chance.spawn(self._publish_batteries())
         await asyncio.sleep(0.2)
-        await asyncio.gather(self._send_goals(), self._kill(), self._make_move(), self._make_lag())
+        await asyncio.gather(self._send_goals(), self._make_move(), *self._trouble())
         await self._settle()
 
-    def _note(self, loop: asyncio.AbstractEventLoop, work: Any, **more: Any) -> "asyncio.Task[Any]":
-        task = asyncio.Task(work, loop=loop, **more)
-        if (gateway := alive.get(None)) is not None:
-            gateway.note(task)
-        return task
+    async def _begin(self) -> None:
+        self._disk.empty()
+        for name in "ABC"[: self._faults.gateways]:
+            await self._start(name)
+
+    def _readable(self) -> Sequence[Process]:
+        """Return what readers may read from."""
+        return self._gateways
+
+    def _trouble(self) -> list[Coroutine[Any, Any, None]]:
+        return [self._kill(), self._make_lag()]
+
+    def _make_gateway(self, name: str) -> Gateway:
+        return Gateway(self._chance, self.server, self._disk, self._spools[name], name)
 
     async def _start(self, name: str) -> None:
-        gateway = Gateway(self._chance, self.server, self._disk, self._spools[name], name)
+        gateway = self._make_gateway(name)
         self._gateways = [other for other in self._gateways if not other.dead] + [gateway]
-        token = alive.set(gateway)
-        starting = self._chance.loop.create_task(gateway.start())
-        alive.reset(token)
-        await starting
+        await gateway.spawn(gateway.start())
 
     async def _send_goals(self) -> None:
         for number in range(self._faults.goals):
             await asyncio.sleep(self._random.uniform(0.0, 0.3))
-            goal_id, action = f"goal-{number}", self._random.choice(ACTIONS)
+            goal_id, action = f"00000000-0000-4000-8000-{number:012}", self._random.choice(ACTIONS)
             while not (able := [each for each in self._gateways if not each.dead and action in each.heard]):  # noqa: ASYNC110 - there is no event for it
                 await asyncio.sleep(0.05)
             gateway = self._random.choice(able)
             self._chance.say(gateway.name, f"sends {goal_id} to {action}")
-            token = alive.set(gateway)
-            self._chance.loop.create_task(gateway.send(goal_id, action))
-            alive.reset(token)
+            gateway.spawn(gateway.send(goal_id, action))
 
     async def _publish_batteries(self) -> None:
         while True:
@@ -104,7 +108,7 @@ class World:
 
     async def _settle(self) -> None:
         """Wait until all is told, or nothing more can come."""
-        for _ in range(100):
+        for _ in range(600):
             await asyncio.sleep(0.1)
             told = [goal for _, _, kind, goal in self.reader.seen if kind == "result succeeded"]
             if self.server.idle and set(told) == self.server.goals.keys():
