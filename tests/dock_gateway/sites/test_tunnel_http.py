@@ -38,6 +38,7 @@ class Site:
             Route("/broken", self.broken),
             Route("/half", self.half),
             Route("/big", self.big),
+            Route("/lies/{status:int}", self.lies),
         ]
         self.app = Starlette(routes=routes)
 
@@ -94,6 +95,11 @@ class Site:
 
         return StreamingResponse(pieces())
 
+    async def lies(self, request: Request) -> Response:
+        """Answer with what a hub must not pass on."""
+        headers = {"Location": "https://evil.example", "Content-Type": "text/javascript", "Content-Length": "2"}
+        return StreamingResponse(iter([b"longer"]), request.path_params["status"], headers)
+
     async def big(self, _: Request) -> Response:
         return PlainTextResponse(b"0123456789" * 500_000)
 
@@ -120,7 +126,7 @@ async def test_a_request_is_one_of_the_sites_app(server: NatsServer) -> None:
         assert about["hub"] == {"token": "who", "method": "GET", "path": "/echo"}
         # The page is the hub's: a site sets no cookies there, and its answers run no scripts.
         assert client.answer_headers == {
-            "content-type": "application/json", "content-length": str(len(client.answer)), "x-request-id": "7",
+            "content-type": "application/json", "x-request-id": "7",
             "content-security-policy": "sandbox; default-src 'none'", "x-content-type-options": "nosniff",
         }  # fmt: skip
         assert tunnel.caller.streams == 0
@@ -220,6 +226,16 @@ async def test_failures_of_the_app(server: NatsServer, caplog: pytest.LogCapture
     async with open_tunnel(server.url, raises) as tunnel:
         answer = await tunnel.caller.request(tunnel.address, "GET", "/", token="", deadline=60)
         assert (answer.status, answer.json()["code"]) == (500, "internal_error")
+
+
+async def test_an_answer_that_leads_elsewhere_or_is_longer_than_it_says(server: NatsServer) -> None:
+    async with open_tunnel(server.url, Site().app) as tunnel:
+        for status, body in ((302, b"longer"), (204, b""), (304, b"")):
+            client = Client()
+            client.body(b"")
+            await client.forward(tunnel, f"/lies/{status}")
+            assert (client.status, client.answer, client.complete) == (status, body, True)
+            assert client.answer_headers.keys() == {"content-security-policy", "x-content-type-options"}
 
 
 async def test_refusals(server: NatsServer) -> None:

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import logging
+import re
 from typing import Any
 
 from starlette.types import Receive, Scope, Send
@@ -17,10 +18,13 @@ log = logging.getLogger(__name__)
 # Headers of an answer that go on to the client. No others: the page is the hub's, with the hub's cookies and rules.
 PASSED_ON = frozenset({
     "accept-ranges", "allow", "cache-control", "content-disposition", "content-encoding", "content-language",
-    "content-length", "content-range", "content-type", "etag", "expires", "last-modified", "link", "location",
+    "content-range", "content-type", "etag", "expires", "last-modified", "link", "location",
     "retry-after", "vary", "x-accel-buffering", "x-request-id", "x-timestamp",
 })  # fmt: skip
-# A site's answer is never a page with scripts of the hub's origin.
+# Statuses of answers without a body.
+BODILESS = frozenset({204, 304})
+# A site's answer is never a page with scripts of the hub's origin, nor a script or a style of such a page.
+ACTIVE = re.compile(r"script|css|wasm", re.IGNORECASE)
 ADDED = ((b"content-security-policy", b"sandbox; default-src 'none'"), (b"x-content-type-options", b"nosniff"))
 CLIENT_GONE = ("client_gone", "the client at the hub has gone")
 BAD_GATEWAY, FORBIDDEN = 1014, 403
@@ -52,7 +56,7 @@ async def forward_http(site: str, channel: Channel, rest: bytes, *, more: bool, 
             raise ended_early(site, channel.ended or ChannelEnded(*CLIENT_GONE))
         started = True
         await send({"type": "http.response.start", "status": frame.status, "headers": _answer_headers(frame)})
-        await _pass_body(channel, "http.response.body", send)
+        await _pass_body(channel, "http.response.body", send, empty=frame.status in BODILESS)
     except ChannelEnded as ended:
         if ended.reason != CLIENT_GONE[0]:
             if not started:
@@ -82,7 +86,7 @@ async def _pump_body(channel: Channel, rest: bytes, *, more: bool, receive: Rece
         await channel.abort(*CLIENT_GONE)
 
 
-async def _pass_body(channel: Channel, kind: str, send: Send) -> None:
+async def _pass_body(channel: Channel, kind: str, send: Send, *, empty: bool = False) -> None:
     while True:
         frame, body = await channel.receive()
         if isinstance(frame, End):
@@ -92,12 +96,18 @@ async def _pass_body(channel: Channel, kind: str, send: Send) -> None:
         if not isinstance(frame, Data):
             await channel.abort("malformed", f"a frame {frame.type!r} within an answer")
             raise ChannelEnded("malformed", "a frame that has no place in an answer")
-        await send({"type": kind, "body": body, "more_body": True})
+        if not empty:
+            await send({"type": kind, "body": body, "more_body": True})
 
 
 def _answer_headers(head: Head) -> list[tuple[bytes, bytes]]:
-    passed_on = [(name, value) for name, value in head.headers if name in PASSED_ON]
+    """Return the headers for the client. The length is not one of them: the server counts what really comes."""
+    passed_on = [(name, value) for name, value in head.headers if name in PASSED_ON and not _leads_away(name, value)]
     return [*read_headers(passed_on), *ADDED]
+
+
+def _leads_away(name: str, value: str) -> bool:
+    return (name == "location" and not value.startswith("/")) or (name == "content-type" and bool(ACTIVE.search(value)))
 
 
 async def forward_websocket(
