@@ -3,6 +3,7 @@
 import signal
 from collections.abc import Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -55,10 +56,11 @@ def dock(hub: RunningHub, site: RunningGateway, name: str = "berlin") -> str:
     return goal_id
 
 
-def ends_at(hub: RunningHub, goal_id: str) -> list[str]:
-    """The types of the final events of a goal, as the hub has stored them."""
+def ended_once(hub: RunningHub, goal_id: str) -> bool:
+    """Whether the hub has stored the end of a goal, and only once: its status, and then its result."""
     events = hub.get(f"/goals/{goal_id}/history")["events"]
-    return [event["type"] for event in events if event["type"] == "result" or event["status"] in ENDED]
+    ends = [event["type"] for event in events if event["type"] == "result" or event["status"] in ENDED]
+    return ends == ["status", "result"]
 
 
 @pytest.fixture
@@ -98,7 +100,7 @@ def test_a_hub_and_its_sites(berlin: RunningGateway, nats: NatsServer, folder: P
         hub = stack.enter_context(running_hub(nats.url, folder))
         hub.wait_for_goal(second, "succeeded")
         for goal_id in (first, second):
-            assert ends_at(hub, goal_id) == ["status", "result"]
+            wait_until(partial(ended_once, hub, goal_id), f"one end of {goal_id}")
 
 
 def test_a_site_that_is_killed_is_unreachable_and_comes_back_with_all_that_has_ended(
@@ -122,4 +124,4 @@ def test_a_site_that_is_killed_is_unreachable_and_comes_back_with_all_that_has_e
         turin.wait_for_goal(goal_id, *ENDED)
         hub.wait_for_site("turin")
         hub.wait_for_goal(goal_id, *ENDED)
-        assert ends_at(hub, goal_id) == ["status", "result"]
+        wait_until(partial(ended_once, hub, goal_id), "one end")
