@@ -222,7 +222,7 @@ describe("a stop at a hub", () => {
     answers.set("DELETE /stop", { sites: {} });
     const { user } = renderPage(fakeGateway(), { robots }, "/ui/sites");
     const banner = within(await screen.findByTestId("pending-stop"));
-    expect(banner.getByRole("status").textContent).toMatch(/NOT reached oslo.*Ada stopped .oslo at/);
+    expect(banner.getByRole("status").textContent).toMatch(/NOT reached oslo.oslo: stopped by Ada at/);
     await user.click(banner.getByRole("button", { name: "Release …" }));
     const question = await screen.findByRole("dialog", { name: "Release the stop?" });
     await user.click(within(question).getByRole("button", { name: "Release" }));

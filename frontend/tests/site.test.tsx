@@ -1,3 +1,4 @@
+import { notifications } from "@mantine/notifications";
 import { act, screen, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import "../src/access/AccountMenu";
@@ -134,11 +135,28 @@ describe("the frame of a site's page", () => {
     expect(items).toEqual(["Audit", "Change password …", "Log out", "Log out everywhere"]);
   });
 
+  it("stops the site through the hub, which repeats it", async () => {
+    at("/sites/berlin/");
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    const stopped = { stopped: true, robots: [], warning: null, code: null, detail: null, repeated: false };
+    const fetch = vi.fn(async (_request: Request) =>
+      Response.json({ sites: { berlin: stopped }, warning: null }),
+    );
+    vi.stubGlobal("fetch", fetch);
+    await user.click(screen.getByRole("button", { name: "Stop" }));
+    expect(await screen.findByText(/^Stopped: berlin/)).toBeDefined();
+    expect(fetch.mock.calls.map(([{ url }]) => url)).toEqual([`${origin}/stop?robot=%2Fberlin`]);
+    expect(gateway.stop).not.toHaveBeenCalled();
+    vi.unstubAllGlobals();
+    act(() => notifications.clean());
+  });
+
   it("says why the site is not reached", async () => {
     at("/sites/berlin/");
     const { store } = renderPage(fakeGateway());
     act(() => store.onConnection({ kind: "closed" }));
-    const trouble = { status: 503, code: "site_unreachable", detail: "berlin has not been heard for 12 s." };
+    const trouble = { status: 503, code: "site_unreachable", detail: "the site berlin is not connected" };
     vi.stubGlobal("fetch", async (path: string) =>
       path === "/session" ? Response.json(known()) : Response.json(trouble, { status: 503 }),
     );
@@ -146,6 +164,6 @@ describe("the frame of a site's page", () => {
     vi.unstubAllGlobals();
     expect(screen.getByTestId("connection").textContent).toBe("site away");
     const alert = screen.getByRole("alert", { name: "berlin cannot be reached" });
-    expect(alert.textContent).toContain("berlin has not been heard for 12 s.");
+    expect(alert.textContent).toContain("The site berlin is not connected.");
   });
 });

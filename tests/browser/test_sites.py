@@ -103,3 +103,13 @@ def test_a_stop_reaches_every_site(page: Page, hub: RunningHub) -> None:
     page.get_by_role("dialog").get_by_role("button", name="Release all").click()
     expect(page.get_by_test_id("stop-banner")).to_have_count(0)
     expect(page.get_by_test_id("site oslo")).not_to_contain_text("Stopped")
+
+
+def test_a_stop_on_the_page_of_a_site_is_of_that_site(page: Page, hub: RunningHub) -> None:
+    page.goto(f"{hub.url}/sites/oslo/")
+    page.get_by_role("button", name="Stop", exact=True).click()
+    expect(page.get_by_role("alert").get_by_text("Stopped: oslo.")).to_be_visible()
+    page.get_by_role("button", name="Release …").click()
+    page.get_by_role("dialog").get_by_role("button", name="Release", exact=True).click()
+    expect(page.get_by_test_id("stop-banner")).to_have_count(0)
+    assert hub.get("/sites/berlin")["stop"]["robots"] == []

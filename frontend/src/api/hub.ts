@@ -23,6 +23,11 @@ export function placeOf(name: string): Place {
   return { site, prefix: `/sites/${site}`, name: `/${own.join("/")}` };
 }
 
+/** The name of the hub for a name of a site. */
+export function hubName(site: string, name: string): string {
+  return `/${site}${name === "/" ? "" : name}`;
+}
+
 /** The id that an alert or an approval of a robot has at its site: those of two sites may be the same. */
 export function ownId(id: string, robot: string): string {
   const { site } = placeOf(robot);

@@ -1,5 +1,6 @@
 import { deadline, type Http, settle } from "@dock-gateway/client";
 import type { Client } from "openapi-fetch";
+import { atServer } from "./site";
 
 /** A site as its hub knows it. */
 export interface Site {
@@ -93,6 +94,7 @@ export async function stopSites(http: Http, by: string, robots: readonly string[
     body: { by },
     params: { query: { robot: [...robots] } },
     signal: deadline(),
+    ...atServer(),
   });
   const answer = request.then(({ data, error, response }) =>
     error !== undefined && "sites" in error

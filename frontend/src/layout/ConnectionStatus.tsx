@@ -5,6 +5,7 @@ import { pageSite } from "../api/site";
 import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
 import { Time } from "../ui/Time";
+import { sentence } from "../ui/text";
 import classes from "./layout.module.css";
 
 /** Only what is wrong has a colour. */
@@ -61,12 +62,18 @@ export function ConnectionStatus() {
 export function ConnectionBanner() {
   const { phase, since, reason } = useFleetTopic("connection");
   const { trouble } = useSession();
+  const known = useFleetTopic("robots").size > 0;
   if (trouble != null && phase !== "live")
     return (
       <Alert color="red" title={`${pageSite()} cannot be reached`}>
         <Text size="sm">
-          {trouble.detail} What you see below is what was known at <Time value={since} />. This page
-          reconnects by itself. Stop is still tried when you press it.
+          {sentence(trouble.detail)}.{" "}
+          {known && (
+            <>
+              What you see below is what was known at <Time value={since} />.{" "}
+            </>
+          )}
+          This page reconnects by itself. A Stop is repeated by the hub until the site confirms it.
         </Text>
       </Alert>
     );

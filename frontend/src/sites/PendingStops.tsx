@@ -22,13 +22,13 @@ export default function PendingStops() {
         data-testid="pending-stop"
       >
         <Group justify="space-between" gap="md">
-          <div role="status">
+          <div role="status" style={{ flex: "1 1 20rem" }}>
             <Text fw={700} fz="lg">
               Stop has NOT reached {name}
             </Text>
             <Text size="sm">
-              {by ?? "Somebody"} stopped {robots.join(", ")} at <Time value={since} />. The hub repeats it
-              until the site confirms it. Use the robots' own emergency stops if they move.
+              {robots.join(", ")}: stopped{by !== null && ` by ${by}`} at <Time value={since} />. The hub
+              repeats it until the site confirms it. Use the robots' own emergency stops if they move.
             </Text>
           </div>
           <Release held={[held]} />

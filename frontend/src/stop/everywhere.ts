@@ -2,7 +2,8 @@ import type { Robot, StopReport } from "@dock-gateway/client";
 import { useCallback } from "react";
 import { whoStops } from "../access/who";
 import { toClientError } from "../api/errors";
-import { ofHub } from "../api/hub";
+import { hubName, ofHub } from "../api/hub";
+import { pageSite } from "../api/site";
 import { stopSites } from "../api/sites";
 import { useFleet } from "../fleet/context";
 import { defaultRobot, isUnder } from "../fleet/names";
@@ -84,14 +85,12 @@ export function useStopping(): (robots: readonly string[] | null) => Promise<voi
   return useCallback(
     async (robots) => {
       const naming = () => store.get("naming");
-      // What it stops, it tells on the stream.
-      if (ofHub())
-        return announceStop(
-          naming,
-          robots,
-          () => stopSites(http, whoStops(), robots ?? []),
-          showSitesStopped,
-        );
+      // A hub repeats it to a site that it does not reach, also from the page of that site.
+      const site = pageSite();
+      if (ofHub() || site !== null) {
+        const names = site === null ? (robots ?? []) : (robots ?? ["/"]).map((name) => hubName(site, name));
+        return announceStop(naming, robots, () => stopSites(http, whoStops(), names), showSitesStopped);
+      }
       const stop = async (some: readonly string[] | null) => {
         const report = await gateway.stop(whoStops(), some ?? []);
         const [first = null, ...others] = some ?? [];

@@ -1,6 +1,7 @@
 import type { GatewayEvent, Robot } from "@dock-gateway/client";
 import { Stack, Text } from "@mantine/core";
 import { useEffect, useMemo, useRef, useState } from "react";
+import { hubName } from "../../api/hub";
 import { useFleetTopic } from "../../fleet/context";
 import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
@@ -68,7 +69,5 @@ export function atHub(event: GatewayEvent, site: string): GatewayEvent {
 }
 
 function renamed<Value>(known: Record<string, Value>, site: string): Record<string, Value> {
-  return Object.fromEntries(
-    Object.entries(known).map(([name, value]) => [`/${site}${name === "/" ? "" : name}`, value]),
-  );
+  return Object.fromEntries(Object.entries(known).map(([name, value]) => [hubName(site, name), value]));
 }
