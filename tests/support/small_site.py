@@ -4,6 +4,7 @@ import asyncio
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -126,7 +127,9 @@ async def _goals(_: Request) -> Response:
 async def _feedback(websocket: WebSocket) -> None:
     """A stream of a site with one robot; what comes is sent back."""
     await websocket.accept()
-    await websocket.send_json({"type": "snapshot", "goals": [], "robots": [ROBOT], "alerts": [], "approvals": []})
+    now = datetime.now(UTC).isoformat()
+    nothing: dict[str, list[Any]] = {"goals": [], "alerts": [], "approvals": []}
+    await websocket.send_json({"type": "snapshot", "time": now, "robots": [ROBOT], **nothing})
     with suppress(WebSocketDisconnect):
         while True:
             await websocket.send_text(await websocket.receive_text())
@@ -139,6 +142,7 @@ APP = Starlette(
         Route("/never", _never, methods=["POST"]),
         Route("/goals", _goals),
         Route("/healthz", _echo),
+        Route("/alerts/{id}/acknowledgement", _echo, methods=["DELETE"]),
         WebSocketRoute("/ws", _feedback),
         WebSocketRoute("/ws/feedback", _feedback),
     ]

@@ -5,15 +5,17 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from dock_gateway.core.access import Principal
+from dock_gateway.core.access import HUB, Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.settings import Settings
 
 MINUTE = 60.0
+# Names that many share, and the hub itself, which follows its site.
+NOBODY = (None, HUB)
 
 
 class Quotas:
-    """Counts the goals, streams and exports of each user. Without authentication there are no limits.
+    """Counts the goals, streams and exports of each user. There are no limits where a gateway or its hub asks nobody.
 
     A stop is never counted.
 
@@ -35,7 +37,7 @@ class Quotas:
         Raises:
             TooManyRequests: The user has sent too many in the last minute (`too_many_goals`).
         """
-        if principal.name is None:
+        if principal.name in NOBODY:
             return
         now = self._clock()
         self._forget(now)
@@ -59,7 +61,7 @@ class Quotas:
         Raises:
             TooManyRequests: The user has too many (`too_many_streams`, `too_many_exports`).
         """
-        if principal.name is None:
+        if principal.name in NOBODY:
             yield
             return
         key = principal.name, what

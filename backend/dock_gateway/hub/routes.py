@@ -2,7 +2,6 @@
 
 from typing import Annotated
 
-import orjson
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
@@ -22,6 +21,7 @@ from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import NO_QUERY, RobotQuery, json_response, known_query
 from dock_gateway.hub.overview import Overview
+from dock_gateway.hub.renaming import ForeignDocumentError, read_alerts
 from dock_gateway.hub.schema import (
     HubHealth,
     HubReadiness,
@@ -36,6 +36,7 @@ from dock_gateway.hub.sites import Sites
 from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.names import site_grant
+from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
 
 router = APIRouter()
@@ -148,8 +149,11 @@ async def _answer_alert(alert_id: str, request: Request, parts: Parts, method: s
     if answer.status != 200:
         media_type = "application/problem+json"
         return Response(answer.body, answer.status, media_type=media_type)
-    acknowledged = orjson.loads(answer.body)["acknowledged"]
-    return json_response(alert | {"acknowledged": acknowledged})
+    try:
+        (told,) = read_alerts(site, [answer.json()])
+    except ForeignDocumentError as error:
+        raise SiteFailed(f"the site {site} has answered with something that is no alert: {error}", site=site) from None
+    return json_response(alert | {"acknowledged": told["acknowledged"]})
 
 
 @router.get("/healthz", tags=["Health"], response_model=HubHealth)

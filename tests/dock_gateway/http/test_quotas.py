@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.access import ANYBODY, Kind, Principal
+from dock_gateway.core.access import ANYBODY, Kind, Principal, hub_principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.http.quotas import MINUTE, Quotas
@@ -62,9 +62,10 @@ def test_streams_and_exports_are_counted_while_they_are_open() -> None:
         pass
 
 
-def test_nobody_is_limited_where_nobody_is_known() -> None:
+@pytest.mark.parametrize("anybody", [ANYBODY, hub_principal(None, UNLIMITED, "key")])
+def test_nobody_is_limited_where_nobody_is_known(anybody: Principal) -> None:
     quotas = Quotas(SETTINGS)
-    assert all(sends(quotas, ANYBODY) for _ in range(MOST * 10))
+    assert all(sends(quotas, anybody) for _ in range(MOST * 10))
     with ExitStack() as stack:
         for _ in range(10):
-            stack.enter_context(quotas.hold(ANYBODY, "exports"))
+            stack.enter_context(quotas.hold(anybody, "exports"))
