@@ -302,7 +302,10 @@ class Stops:
         until = time.monotonic() + self._times.answer_within
         while True:
             final, outcome = await self._ask(name, entry, latch=latch)
-            if final or time.monotonic() + self._times.repeat_after >= until or not self._is_connected(name):
+            dropped = latch and self._site(name).entry is None
+            if final or dropped or not self._is_connected(name):
+                return final, outcome
+            if time.monotonic() + self._times.repeat_after >= until:
                 return final, outcome
             await asyncio.sleep(self._times.repeat_after)
 
