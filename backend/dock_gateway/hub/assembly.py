@@ -26,7 +26,8 @@ from dock_gateway.hub.collector import HubCollector
 from dock_gateway.hub.labels import SiteLabels
 from dock_gateway.hub.overview import Overview
 from dock_gateway.hub.sites import Sites
-from dock_gateway.hub.stops import StopEntry, Stops
+from dock_gateway.hub.stop_requests import StopEntry
+from dock_gateway.hub.stops import Stops
 from dock_gateway.hub.store import HubStore
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.robots import Robots

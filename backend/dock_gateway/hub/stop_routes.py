@@ -10,6 +10,7 @@ from starlette.responses import Response
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import GatewayError, NotFound, ServerTimeout
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.openapi import body
@@ -18,8 +19,10 @@ from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, RobotsQuery, json_response, known_query, read_json
+from dock_gateway.hub.stop_outcomes import StopOutcome
+from dock_gateway.hub.stop_requests import WHOLE
 from dock_gateway.hub.stop_schema import HubReleaseReport, HubStopReport
-from dock_gateway.hub.stops import WHOLE, StopOutcome, Stops
+from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.names import site_grant, to_site
 from dock_gateway.stop.requests import STOP_REQUEST, noting, read_robots, read_stop, warning
 
@@ -58,7 +61,7 @@ async def stop(request: Request, stops: Part[Stops], robot: RobotsQuery = None) 
     how = read_stop(principal, value, wrong)
     targets, unknown = _targets(stops.sites(), robots, wrong)
     outcomes = await stops.stop(targets, **how, user=principal.name) | unknown
-    return _answer(outcomes, wrong)
+    return _answer(outcomes, how, wrong)
 
 
 def _targets(
@@ -87,12 +90,18 @@ def _targets(
     return targets, unknown
 
 
-def _answer(outcomes: dict[str, StopOutcome], wrong: list[GatewayError]) -> Response:
+def _answer(outcomes: dict[str, StopOutcome], how: dict[str, Any], wrong: list[GatewayError]) -> Response:
     sites = {name: asdict(outcome) for name, outcome in sorted(outcomes.items())}
     warned = warning(wrong) if wrong else None
     missed = {name: outcome for name, outcome in sorted(outcomes.items()) if not outcome.stopped}
     if not missed:
-        return json_response({"sites": sites, "warning": warned})
+        held = [robot for outcome in outcomes.values() for robot in outcome.robots]
+        stop = {"latched": how["latch"], "since": utc_now(), "by": how["by"], "robots": sorted(held), "persisted": True}
+        every = {
+            name: [each for outcome in outcomes.values() for each in getattr(outcome, name)]
+            for name in ("canceling", "failed", "unconfirmed")
+        }
+        return json_response({**every, "stop": stop, "others": [], "warning": warned, "sites": sites})
     reasons = "; ".join(f"{name}: {outcome.detail}" for name, outcome in missed.items())
     raise ServerTimeout(
         f"the stop is not confirmed by {len(missed)} of {len(outcomes)} sites ({reasons}); use a robot's own emergency "

@@ -3,6 +3,7 @@
 from datetime import datetime
 
 from dock_gateway.http.schema import Problem, Schema
+from dock_gateway.stop.schema import StopFailure, StopReport
 
 
 class PendingStop(Schema):
@@ -22,17 +23,19 @@ class StopAtSite(Schema):
 
     stopped: bool
     robots: list[str]
+    canceling: list[str]
+    failed: list[StopFailure]
+    unconfirmed: list[str]
     warning: str | None
     code: str | None
     detail: str | None
     repeated: bool
 
 
-class HubStopReport(Schema):
-    """A stop that every site has confirmed. `warning` says what in the request could not be read and was ignored."""
+class HubStopReport(StopReport):
+    """A stop that every site has confirmed: as at a gateway, of all sites together, and of each in `sites`."""
 
     sites: dict[str, StopAtSite]
-    warning: "Problem | None"
 
 
 class HubStopProblem(Problem):

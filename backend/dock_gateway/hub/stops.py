@@ -11,73 +11,21 @@ import logging
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from datetime import datetime
-from typing import Any, Protocol
-from urllib.parse import urlencode
-
-import orjson
+from typing import Any
 
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import is_under
-from dock_gateway.core.goal import encode
-from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.grant import Grant
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.sites.names import to_hub, to_site
+from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome
+from dock_gateway.hub.stop_requests import ReachableSites, SiteStopper, StopEntry, outermost
+from dock_gateway.sites.names import to_hub
 from dock_gateway.storage import Entries
 
 log = logging.getLogger(__name__)
 
-# All robots of a site.
-WHOLE = "/"
-# Everyone may stop every robot.
-STOPS_ALL = Grant(Role.VIEWER)
-# Answers of a site that will not change: it does not know the robot, or does not let the hub do it.
-FINAL = frozenset({400, 403, 404, 405, 409, 421, 422})
-MAX_DETAIL = 500
 NOT_STORED = "the hub's database does not answer: if the hub restarts now, it will not repeat this stop"
-
-
-class SiteAnswer(Protocol):
-    """What a site has answered."""
-
-    @property
-    def status(self) -> int:
-        """The status."""
-
-    @property
-    def body(self) -> bytes:
-        """The body."""
-
-
-class SiteApi(Protocol):
-    """The API of a site."""
-
-    async def ask(
-        self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
-    ) -> SiteAnswer:
-        """Make a request for a user of the hub.
-
-        Raises:
-            GatewayError: There is no answer.
-        """
-
-
-class ReachableSites(Protocol):
-    """The sites, as far as stops need them."""
-
-    def names(self) -> list[str]:
-        """Return the names of all sites, sorted."""
-
-    def client(self, name: str) -> SiteApi:
-        """Return the API of a site.
-
-        Raises:
-            GatewayError: It is not connected, or there is no such site.
-        """
-
-    def robots(self, name: str) -> list[str]:
-        """Return the robots of a site that are known, with names of the hub."""
 
 
 @dataclass(frozen=True)
@@ -93,57 +41,6 @@ class StopTimes:
     answer_within: float = 5.0
     deadline: float = 5.0
     repeat_after: float = 0.5
-
-
-@dataclass(frozen=True)
-class StopEntry:
-    """A stop that a site has not confirmed, as stored.
-
-    Attributes:
-        robots: The robots, by the site's own names; `/` is all of them.
-        user: The user of the hub who asked for it.
-        by: Who stopped them, as the request says.
-        since: When it was asked for first.
-    """
-
-    robots: tuple[str, ...]
-    user: str | None
-    by: str | None
-    since: datetime
-
-    def join(self, later: "StopEntry") -> "StopEntry":
-        """Return one stop for both."""
-        return replace(later, robots=outermost((*self.robots, *later.robots)), since=self.since)
-
-
-@dataclass(frozen=True)
-class StopOutcome:
-    """What became of a stop at one site, as `POST /stop` answers it.
-
-    Attributes:
-        stopped: Whether the site has confirmed it.
-        robots: The robots there that a stop holds, with names of the hub.
-        warning: What the site has said besides.
-        code: Why it is not confirmed, in a word.
-        detail: The same in a sentence.
-        repeated: Whether it is sent again until it is confirmed or released.
-    """
-
-    stopped: bool
-    robots: tuple[str, ...] = ()
-    warning: str | None = None
-    code: str | None = None
-    detail: str | None = None
-    repeated: bool = False
-
-
-@dataclass(frozen=True)
-class ReleaseOutcome:
-    """What became of a release at one site: `stopped_again` says that a stop was asked for meanwhile."""
-
-    released: bool
-    code: str | None = None
-    detail: str | None = None
 
 
 @dataclass(eq=False)
@@ -177,6 +74,7 @@ class Stops:
 
     def __init__(self, sites: ReachableSites, store: Entries[StopEntry], times: StopTimes = StopTimes()) -> None:
         self._reach = sites
+        self._stopper = SiteStopper(sites, times.deadline)
         self._store = store
         self._times = times
         self._sites: dict[str, _Site] = {}
@@ -301,49 +199,13 @@ class Stops:
         """Send a stop, as `_ask`, until that is of no use or the site is gone: it may only just have connected."""
         until = time.monotonic() + self._times.answer_within
         while True:
-            final, outcome = await self._ask(name, entry, latch=latch)
+            final, outcome = await self._stopper.stop(name, entry, latch=latch)
             dropped = latch and self._site(name).entry is None
-            if final or dropped or not self._is_connected(name):
+            if final or dropped or not self._stopper.is_connected(name):
                 return final, outcome
             if time.monotonic() + self._times.repeat_after >= until:
                 return final, outcome
             await asyncio.sleep(self._times.repeat_after)
-
-    def _is_connected(self, name: str) -> bool:
-        try:
-            self._reach.client(name)
-        except GatewayError:
-            return False
-        return True
-
-    async def _ask(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
-        """Send a stop. Return whether there is no use in another attempt, and what became of it."""
-        body = encode({"latch": latch, "by": entry.by})
-        query = urlencode([("robot", robot) for robot in self._named(name, entry.robots)])
-        try:
-            answer = await self._reach.client(name).ask(
-                "POST",
-                "/stop",
-                body,
-                query=query,
-                name=entry.user,
-                grant=STOPS_ALL,
-                deadline=self._times.deadline,
-            )
-        except GatewayError as error:
-            return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
-        document = _read(answer.body)
-        if answer.status != 200:
-            code, detail = _problem(document, answer.status)
-            return answer.status in FINAL, StopOutcome(stopped=False, code=code, detail=detail)
-        outcome = _judge(name, document, latch=latch)
-        return outcome.stopped, outcome
-
-    def _named(self, name: str, robots: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the robots that a request names. All robots of a site are the outermost of those that are known."""
-        if WHOLE not in robots:
-            return robots
-        return outermost(own for robot in self._reach.robots(name) if (own := to_site(name, robot)) is not None)
 
     # ------------------------------------------------------------------ releases
 
@@ -371,7 +233,7 @@ class Stops:
         if site.stops != stops:
             detail = f"a stop of the site {name} was asked for meanwhile; it holds"
             return ReleaseOutcome(released=False, code="stopped_again", detail=detail)
-        site.release = task = self._tasks.spawn(self._ask_release(name, robot, user, grant))
+        site.release = task = self._tasks.spawn(self._stopper.release(name, robot, user, grant))
         task.add_done_callback(lambda _: setattr(site, "release", None))
         return await asyncio.shield(task)
 
@@ -393,23 +255,6 @@ class Stops:
                 if entry is not None:  # it will be repeated, as before
                     site.entry = entry if site.entry is None else entry.join(site.entry)
                 raise
-
-    async def _ask_release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
-        named = self._named(name, (robot,))
-        queries = [urlencode({"robot": each}) for each in named]
-        if robot == WHOLE:  # a stop from before the robots were known named none, and may hold above them
-            queries.insert(0, "")
-        for query in queries:
-            try:
-                answer = await self._reach.client(name).ask(
-                    "DELETE", "/stop", b"", query=query, name=user, grant=grant, deadline=self._times.deadline
-                )
-            except GatewayError as error:
-                return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
-            if answer.status != 200 and (query or not named):
-                code, detail = _problem(_read(answer.body), answer.status)
-                return ReleaseOutcome(released=False, code=code, detail=detail)
-        return ReleaseOutcome(released=True)
 
     # ------------------------------------------------------------------ what is not confirmed
 
@@ -455,44 +300,3 @@ class Stops:
             await self._store.write(name, entry)
             if site.entry is entry:
                 site.unsaved = False
-
-
-def outermost(robots: Iterable[str]) -> tuple[str, ...]:
-    """Return robots, sorted, without those below others."""
-    names = sorted(set(robots))
-    return tuple(name for name in names if not any(name != other and is_under(name, other) for other in names))
-
-
-def _read(body: bytes) -> dict[str, Any]:
-    try:
-        document = orjson.loads(body)
-    except orjson.JSONDecodeError:
-        return {}
-    return document if isinstance(document, dict) else {}
-
-
-def _problem(document: dict[str, Any], status: int) -> tuple[str, str]:
-    """Return the code and the sentence of a problem."""
-    code, detail = document.get("code"), document.get("detail")
-    known = isinstance(code, str) and isinstance(detail, str)
-    return (code[:60], detail[:MAX_DETAIL]) if known else ("site_failed", f"the site has answered {status}")  # type: ignore[index]
-
-
-def _judge(name: str, document: dict[str, Any], *, latch: bool) -> StopOutcome:
-    """Return what the report of a site says of a stop."""
-    stop, failed, warning = document.get("stop"), document.get("failed"), document.get("warning")
-    held = stop.get("robots") if isinstance(stop, dict) else None
-    robots = tuple(to_hub(name, each) for each in held if isinstance(each, str)) if isinstance(held, list) else ()
-    latched = isinstance(stop, dict) and stop.get("latched") is True
-    moving = [
-        each
-        for each in (failed if isinstance(failed, list) else ())
-        if isinstance(each, dict) and each.get("robot") is not None and each.get("code") != "robot_not_found"
-    ]
-    if moving or not isinstance(failed, list) or (latch and not latched):
-        code, detail = _problem(moving[0] if moving else {}, 200)
-        if not moving:
-            code, detail = "site_failed", f"the site {name} has not said that the stop is latched"
-        return StopOutcome(stopped=False, robots=robots, code=code, detail=detail)
-    text = warning.get("detail") if isinstance(warning, dict) else None
-    return StopOutcome(stopped=True, robots=robots, warning=text[:MAX_DETAIL] if isinstance(text, str) else None)

@@ -11,6 +11,7 @@ from fastapi.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.application import Contents, build_app
+from dock_gateway.client.documents import StopReport
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -59,6 +60,9 @@ def test_all_sites_are_stopped_and_released(hub: Hub) -> None:
     assert answer.status_code == 200
     assert {name: site["stopped"] for name, site in answer.json()["sites"].items()} == {BERLIN: True, OSLO: True}
     assert hub.site(BERLIN).latched
+    report = StopReport.read(answer.json())  # a client of gateways can read it
+    assert (report.canceling, report.unconfirmed) == (["a", "a"], ["/berlin/robot1/dock", "/oslo/robot1/dock"])
+    assert (report.stop["by"], len(report.stop["robots"])) == ("Ada", 4)
     released = hub.http.delete("/stop")
     assert released.status_code == 200
     assert released.json()["sites"][OSLO] == {"released": True, "code": None, "detail": None}
@@ -74,6 +78,9 @@ def test_a_stop_that_is_not_confirmed_is_no_success(hub: Hub) -> None:
     assert problem["sites"][OSLO] == {
         "stopped": False,
         "robots": [],
+        "canceling": [],
+        "failed": [],
+        "unconfirmed": [],
         "warning": None,
         "code": "site_unreachable",
         "detail": "the site oslo is not connected",

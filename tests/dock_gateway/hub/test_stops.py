@@ -15,7 +15,9 @@ from dock_gateway.core.errors import ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.stops import WHOLE, ReleaseOutcome, StopEntry, StopOutcome, Stops, StopTimes, outermost
+from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome
+from dock_gateway.hub.stop_requests import WHOLE, StopEntry, outermost
+from dock_gateway.hub.stops import Stops, StopTimes
 from dock_gateway.storage.entries import MemoryEntries
 from tests.support.waiting import until
 
@@ -62,7 +64,8 @@ class FakeSite:
         if self.loses_answers:
             raise ServerTimeout("the site did not answer", code="site_timeout")
         state = {"latched": self.latched, "robots": self.robots}
-        return Answer(200, encode({"stop": state, "failed": self.failed, "warning": None} if self.latched else state))
+        report = {"stop": state, "failed": self.failed, "canceling": ["a"], "unconfirmed": ["/robot1/dock"]}
+        return Answer(200, encode(report | {"warning": None} if self.latched else state))
 
 
 class FakeSites:
@@ -146,11 +149,12 @@ async def test_every_site_is_stopped_at_once_with_all_its_robots() -> None:
         outcomes = await scene.stop()
         assert all(outcome.stopped and outcome.code is None for outcome in outcomes.values())
         assert outcomes[OSLO].robots == ("/oslo/robot1", "/oslo/robot2")
+        assert outcomes[OSLO].unconfirmed == ("/oslo/robot1/dock",)
         assert scene.berlin.asked == [("POST", ("/robot1", "/robot2"))]
         await until(lambda: not scene.stops.pending(BERLIN))
         assert (await scene.release()).released
         assert not scene.berlin.latched
-        assert scene.berlin.who == [("ada", Grant(Role.VIEWER)), *[("ada", Grant(Role.SUPERVISOR))] * 2]
+        assert scene.berlin.who == [("ada", Grant(Role.VIEWER)), *[("ada", Grant(Role.SUPERVISOR))] * 3]
 
 
 async def test_a_site_that_is_away_is_stopped_when_it_is_back_also_by_another_process_of_the_hub() -> None:

@@ -1,0 +1,157 @@
+"""One request to stop robots of a site, or to release them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from datetime import datetime
+from typing import Protocol
+from urllib.parse import urlencode
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.filters import is_under
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
+from dock_gateway.sites.names import to_site
+
+# All robots of a site.
+WHOLE = "/"
+# Everyone may stop every robot.
+STOPS_ALL = Grant(Role.VIEWER)
+# Answers of a site that will not change: it does not know the robot, or does not let the hub do it.
+FINAL = frozenset({400, 403, 404, 405, 409, 421, 422})
+
+
+class SiteAnswer(Protocol):
+    """What a site has answered."""
+
+    @property
+    def status(self) -> int:
+        """The status."""
+
+    @property
+    def body(self) -> bytes:
+        """The body."""
+
+
+class SiteApi(Protocol):
+    """The API of a site."""
+
+    async def ask(
+        self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
+    ) -> SiteAnswer:
+        """Make a request for a user of the hub.
+
+        Raises:
+            GatewayError: There is no answer.
+        """
+
+
+class ReachableSites(Protocol):
+    """The sites, as far as stops need them."""
+
+    def names(self) -> list[str]:
+        """Return the names of all sites, sorted."""
+
+    def client(self, name: str) -> SiteApi:
+        """Return the API of a site.
+
+        Raises:
+            GatewayError: It is not connected, or there is no such site.
+        """
+
+    def robots(self, name: str) -> list[str]:
+        """Return the robots of a site that are known, with names of the hub."""
+
+
+@dataclass(frozen=True)
+class StopEntry:
+    """A stop that a site has not confirmed, as stored.
+
+    Attributes:
+        robots: The robots, by the site's own names; `/` is all of them.
+        user: The user of the hub who asked for it.
+        by: Who stopped them, as the request says.
+        since: When it was asked for first.
+    """
+
+    robots: tuple[str, ...]
+    user: str | None
+    by: str | None
+    since: datetime
+
+    def join(self, later: "StopEntry") -> "StopEntry":
+        """Return one stop for both."""
+        return replace(later, robots=outermost((*self.robots, *later.robots)), since=self.since)
+
+
+class SiteStopper:
+    """Asks sites.
+
+    Args:
+        sites: The sites.
+        deadline: Seconds that a site may take. It does not begin later.
+    """
+
+    def __init__(self, sites: ReachableSites, deadline: float) -> None:
+        self._sites = sites
+        self._deadline = deadline
+
+    def is_connected(self, name: str) -> bool:
+        """Return whether a site can be asked."""
+        try:
+            self._sites.client(name)
+        except GatewayError:
+            return False
+        return True
+
+    async def stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
+        """Send a stop. Return whether there is no use in another attempt, and what became of it."""
+        body = encode({"latch": latch, "by": entry.by})
+        query = urlencode([("robot", robot) for robot in self._named(name, entry.robots)])
+        try:
+            answer = await self._sites.client(name).ask(
+                "POST",
+                "/stop",
+                body,
+                query=query,
+                name=entry.user,
+                grant=STOPS_ALL,
+                deadline=self._deadline,
+            )
+        except GatewayError as error:
+            return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
+        if answer.status != 200:
+            code, detail = read_problem(answer.body, answer.status)
+            return answer.status in FINAL, StopOutcome(stopped=False, code=code, detail=detail)
+        outcome = judge(name, answer.body, latch=latch)
+        return outcome.stopped, outcome
+
+    def _named(self, name: str, robots: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the robots that a request names. All robots of a site are the outermost of those that are known."""
+        if WHOLE not in robots:
+            return robots
+        return outermost(own for robot in self._sites.robots(name) if (own := to_site(name, robot)) is not None)
+
+    async def release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
+        """Send a release; of all robots, one for each of the outermost that are known."""
+        named = self._named(name, (robot,))
+        queries = [urlencode({"robot": each}) for each in named]
+        if robot == WHOLE:  # a stop from before the robots were known named none, and may hold above them
+            queries.insert(0, "")
+        for query in queries:
+            try:
+                answer = await self._sites.client(name).ask(
+                    "DELETE", "/stop", b"", query=query, name=user, grant=grant, deadline=self._deadline
+                )
+            except GatewayError as error:
+                return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
+            if answer.status != 200 and (query or not named):
+                code, detail = read_problem(answer.body, answer.status)
+                return ReleaseOutcome(released=False, code=code, detail=detail)
+        return ReleaseOutcome(released=True)
+
+
+def outermost(robots: Iterable[str]) -> tuple[str, ...]:
+    """Return robots, sorted, without those below others."""
+    names = sorted(set(robots))
+    return tuple(name for name in names if not any(name != other and is_under(name, other) for other in names))
