@@ -278,6 +278,30 @@ async def test_refusals(server: NatsServer) -> None:
         forwarding.cancel()
 
 
+async def test_a_flood_of_forged_requests_leaves_time_for_others(server: NatsServer) -> None:
+    turns, seen = 0, list[int]()
+
+    def admit(*_: str) -> Any:
+        seen.append(turns)
+        raise NotAuthenticated("who asks is not accepted", code="invalid_identity")
+
+    async def others() -> None:
+        nonlocal turns
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
+
+    async with open_tunnel(server.url, Site().app, admit=admit) as tunnel:
+        subject = subjects.open_stream(SITE, tunnel.address.instance)
+        working = asyncio.create_task(others())
+        for number in range(500):
+            forged = {"id": f"{number:016x}", "token": "x", "kind": "http", "method": "POST", "path": "/dock"}
+            await tunnel.hub.publish(subject, encode(forged))
+        await until(lambda: len(seen) == 500)
+        working.cancel()
+        assert len(set(seen)) == 500
+
+
 async def test_the_hub_has_a_limit_of_streams(server: NatsServer) -> None:
     async with open_tunnel(server.url, Site().app) as tunnel:
         tunnel.caller._max_streams = (10, 1)

@@ -1,5 +1,6 @@
 """The site's end of the tunnel: calls the site's own ASGI app for each stream that the hub opens."""
 
+import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -106,6 +107,7 @@ class TunnelServer:
                 self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
         elif received.subject == subjects.open_stream(self._address.site, self._address.instance):
             self._open(received)
+            await asyncio.sleep(0)  # however many come: the site has other things to do, such as to stop a robot
         else:
             self._broker.refuse("malformed", received.subject, "the subject is none of the tunnel")
 
