@@ -12,6 +12,7 @@ from typing import Any, Self
 import httpx2
 import orjson
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
+from websockets.sync.client import ClientConnection
 
 from tests.support.clients import HttpClient, connect
 
@@ -99,11 +100,14 @@ class Reader(Worker):
         self.older: list[tuple[str, str]] = []
         self.resumed: list[tuple[str, str]] = []
 
+    def connect(self, url: str) -> ClientConnection:
+        return connect(url, open_timeout=5)
+
     def turn(self) -> None:
         last = max((event["id"] for event in self.events), default="")
         url = f"{self._url().replace('http', 'ws')}/ws/feedback" + (f"?after={last}" if last else "")
         try:
-            with connect(url, open_timeout=5) as connection:
+            with self.connect(url) as connection:
                 self.resumed.append((url.partition("/ws")[0], last))
                 while not self.stopping.is_set():
                     try:
