@@ -100,7 +100,7 @@ describe("who uses the page of a site", () => {
     expect(asked.state).toEqual({ ...known(), trouble });
     answers.delete("/sites/berlin/session");
     await asked.ask();
-    expect(asked.state).toEqual(known());
+    expect(asked.state).toEqual({ ...known(), trouble: null });
   });
 
   it("is asked again after a login: the hub's answer does not say what the site lets them do", async () => {

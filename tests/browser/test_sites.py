@@ -9,6 +9,7 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.browser.axe import find_violations
 from tests.browser.conftest import PATIENCE_MS
+from tests.support import access
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.hubs import RunningHub, running_hub, site_settings
@@ -40,22 +41,29 @@ def berlin(domain: int, nats: str, folder: Path) -> Iterator[RunningGateway]:
 
 
 @pytest.fixture(scope="module")
-def hub(nats: str, folder: Path, berlin: RunningGateway) -> Iterator[RunningHub]:
+def ada(folder: Path) -> str:
+    """The secret of a token of the hub."""
+    return access.Site(folder, f"sqlite:///{folder}/hub.db").token("ada", "admin")
+
+
+@pytest.fixture(scope="module")
+def hub(nats: str, folder: Path, berlin: RunningGateway, ada: str) -> Iterator[RunningHub]:
     settings = site_settings(nats, folder, "oslo") | RELEASES
     with (
         ros_domain() as domain,
         running_gateway(domain, **settings) as oslo,
-        running_hub(nats, folder) as hub,
+        running_hub(nats, folder, authentication="true") as hub,
     ):
         oslo.publish(LOW)
+        hub.http.headers["Authorization"] = f"Bearer {ada}"
         for site in ("berlin", "oslo"):
             hub.wait_for_site(site)
         yield hub
 
 
 @pytest.fixture
-def page(browser: Browser, hub: RunningHub) -> Iterator[Page]:
-    """The dashboard of the hub, open; a test fails where the page logged an error."""
+def page(browser: Browser, hub: RunningHub, ada: str) -> Iterator[Page]:
+    """The dashboard of the hub, open and logged in; a test fails where the page logged an error."""
     context = browser.new_context(reduced_motion="reduce", viewport={"width": 1440, "height": 1000})
     page = context.new_page()
     errors: list[str] = []
@@ -63,9 +71,16 @@ def page(browser: Browser, hub: RunningHub) -> Iterator[Page]:
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.set_default_timeout(PATIENCE_MS)
     page.goto(hub.url)
+    log_in(page, ada)
     yield page
     context.close()
     assert errors == []
+
+
+def log_in(page: Page, secret: str) -> None:
+    page.get_by_role("button", name="Log in with a token").click()
+    page.get_by_label("Token", exact=True).fill(secret)
+    page.get_by_label("Token", exact=True).press("Enter")
 
 
 def test_a_robot_is_docked_at_its_site_and_the_hub_shows_how_that_ended(page: Page, berlin: RunningGateway) -> None:
@@ -105,8 +120,15 @@ def test_a_stop_reaches_every_site(page: Page, hub: RunningHub) -> None:
     expect(page.get_by_test_id("site oslo")).not_to_contain_text("Stopped")
 
 
-def test_a_stop_on_the_page_of_a_site_is_of_that_site(page: Page, hub: RunningHub) -> None:
+def test_the_page_of_a_site_asks_for_the_login_of_the_hub_and_stops_that_site(
+    page: Page, hub: RunningHub, ada: str
+) -> None:
+    """What one may do there is what the site gives the hub."""
+    page.get_by_role("button", name="Logged in as ada, admin").wait_for()
+    page.context.clear_cookies()
     page.goto(f"{hub.url}/sites/oslo/")
+    log_in(page, ada)
+    page.get_by_role("button", name="Logged in as ada, supervisor").wait_for()
     page.get_by_role("button", name="Stop", exact=True).click()
     expect(page.get_by_role("alert").get_by_text("Stopped: oslo.")).to_be_visible()
     page.get_by_role("button", name="Release …").click()

@@ -97,18 +97,18 @@ export class Session {
 /** Who uses this page, and what they may do; null where the gateway gives no such answer. */
 async function askServer(): Promise<SessionState | null> {
   const signal = AbortSignal.timeout(ANSWER_MS);
-  const site = pageSite() === null ? null : fetch(apiPath("/session"), { signal }).catch(() => null);
   const answer = await fetch("/session", { signal });
   if (!answer.ok) return null;
   const state = (await answer.json()) as SessionState;
-  return site === null ? state : atSite({ ...state, hub: false }, await site);
+  return pageSite() === null ? state : atSite({ ...state, hub: false }, signal);
 }
 
-/** The login at a hub with what a site lets them do, by what it answers; where it does not, as the hub has it. */
-async function atSite(state: SessionState, answer: Response | null): Promise<SessionState> {
-  if (state.principal === null || answer === null) return state;
-  const document = await answer.json().catch(() => null);
-  if (!answer.ok) return { ...state, trouble: document as Schema<"Problem"> | null };
+/** The login at a hub with what the site lets them do; where it does not answer, as the hub has it. */
+async function atSite(state: SessionState, signal: AbortSignal): Promise<SessionState> {
+  if (state.principal === null) return state;
+  const answer = await fetch(apiPath("/session"), { signal }).catch(() => null);
+  const document = await answer?.json().catch(() => null);
+  if (answer?.ok !== true) return { ...state, trouble: (document ?? null) as Schema<"Problem"> | null };
   const { name, kind } = state.principal;
   return { ...state, principal: { ...(document as SessionState).principal, name, kind } as Principal };
 }
