@@ -215,8 +215,9 @@ class SqlHistory:
                 return None
             return await self._sealer.seal(goal, end)
         finally:
-            self._waiting.held.discard(goal.goal_id)
-            self.writer.notice(must_keep=True)
+            if end:  # else its end may be on the way already
+                self._waiting.held.discard(goal.goal_id)
+                self.writer.notice(must_keep=True)
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
         """Publish in the order of all gateways that share the database; return what asks for more."""
