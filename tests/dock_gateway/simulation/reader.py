@@ -1,11 +1,13 @@
 """A client that reads a stream, wherever a gateway is."""
 
 import asyncio
+import contextlib
 from collections import Counter
 from collections.abc import Callable, Sequence
 
 import orjson
 
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.streams import feed
 from tests.dock_gateway.simulation.chance import Chance, short
@@ -16,16 +18,15 @@ class Reader:
     """Reads every event, and resumes after the last one: at another gateway, if its own is gone.
 
     Attributes:
-        since: The id to begin after; empty: with what happens now.
         seen: What it got: the process, and the event's id, type and goal.
         notices: How many notices it got, by type.
     """
 
-    def __init__(self, chance: Chance, gateways: Callable[[], Sequence[Process]]) -> None:
+    def __init__(self, chance: Chance, gateways: Callable[[], Sequence[Process]], since: str) -> None:
         self._chance = chance
         self._gateways = gateways
         self.seen: list[tuple[str, str, str, str]] = []
-        self.since = ""  # where to begin
+        self._since = since
         self.notices: Counter[str] = Counter()
         self._move = False
         self._expelled = lambda: None
@@ -47,15 +48,15 @@ class Reader:
                 continue
             at = self._chance.random.choice(others)
             await asyncio.sleep(self._chance.latency())
-            if not at.dead:
+            with contextlib.suppress(GatewayError):
                 await self._read(at)
 
     async def _read(self, gateway: Process) -> None:
-        last = max((identity for _, identity, _, _ in self.seen), default=self.since)
+        last = max((identity for _, identity, _, _ in self.seen), default=self._since)
         self._chance.say("reader", f"at {gateway.name} after {short(last)}")
         subscriber = gateway.fanout.subscribe(EventFilter(frozenset({"goals", "battery"})))
         self._expelled = subscriber.expel
-        stream = feed.feed(gateway.parts, subscriber, after=last or None)
+        stream = feed.feed(gateway.parts, subscriber, after=last)
         try:
             async for event in stream:
                 if gateway.dead or self._move:

@@ -6,7 +6,6 @@ from collections.abc import Coroutine, Sequence
 from typing import Any
 from unittest.mock import patch
 
-from dock_gateway.core.event import event_id
 from dock_gateway.sites import broker
 from dock_gateway.sites.tunnel.caller import Address
 from tests.dock_gateway.simulation.chance import Faults
@@ -45,7 +44,6 @@ class SitesWorld(World):
         self._hub_disk.empty()
         await super()._begin()
         await self._start_hub()
-        self.reader.since = event_id(self._chance.loop.time_ns(), "s", "none")
         for _ in range(600):
             await asyncio.sleep(0.1)
             if self._hub is not None and self._hub.view.reported_at is not None and not self._hub.view.behind:

@@ -10,12 +10,14 @@ from collections import Counter, defaultdict
 from collections.abc import Coroutine, Sequence
 from typing import Any
 
+from dock_gateway.core.event import event_id
 from tests.dock_gateway.simulation.chance import Chance, Faults, short
 from tests.dock_gateway.simulation.database import Disk
 from tests.dock_gateway.simulation.gateway import ACTIONS, Gateway
 from tests.dock_gateway.simulation.process import Process, noted
 from tests.dock_gateway.simulation.reader import Reader
 from tests.dock_gateway.simulation.server import ActionServer
+from tests.dock_gateway.simulation.virtual import START_NS
 
 
 class World:
@@ -33,7 +35,7 @@ class World:
         self._chance = chance = Chance(seed, faults)
         self._random = chance.random
         self.server = ActionServer(chance)
-        self.reader = Reader(chance, self._readable)
+        self.reader = Reader(chance, self._readable, event_id(START_NS, "s", "none"))
         self._gateways: list[Gateway] = []
         self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
 
