@@ -47,6 +47,18 @@ class SiteReport(BaseModel):
     warning: SiteProblem | None = None
 
 
+class SiteRobot(BaseModel):
+    """A robot of a site, as far as the hub reads it."""
+
+    name: str
+
+
+class SiteRobots(BaseModel):
+    """The robots of a site."""
+
+    robots: list[SiteRobot]
+
+
 @dataclass(frozen=True)
 class StopOutcome:
     """What became of a stop at one site, as `POST /stop` answers it.
@@ -90,6 +102,14 @@ def read_problem(body: bytes, status: int) -> tuple[str, str]:
     except ValidationError:
         return "site_failed", f"the site has answered {status}"
     return problem.code[:60], problem.detail[:MAX_DETAIL]
+
+
+def read_robot_names(body: bytes) -> list[str] | None:
+    """Return the names of the robots of a site; None if that is not what it has answered."""
+    try:
+        return [robot.name for robot in SiteRobots.model_validate_json(body).robots]
+    except ValidationError:
+        return None
 
 
 def judge(name: str, body: bytes, *, latch: bool) -> StopOutcome:

@@ -6,11 +6,11 @@ from datetime import datetime
 from typing import Protocol
 from urllib.parse import urlencode
 
-from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
+from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem, read_robot_names
 from dock_gateway.sites.names import to_site
 
 # All robots of a site.
@@ -105,26 +105,46 @@ class SiteStopper:
         return True
 
     async def stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
-        """Send a stop. Return whether there is no use in another attempt, and what became of it."""
-        body = encode({"latch": latch, "by": entry.by})
-        query = urlencode([("robot", robot) for robot in self._named(name, entry.robots)])
+        """Send a stop. Return whether there is no use in another attempt, and what became of it.
+
+        A stop of all robots is one of those that the hub knows, and then of those that it did not know, as after its
+        start, or when the site was away: the site is asked which robots it has.
+        """
+        named = self._named(name, entry.robots)
         try:
-            answer = await self._sites.client(name).ask(
-                "POST",
-                "/stop",
-                body,
-                query=query,
-                name=entry.user,
-                grant=STOPS_ALL,
-                deadline=self._deadline,
-            )
+            final, outcome = await self._stop(name, entry, named, latch=latch)
+            if WHOLE in entry.robots:
+                known = await self._known(name, entry.user)
+                if any(not any(is_under(robot, each) for each in named) for robot in known):
+                    final, outcome = await self._stop(name, entry, outermost(known), latch=latch)
         except GatewayError as error:
             return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
+        return final, outcome
+
+    async def _stop(
+        self, name: str, entry: StopEntry, robots: Iterable[str], *, latch: bool
+    ) -> tuple[bool, StopOutcome]:
+        body = encode({"latch": latch, "by": entry.by})
+        query = urlencode([("robot", robot) for robot in robots])
+        answer = await self._ask(name, "POST", "/stop", body, query=query, user=entry.user)
         if answer.status != 200:
             code, detail = read_problem(answer.body, answer.status)
             return answer.status in FINAL, StopOutcome(stopped=False, code=code, detail=detail)
         outcome = judge(name, answer.body, latch=latch)
         return outcome.stopped, outcome
+
+    async def _known(self, name: str, user: str | None) -> list[str]:
+        """Return the robots that a site has now, by its own names."""
+        answer = await self._ask(name, "GET", "/robots", b"", query="", user=user)
+        robots = read_robot_names(answer.body) if answer.status == 200 else None
+        if robots is None:
+            raise Unavailable(f"the site {name} has not said which robots it has", code="site_failed")
+        return robots
+
+    async def _ask(self, name: str, method: str, path: str, body: bytes, *, query: str, user: str | None) -> SiteAnswer:
+        return await self._sites.client(name).ask(
+            method, path, body, query=query, name=user, grant=STOPS_ALL, deadline=self._deadline
+        )
 
     def _named(self, name: str, robots: tuple[str, ...]) -> tuple[str, ...]:
         """Return the robots that a request names. All robots of a site are the outermost of those that are known."""

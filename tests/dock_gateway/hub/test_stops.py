@@ -50,11 +50,13 @@ class FakeSite:
     async def ask(
         self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
     ) -> Answer:
-        assert path == "/stop"
         if self.delay > deadline:
             await asyncio.sleep(deadline)
             raise ServerTimeout("the site did not answer", code="site_timeout")
         await asyncio.sleep(self.delay)
+        if path == "/robots":
+            return Answer(200, encode({"robots": [{"name": robot} for robot in self.robots]}))
+        assert path == "/stop"
         self.who.append((name, grant))
         self.asked.append((method, tuple(parse_qs(query).get("robot", ()))))
         if self.refusal is not None:
@@ -73,6 +75,7 @@ class FakeSites:
 
     def __init__(self, *names: str) -> None:
         self.sites = {name: FakeSite(["/robot1", "/robot2"]) for name in names}
+        self.known: list[str] | None = None
 
     def names(self) -> list[str]:
         return sorted(self.sites)
@@ -83,6 +86,8 @@ class FakeSites:
         return self.sites[name]
 
     def robots(self, name: str) -> list[str]:
+        if self.known is not None:
+            return self.known
         return [f"/{name}{robot}" for robot in self.sites[name].robots]
 
 
@@ -171,6 +176,15 @@ async def test_a_site_that_is_away_is_stopped_when_it_is_back_also_by_another_pr
         await until(lambda: scene.berlin.latched)
         await until(lambda: not scene.stops.pending(BERLIN))
         await until(lambda: BERLIN not in scene.store._known)
+
+
+@pytest.mark.parametrize("known", [(), ("/robot1",), ("/gone",)])
+async def test_robots_that_the_hub_does_not_know_are_stopped_too(known: tuple[str, ...]) -> None:
+    async with running(BERLIN) as scene:
+        scene.reach.known = [f"/berlin{robot}" for robot in known]
+        outcomes = await scene.stop(BERLIN)
+        assert outcomes[BERLIN].stopped
+        assert scene.berlin.asked == [("POST", known), ("POST", ("/robot1", "/robot2"))]
 
 
 async def test_a_release_drops_what_a_site_has_not_confirmed() -> None:
