@@ -51,6 +51,18 @@ ROBOT: dict[str, Any] = {
     "last_goal": None,
 }
 
+ALERT = {
+    "id": "0123456789abcdef",
+    "kind": "low_battery",
+    "robot": "/robot1",
+    "severity": "warning",
+    "since": "2026-11-27T12:00:00Z",
+    "title": "Low battery",
+    "detail": "Send the robot to its dock.",
+    "goal_id": None,
+    "acknowledged": None,
+}
+
 
 async def say_hello(
     broker: Broker, site: str, instance: str, installation: int = 1, *, leaving: bool = False
@@ -115,6 +127,11 @@ async def _elsewhere(_: Request) -> Response:
     return Response(status_code=202, headers={"Location": "/echo", "Set-Cookie": "dock-gateway=stolen"})
 
 
+async def _acknowledge(request: Request) -> Response:
+    by = f"{request.scope['hub'].name}, as {(await request.json())['by']}"
+    return JSONResponse(ALERT | {"acknowledged": {"by": by, "at": ALERT["since"]}})
+
+
 async def _never(_: Request) -> Response:
     await asyncio.Event().wait()
     return Response()
@@ -128,8 +145,8 @@ async def _feedback(websocket: WebSocket) -> None:
     """A stream of a site with one robot; what comes is sent back."""
     await websocket.accept()
     now = datetime.now(UTC).isoformat()
-    nothing: dict[str, list[Any]] = {"goals": [], "alerts": [], "approvals": []}
-    await websocket.send_json({"type": "snapshot", "time": now, "robots": [ROBOT], **nothing})
+    more: dict[str, list[Any]] = {"goals": [], "alerts": [ALERT], "approvals": []}
+    await websocket.send_json({"type": "snapshot", "time": now, "robots": [ROBOT], **more})
     with suppress(WebSocketDisconnect):
         while True:
             await websocket.send_text(await websocket.receive_text())
@@ -139,6 +156,7 @@ APP = Starlette(
     routes=[
         Route("/echo", _echo, methods=["GET", "POST"]),
         Route("/elsewhere", _elsewhere, methods=["POST"]),
+        Route(f"/alerts/{ALERT['id']}/acknowledgement", _acknowledge, methods=["PUT"]),
         Route("/never", _never, methods=["POST"]),
         Route("/goals", _goals),
         Route("/healthz", _echo),

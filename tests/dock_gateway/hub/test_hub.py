@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from dock_gateway.access.logins import Logins
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
-from dock_gateway.hub import forwarding
+from dock_gateway.hub import forwarding, overview
 from dock_gateway.hub.app import create_hub_app
 from dock_gateway.hub.assembly import open_hub
 from dock_gateway.hub.directory import State
@@ -29,7 +29,7 @@ from dock_gateway.sites.messages import Refusal, Welcome
 from dock_gateway.sites.names import site_grant
 from tests.support.edge import serving
 from tests.support.nats import NatsServer, nats_server
-from tests.support.small_site import broker_of, say_hello, small_site
+from tests.support.small_site import ALERT, broker_of, say_hello, small_site
 from tests.support.waiting import until
 
 
@@ -178,6 +178,28 @@ async def test_robots_of_a_site_stay_as_they_were_when_it_leaves(hub: Hub, nats:
     await socket.close()
     assert robots == [shown[0] | {"site_state": "unreachable", "join": None}]
     assert [(site["name"], site["stop"]["robots"]) for site in sites] == [("turin", ["/turin/robot1"])]
+
+
+async def test_alerts_are_acknowledged_where_they_belong(
+    hub: Hub, nats: NatsServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, header = await hub.token("ada", Role.OPERATOR)
+    monkeypatch.setattr(overview, "SILENT_AFTER", 0.0)
+    async with small_site(nats.url, Signer.load_or_create(tmp_path / "hub.key"), tmp_path, "turin"):
+        await hub.connected("turin")
+    shown = hub.parts[overview.Overview]
+    await until(lambda: "site_unreachable" in {alert["kind"] for alert in shown.documents()})
+    found = {alert["kind"]: alert for alert in (await hub.http.get("/alerts", headers=header)).json()["alerts"]}
+    assert found["site_unreachable"]["robot"] == "/turin"
+    asked = {
+        "site_unreachable": (found["site_unreachable"]["id"], "ada"),
+        "low_battery": (f"berlin.{ALERT['id']}", "ada, as ada"),
+    }
+    for alert_id, by in asked.values():
+        answer = await hub.http.put(f"/alerts/{alert_id}/acknowledgement", json={"by": "x"}, headers=header)
+        assert answer.json()["acknowledged"]["by"] == by
+    away = await hub.http.put(f"/alerts/turin.{ALERT['id']}/acknowledgement", json={"by": "x"}, headers=header)
+    assert away.json()["code"] == "site_unreachable"
 
 
 limits = st.lists(st.text(alphabet="/ab*", min_size=1, max_size=6).map(lambda text: f"/{text.strip('/')}"), max_size=3)
