@@ -75,7 +75,8 @@ class FakeSite:
 
 def snapshot(*goals: Goal) -> dict[str, Any]:
     documents = [decoded(goal.document()) for goal in goals]
-    return {"type": "snapshot", "goals": documents, "robots": [ROBOT], "alerts": [], "approvals": []}
+    said = {"goals": documents, "robots": [ROBOT], "alerts": [], "approvals": []}
+    return {"type": "snapshot", "time": moment(START_NS).isoformat(), **said}
 
 
 def told(goal: Goal, second: int) -> dict[str, Any]:
