@@ -120,6 +120,13 @@ def test_a_stop_reaches_every_site(page: Page, hub: RunningHub) -> None:
     expect(page.get_by_test_id("site oslo")).not_to_contain_text("Stopped")
 
 
+def test_each_site_has_a_map(page: Page) -> None:
+    page.get_by_role("link", name="Map", exact=True).click()
+    for site in ("berlin", "oslo"):
+        expect(page.get_by_role("region", name=f"Not on the map of {site}")).to_be_visible()
+    assert find_violations(page) == []
+
+
 def test_the_page_of_a_site_asks_for_the_login_of_the_hub_and_stops_that_site(
     page: Page, hub: RunningHub, ada: str
 ) -> None:

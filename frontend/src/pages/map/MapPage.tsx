@@ -57,7 +57,9 @@ export function RobotsMap({ title, compact = false, scenes, robots }: RobotsMapP
           <NoRobots compact={compact} />
         )}
       </Section>
-      {frames !== null && missing.length > 0 && <NotShown missing={missing} />}
+      {frames !== null && missing.length > 0 && (
+        <NotShown title={compact ? `Not on the map of ${title}` : "Not on the map"} missing={missing} />
+      )}
     </div>
   );
 }
@@ -93,10 +95,10 @@ function NoRobots({ compact }: { compact: boolean }) {
   );
 }
 
-function NotShown({ missing }: { missing: readonly Missing[] }) {
+function NotShown({ title, missing }: { title: string; missing: readonly Missing[] }) {
   const naming = useNaming();
   return (
-    <Section title="Not on the map">
+    <Section title={title}>
       <ul className={classes.missing} aria-label="Robots that are not on the map">
         {missing.map(({ robot: { name }, why }) => (
           <li key={name}>
