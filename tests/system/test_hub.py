@@ -87,8 +87,8 @@ def test_a_hub_and_its_sites(berlin: RunningGateway, nats: NatsServer, folder: P
         assert hub.wait_for_goal(first, "succeeded")["last_event_id"] == told["id"]
         assert hub.get("/goals?robot=/oslo")["goals"] == []
         assert hub.get("/statistics")["total"]["ended"] == 1
-        records = hub.get("/audit")["records"]
-        assert "POST /sites/berlin/dock" in [record["subject"] for record in records]
+        asked = "POST /sites/berlin/dock"
+        wait_until(lambda: asked in [each["subject"] for each in hub.get("/audit")["records"]], "the audit log")
         assert hub.http.get("/sites/paris/robots").json()["code"] == "site_not_found"
 
         second = dock(hub, berlin)
