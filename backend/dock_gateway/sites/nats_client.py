@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nats import errors
-from nats.aio.client import Client, RawCredentials
+from nats.aio.client import PING_PROTO, Client, RawCredentials
 
 from dock_gateway.sites.servers import Server
 
@@ -92,6 +92,12 @@ class NatsClient(Client):
         self.lost.set()
         self._forget_pending()
         await super()._close(status, do_cbs)
+
+    async def _send_ping(self, future: "asyncio.Future[Any] | None" = None) -> None:
+        # That of nats-py overtakes what waits to be sent: its answer would not say that the server has that.
+        self._pongs.append(asyncio.Future() if future is None else future)
+        await self._send_command(PING_PROTO)
+        await self._flush_pending()
 
     def _connect_command(self) -> bytes:
         # nats-py goes on in the clear where a server, or who claims to be it, offers no TLS.

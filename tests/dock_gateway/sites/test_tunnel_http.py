@@ -342,6 +342,7 @@ async def test_a_site_that_listens_a_moment_later_gets_the_request(server: NatsS
     async with open_tunnel(server.url, Site().app) as tunnel:
         tunnel.caller._patience = 60
         await tunnel.server.close()
+        await tunnel.site.flush(60)  # the broker knows that
         asking = asyncio.create_task(tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60))
         await until(lambda: tunnel.caller.streams == 1)
         await tunnel.server.open()
