@@ -46,7 +46,7 @@ class SitesWorld(World):
         await self._start_hub()
         for _ in range(600):
             await asyncio.sleep(0.1)
-            if self._hub is not None and self._hub.view.reported_at is not None and not self._hub.view.behind:
+            if self._hub is not None and self._hub.view.cursor is not None:
                 return  # what ended before a hub first knows a site is not told there
         raise AssertionError("the hub does not get to know the site")
 
