@@ -32,6 +32,7 @@ from dock_gateway.hub.renaming import (
 from dock_gateway.hub.site_client import Conversation, SiteClient
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import News
+from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
 from dock_gateway.storage.mirror import SqlMirror
 
@@ -98,8 +99,7 @@ class Follower:
             try:
                 await self._follow()
             except ForeignDocumentError as error:
-                self._view.malformed["malformed"] += 1
-                log.warning("the site %s sends what cannot be read: %s", self._site, error)
+                self._complain(error)
             except (GatewayError, TimeoutError) as error:
                 log.info("the site %s cannot be followed: %s", self._site, error)
             except Exception:
@@ -175,17 +175,25 @@ class Follower:
 
     async def _read_event(self, kind: str, message: dict[str, Any], reading: "Reading") -> None:
         identity, at = _read_event_id(message.get("id")), read_time(message.get("time"))
-        if kind == "status":
-            goal = read_goal(self._site, message)
+        try:
+            if kind == "status":
+                goal = read_goal(self._site, message)
+            else:
+                goal = await self._find(read_goal_id(message.get("goal_id")))
+                finish_goal(goal, message)
+        except ForeignDocumentError as error:  # it stays so: what came after it is read nevertheless
+            self._complain(error)
         else:
-            goal = await self._find(read_goal_id(message.get("goal_id")))
-            finish_goal(goal, message)
-        self._note(goal)
-        self._news.happenings.append(Happening("status" if kind == "status" else "result", copy(goal), at))
+            self._note(goal)
+            self._news.happenings.append(Happening("status" if kind == "status" else "result", copy(goal), at))
         reading.newest = max(identity, reading.newest)
         if not reading.gap:  # else what is missing has to be read first
             self._news.cursor = reading.newest
         self._more.set()
+
+    def _complain(self, error: ForeignDocumentError) -> None:
+        self._view.malformed["malformed"] += 1
+        log.warning("the site %s sends what cannot be read: %s", self._site, error)
 
     def _note(self, goal: Goal) -> None:
         self._goals.pop(goal.goal_id, None)
@@ -214,7 +222,7 @@ class Follower:
         if status == 404:
             return None
         if status != 200:
-            raise ForeignDocumentError(f"GET /goals/{goal_id} is answered with {status}")
+            raise SiteFailed(f"GET /goals/{goal_id} is answered with {status}")
         return read_goal(self._site, document)
 
     # ------------------------------------------------------------------ what was missed
@@ -241,7 +249,11 @@ class Follower:
         """Take over goals as they are now; return their ids. Their ends are told, if they may not have been told."""
         found = set()
         for document in documents:
-            goal = read_goal(self._site, document)
+            try:
+                goal = read_goal(self._site, document)
+            except ForeignDocumentError as error:
+                self._complain(error)
+                continue
             found.add(goal.goal_id)
             self._note(goal)
             if reading.tells_of(goal):
@@ -271,7 +283,11 @@ class Follower:
         for known in await self._history.unfinished():
             if known.goal_id in found or not self._is_ours(known):
                 continue
-            goal = await self._ask(known.goal_id)
+            try:
+                goal = await self._ask(known.goal_id)
+            except ForeignDocumentError as error:
+                self._complain(error)
+                continue
             if goal is None:
                 goal = copy(known)
                 goal.lose(GoalError("goal_unknown", "the site no longer knows the goal"), utc_now())

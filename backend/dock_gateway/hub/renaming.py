@@ -23,6 +23,8 @@ T = TypeVar("T")
 
 ROS_NAME = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*)?")
 MAX_TEXT = 8000  # characters
+# Bytes of a goal, its feedback or its result. A larger one is left out; the site has it.
+MAX_MESSAGE = 128 * 1024
 # Entries of a list, and bytes of a robot, an alert or an approval.
 MAX_ENTRIES, MAX_DOCUMENT = 2000, 32 * 1024
 ORIGINS = ("gateway", "automation", "external")
@@ -340,7 +342,8 @@ def _message(value: Any) -> bytes | None:
         return None
     if not isinstance(value, dict):
         raise ForeignDocumentError(f"{value!r:.60} is not a message")
-    return orjson.dumps(value)
+    message = orjson.dumps(value)
+    return message if len(message) <= MAX_MESSAGE else None
 
 
 def _count(_: str, value: Any) -> int:

@@ -156,6 +156,17 @@ async def test_nonsense_is_counted_and_the_site_is_tried_again(nonsense: Any, tm
         assert list(opened.view.robots) == ["/berlin/robot1"]
 
 
+async def test_what_came_after_an_event_that_cannot_be_read_is_read(tmp_path: Path) -> None:
+    running = make_goal(FIRST, GoalStatus.EXECUTING)
+    odd = told(make_goal(SECOND, GoalStatus.EXECUTING), 1) | {"status": "of a newer release"}
+    unknown = told(make_goal(SECOND, GoalStatus.SUCCEEDED, 1), 2)
+    site = FakeSite([snapshot(), odd, unknown, told(running, 3)])
+    async with hub(site, tmp_path) as opened:
+        await until(lambda: len(opened.keys()) == 1)
+        assert opened.view.malformed == {"malformed": 2}
+        assert site.asked_after == [None]
+
+
 async def test_a_site_that_never_stops_talking_leaves_time_for_others(tmp_path: Path) -> None:
     told = itertools.repeat({"type": "robots", "robots": [ROBOT], "gone": []})
     async with hub(FakeSite(itertools.chain([snapshot()], told)), tmp_path) as opened:

@@ -123,3 +123,9 @@ def test_a_site_has_only_so_many_robots() -> None:
     with pytest.raises(renaming.ForeignDocumentError, match="a list has"):
         renaming.read_names("berlin", ["/r1"] * (renaming.MAX_ENTRIES + 1))
     assert len(view.robots) == MAX_ROBOTS
+
+
+def test_a_message_that_is_too_large_is_left_out() -> None:
+    document = decoded(ended_goal().document()) | {"goal": {"a": "x" * renaming.MAX_MESSAGE}}
+    renamed = renaming.read_goal("berlin", document)
+    assert (renamed.goal, renamed.result) == (None, b'{"b":[null]}')
