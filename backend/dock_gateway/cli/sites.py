@@ -127,6 +127,7 @@ def site_environment(
         "hub": broker,
         "site": NAMES[number],
         "hub_key": str(folder.parent / "hub-keys.json"),
+        "hub_role": "supervisor",  # who has stopped the simulated robots can release them
         "port": str(port),
         "namespace": namespace,
         "database_url": f"sqlite:///{folder}/history.db",
