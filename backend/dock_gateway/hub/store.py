@@ -5,8 +5,9 @@ clock gives them, are published in their order.
 """
 
 import asyncio
+import contextlib
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 
@@ -42,6 +43,12 @@ class News:
     happenings: list[Happening] = field(default_factory=list)
     cursor: str | None = None
 
+    def parts(self) -> Iterator["News"]:
+        """Yield it goal by goal, and last the cursor."""
+        for goal_id, goal in self.goals.items():
+            yield News(self.site, {goal_id: goal}, [each for each in self.happenings if each.goal.goal_id == goal_id])
+        yield News(self.site, cursor=self.cursor)
+
     def __bool__(self) -> bool:
         return bool(self.goals or self.happenings or self.cursor)
 
@@ -65,7 +72,7 @@ class HubStore:
         """Store the news of a site and publish its events, as far as they are new. Waits for a database that is away.
 
         Raises:
-            ForeignDocumentError: A goal has the id of a goal of another site.
+            ForeignDocumentError: A goal has the id of a goal of another site. All but that one is kept.
         """
         done = asyncio.get_running_loop().create_future()
         await self._waiting.put((news, done))
@@ -93,12 +100,19 @@ class HubStore:
         try:
             await self._keep([news])
         except RefusedError as error:
+            await self._keep_the_rest(news)
             _settle(done, ForeignDocumentError(str(error)))
         except Exception as error:
             log.exception("while storing what %s tells", news.site)
             _settle(done, error)
         else:
             _settle(done)
+
+    async def _keep_the_rest(self, news: News) -> None:
+        """Keep what can be kept, goal by goal, and then the cursor: else the site would tell the same for ever."""
+        for part in news.parts():
+            with contextlib.suppress(RefusedError):
+                await self._keep([part])
 
     async def _keep(self, every: Sequence[News]) -> None:
         batch: MirrorBatch | None = None

@@ -20,7 +20,7 @@ from tests.support.history import open_at
 from tests.support.waiting import until
 
 AT = datetime(2026, 11, 27, 12, 0, 0, 123456, tzinfo=UTC)
-FIRST, SECOND = (f"6a8c2b0a-5c63-4d0e-9c1e-00000000000{number}" for number in (1, 2))
+FIRST, SECOND, THIRD = (f"6a8c2b0a-5c63-4d0e-9c1e-00000000000{number}" for number in (1, 2, 3))
 
 
 def make_goal(goal_id: str = FIRST, status: GoalStatus = GoalStatus.EXECUTING, action: str = "/berlin/dock") -> Goal:
@@ -72,11 +72,13 @@ async def test_a_goal_of_another_site_is_refused_and_the_others_are_kept(databas
     async with opened(database_url, tmp_path) as (history, store, told):
         await store.keep(running(make_goal()))
         forged = make_goal(status=GoalStatus.ABORTED, action="/oslo/dock")
+        own = make_goal(THIRD, GoalStatus.SUCCEEDED, action="/oslo/dock")
         with pytest.raises(ForeignDocumentError):
-            await store.keep(News("oslo", {FIRST: forged}, ends_of(forged), "0-z-9"))
+            await store.keep(News("oslo", {FIRST: forged, THIRD: own}, ends_of(forged) + ends_of(own), "0-z-9"))
         await store.keep(ended(SECOND))
-        assert {event.goal_id for event in told} == {FIRST, SECOND}
-        assert await history.mirror.cursor("oslo") is None
+        assert {event.goal_id for event in told} == {FIRST, SECOND, THIRD}
+        assert (await history.known([FIRST]))[FIRST].action_name == "/berlin/dock"
+        assert await history.mirror.cursor("oslo") == "0-z-9"
 
 
 async def test_what_was_written_although_no_answer_came_is_told_all_the_same(tmp_path: Path) -> None:
