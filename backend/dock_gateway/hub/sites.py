@@ -198,7 +198,7 @@ class Sites:
             await follower.close()
 
     async def _look(self) -> None:
-        """Leave sites that are silent."""
+        """Leave sites that are silent, and forget those that never were welcome."""
         while True:
             await asyncio.sleep(LOOK_INTERVAL)
             now = time.monotonic()
@@ -209,6 +209,9 @@ class Sites:
                     self.view(name).touch()
                 if state is not State.CONNECTED:
                     await self._leave(name)
+                if state is State.UNREACHABLE and site.installation is None:
+                    self._directory.forget(name)
+                    self._forget_view(name)
 
     # ------------------------------------------------------------------ what is known
 
@@ -320,6 +323,9 @@ class Sites:
         self._stored.discard(name)
         await self._leave(name)
         await self._history.mirror.forget(name)
+        self._forget_view(name)
+
+    def _forget_view(self, name: str) -> None:
         self._views.pop(name, None)
         self._states.pop(name, None)
         self._quiet_since.pop(name, None)

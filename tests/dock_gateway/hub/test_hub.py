@@ -5,6 +5,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from uuid import UUID
 
 import httpx2
 import orjson
@@ -18,14 +19,15 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from dock_gateway.access.logins import Logins
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
-from dock_gateway.hub import forwarding, overview
+from dock_gateway.hub import directory, forwarding, overview
 from dock_gateway.hub.app import create_hub_app
 from dock_gateway.hub.assembly import open_hub
 from dock_gateway.hub.directory import State
 from dock_gateway.hub.sites import Sites
 from dock_gateway.settings import Settings
+from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import Signer
-from dock_gateway.sites.messages import Refusal, Welcome
+from dock_gateway.sites.messages import Hello, Refusal, Welcome
 from dock_gateway.sites.names import site_grant
 from tests.support.edge import serving
 from tests.support.nats import NatsServer, nats_server
@@ -236,3 +238,14 @@ async def test_an_acknowledgement_that_a_site_answers_with_nonsense(hub: Hub) ->
     hub.parts[Sites].view("berlin").put_alerts([alert])
     answer = await hub.http.delete("/alerts/berlin.1/acknowledgement", headers=header)
     assert (answer.status_code, answer.json()["code"]) == (502, "site_failed")
+
+
+async def test_a_gateway_that_never_was_welcome_is_forgotten(
+    hub: Hub, nats: NatsServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hello = Hello(installation=UUID(int=9), instance="0" * 16, version="99.0", at=0)
+    async with broker_of(nats.url, "paris") as broker:
+        await broker.request(subjects.hello("paris"), hello.encode(), 60)
+    assert hub.parts[Sites].names() == ["berlin", "paris"]
+    monkeypatch.setattr(directory, "SILENT_AFTER", 0.0)
+    await until(lambda: hub.parts[Sites].names() == ["berlin"])
