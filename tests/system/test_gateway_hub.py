@@ -75,6 +75,7 @@ async def test_a_user_of_the_hub_docks(site: RunningGateway, hub: SmallHub) -> N
     await until(lambda: goal_id in records(site))
     assert (records(site)[goal_id]["principal"], records(site)[goal_id]["role"]) == ("hub:alice", "operator")
     assert (await hub.request("POST", "/stop")).status == 200
+    await until(lambda: site.http.get(f"/goals/{goal_id}").json()["status"] == "canceled")
     assert (await hub.request("GET", f"/goals/{goal_id}")).json()["status"] == "canceled"
     assert (await hub.request("DELETE", "/stop")).status == 403
     await asyncio.to_thread(site.http.delete, "/stop")
