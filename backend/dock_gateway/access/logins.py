@@ -75,9 +75,9 @@ class Logins:
             self.sso.provider.open()
         elif await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
             log.warning(
-                "no one can log in yet: there are no users or tokens in %s. `dock-gateway user add NAME --role admin` "
-                "adds the first user, and says in which database: --database-url chooses it",
-                self._where or "the database",
+                "no one can log in yet: there are no users or tokens in the database. This adds the first user: "
+                "`dock-gateway user add NAME --role admin --database-url %s`",
+                self._where or "URL",
             )
         self._tasks.spawn(self._run())
 

@@ -71,6 +71,8 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
             headers["Location"] = str(URL(path=quote(without), query=request.url.query))
         elif status is HTTPStatus.NOT_FOUND:
             detail = f"there is nothing at {path[:200]!r}; /docs lists the API"
+            if getattr(app.state, "hub", False):
+                detail += ", and what belongs to one site is at /sites/{site}/…"
         problem = GatewayError(detail, code=CODES.get(status, "malformed_request"), status=status)
         response = _answer(request, problem)
         response.headers.update(headers)

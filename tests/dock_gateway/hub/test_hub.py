@@ -108,6 +108,8 @@ async def test_what_a_login_does_not_reach_is_not_there(hub: Hub) -> None:
     assert (await hub.http.get("/sites", headers=header)).json()["sites"] == []
     for path in ("/sites/berlin", "/sites/berlin/echo", "/sites/paris/echo"):
         assert (await hub.http.get(path, headers=header)).json()["code"] == "site_not_found", path
+    docking = (await hub.http.post("/dock", headers=header)).json()
+    assert docking["detail"].endswith("what belongs to one site is at /sites/{site}/…")
     assert (await hub.http.get("/sites/berlin/echo")).json()["code"] == "not_authenticated"
     address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=robots"
     async with websockets.asyncio.client.connect(address, additional_headers=header) as socket:

@@ -259,7 +259,11 @@ class Caller:
             refusal = read_refusal(await self._deliver(subject, message, deadline))
         except Unavailable as error:
             channel.finish()
-            detail = "it does not listen on the broker" if isinstance(error, NoResponder) else error.detail
+            detail = (
+                "its gateway does not run or has no connection to a NATS server"
+                if isinstance(error, NoResponder)
+                else error.detail
+            )
             raise SiteUnreachable(address.site, detail) from None
         except TimeoutError:
             self._give_up(channel)
