@@ -265,7 +265,7 @@ class Broker:
 
 
 def _unavailable() -> Unavailable:
-    return Unavailable("there is no connection to the NATS broker", code="broker_unavailable")
+    return Unavailable("there is no connection to a NATS server", code="broker_unavailable")
 
 
 def _call(listeners: list[Callable[[], Any]]) -> None:
@@ -273,7 +273,7 @@ def _call(listeners: list[Callable[[], Any]]) -> None:
         try:
             listener()
         except Exception:
-            log.exception("after a change of the connection to the NATS broker")
+            log.exception("after a change of the connection to a NATS server")
 
 
 @asynccontextmanager
