@@ -127,7 +127,7 @@ async def test_identities_that_are_refused(site: RunningGateway, hub: SmallHub, 
     def signed(signer: Signer, name: str = "berlin", instance: str = address.instance, at: float = now) -> str:
         return signer.sign(name, instance, "alice", UNLIMITED, "POST", "/stop", at)
 
-    assert await refusal(hub, signed(stranger)) == "its signature is wrong, or none of the hub"
+    assert await refusal(hub, signed(stranger)) == "it is not signed with a key of the site's --hub-key"
     assert (
         await refusal(hub, signed(hub.signer, "oslo")) == "it is for another site, or for another process of this one"
     )

@@ -227,7 +227,7 @@ class Verifier:
         except ValidationError:
             raise _refusal("something is missing in it") from None
         except (JoseError, ValueError, TypeError, KeyError, RecursionError):
-            raise _refusal("its signature is wrong, or none of the hub") from None
+            raise _refusal("it is not signed with a key of the site's --hub-key") from None
         if signed.header.get("typ") != KIND:
             raise _refusal("it was signed for another purpose")
         return claims, str(signed.header.get("kid"))

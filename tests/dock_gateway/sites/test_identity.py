@@ -117,7 +117,7 @@ def test_forgeries(signer: Signer, verifier: Verifier, tmp_path: Path) -> None:
         "ä.ö.ü",
         *unsigned(signer, body),
     ):
-        assert refusal(verifier, forged) == "its signature is wrong, or none of the hub"
+        assert refusal(verifier, forged) == "it is not signed with a key of the site's --hub-key"
     assert refusal(verifier, "x" * 200_000) == "it is too long"
 
 
