@@ -87,7 +87,7 @@ class Follower:
     async def close(self) -> None:
         """Follow no longer."""
         await cancel(self._task)
-        self._view.behind = False
+        self._view.behind, self._view.trouble = False, None
 
     # ------------------------------------------------------------------ the connection
 
@@ -101,7 +101,8 @@ class Follower:
             except ForeignDocumentError as error:
                 self._complain(error)
             except (GatewayError, TimeoutError) as error:
-                log.info("the site %s cannot be followed: %s", self._site, error)
+                self._view.trouble = str(error) or type(error).__name__
+                log.info("the site %s cannot be followed: %s", self._site, self._view.trouble)
             except Exception:
                 log.exception("while following the site %s", self._site)
             if time.monotonic() - began > RETRY_LAST:
@@ -127,6 +128,7 @@ class Follower:
     async def _read_all(self, conversation: Conversation, reading: "Reading") -> None:
         async for message in conversation:
             self._view.reported_at = began = time.monotonic()
+            self._view.trouble = None
             await self._read(_decode(message), reading)
             took = time.monotonic() - began
             await asyncio.sleep(min(BREAK * took, LONGEST_BREAK) if took > LONG_WORK else 0)  # one site is not all

@@ -28,6 +28,7 @@ class SiteView:
         round_trip: Seconds that its last small answer took; None: not measured.
         behind: Whether it is still being asked for what the hub has missed.
         cursor: Id of its last event that is stored.
+        trouble: Why it cannot be followed, though it is connected; None while it is.
     """
 
     site: str
@@ -41,6 +42,7 @@ class SiteView:
     round_trip: float | None = None
     behind: bool = False
     cursor: str | None = None
+    trouble: str | None = None
     malformed: Counter[str] = field(default_factory=Counter)
 
     def put_robots(self, robots: Iterable[Document], gone: Iterable[str] = (), *, all_of_them: bool = False) -> None:

@@ -80,6 +80,7 @@ class Sites:
         self._followers: dict[str, tuple[str, Follower]] = {}
         self._states: dict[str, State] = {}
         self._quiet_since: dict[str, float] = {}
+        self._refusals: dict[str, tuple[str, str]] = {}
         self._tasks = Tasks("looking after sites")
         self._hellos = Tasks("answering hellos")
         self._following = asyncio.Lock()
@@ -138,7 +139,8 @@ class Sites:
             answer = self._judge(name, hello)
         if isinstance(answer, Welcome) and not await self._is_stored(name, hello):
             answer = Refusal(code="hub_unavailable", detail="the hub's database does not answer")
-        if isinstance(answer, Refusal):
+        if isinstance(answer, Refusal) and self._refusals.get(name) != (said := (hello.instance, answer.code)):
+            self._refusals[name] = said  # once, not with each hello
             log.warning("refused the site %s on %s: %s", name, hello.name_of_machine or "?", answer.detail)
         await received.reply(answer.encode())
         if isinstance(answer, Welcome):
@@ -285,7 +287,7 @@ class Sites:
             "alerts": len(view.alerts),
             "stop": {"latched": bool(stopped), "robots": stopped, "pending": self.pending_stop(name)},
             "refused": dict(site.refused + view.malformed),
-            "detail": site.detail,
+            "detail": site.detail or view.trouble,
         }
 
     # ------------------------------------------------------------------ requests
@@ -327,6 +329,7 @@ class Sites:
 
     def _forget_view(self, name: str) -> None:
         self._views.pop(name, None)
+        self._refusals.pop(name, None)
         self._states.pop(name, None)
         self._quiet_since.pop(name, None)
 

@@ -4,9 +4,11 @@ import time
 from collections.abc import Callable
 
 from dock_gateway.core.access import Principal, hub_principal
+from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import Role
 from dock_gateway.settings import Settings
-from dock_gateway.sites.identity import NOTHING, Verifier
+from dock_gateway.sites.identity import NOTHING, IdentityReused, Verifier
+from dock_gateway.uplink.link import HubLink
 
 
 class Admission:
@@ -15,17 +17,21 @@ class Admission:
     Args:
         settings: The settings of a site.
         instance: This process.
+        link: Is told whether the hub is believed.
         clock: Returns the time in seconds since 1970.
 
     Raises:
         KeyFault: The file with the hub's keys cannot be used.
     """
 
-    def __init__(self, settings: Settings, instance: str, clock: Callable[[], float] = time.time) -> None:
+    def __init__(
+        self, settings: Settings, instance: str, link: HubLink, clock: Callable[[], float] = time.time
+    ) -> None:
         assert settings.hub_key is not None
         self._verifier = Verifier(settings.hub_key, settings.site)
         self._limits = Role(settings.hub_role), settings.hub_robots
         self._instance = instance
+        self._link = link
         self._clock = clock
 
     def __call__(self, token: str, method: str, path: str, content: str = NOTHING) -> Principal:
@@ -42,5 +48,12 @@ class Admission:
                 (`identity_reused`).
             TooManyRequests: The hub has sent too many requests in the last minute.
         """
-        said = self._verifier.verify(token, self._instance, method, path, self._clock(), content)
+        try:
+            said = self._verifier.verify(token, self._instance, method, path, self._clock(), content)
+        except IdentityReused:
+            raise
+        except NotAuthenticated as error:
+            self._link.doubt(error.code, error.detail)
+            raise
+        self._link.believe()
         return hub_principal(said.name, said.grant.narrowed(*self._limits), said.key)

@@ -28,7 +28,8 @@ class HubLink:
         site: Name of this site.
         state: Whether the hub reaches it.
         since: Since when.
-        code: Why it does not: the hub's reason, or that of the connection; None while it does.
+        code: Why it does not: the hub's reason, or that of the connection; while it does, why its requests are refused,
+            if this process has not accepted one yet; else None.
         detail: The same as a sentence.
         refused: Number of messages and identities that were refused here, by reason.
     """
@@ -39,9 +40,12 @@ class HubLink:
     code: str | None = None
     detail: str | None = None
     refused: Counter[str] = field(default_factory=Counter)
+    _believed: bool = False
 
     def connected(self, version: str) -> None:
         """Note that the hub takes this site."""
+        if self.state is HubState.CONNECTED:
+            return  # it stays so, with what `doubt` has noted
         if self._change(HubState.CONNECTED, None, None):
             log.info("connected to the hub as the site %s; the hub is dock-gateway %s", self.site, version)
 
@@ -54,6 +58,17 @@ class HubLink:
         """Note that the hub does not reach this site."""
         if self._change(HubState.UNREACHABLE, code, detail):
             log.warning("the hub does not reach the site %s, which works on without it: %s", self.site, detail)
+
+    def believe(self) -> None:
+        """Note that a request of the hub was accepted. Others may send what it has not signed: that says nothing."""
+        if not self._believed and self.state is HubState.CONNECTED:
+            self.code = self.detail = None
+        self._believed = True
+
+    def doubt(self, code: str, detail: str) -> None:
+        """Note that a request was refused, unless one of the hub was accepted before: its key may be another one."""
+        if not self._believed and self.state is HubState.CONNECTED and self._change(self.state, code, detail):
+            log.warning("the requests of the hub are refused: %s", detail)
 
     def _change(self, state: HubState, code: str | None, detail: str | None) -> bool:
         """Set the state; return whether it is another one. A log has each reason once, until it is over."""

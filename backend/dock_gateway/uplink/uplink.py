@@ -59,7 +59,7 @@ class Uplink:
         self._app = app
         self._state: Mapping[str, Any] = {}
         self._address = Address(settings.site, subjects.new_id())
-        self._admission = Admission(settings, self._address.instance)
+        self._admission = Admission(settings, self._address.instance, link)
         self._installation: uuid.UUID | None = None
         self._broker: Broker | None = None
         self._tunnel: TunnelServer | None = None

@@ -18,6 +18,7 @@ from dock_gateway.hub.follower import Follower
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
 from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage.sql import SqlHistory
 from tests.dock_gateway.hub.test_renaming import ROBOT, decoded
 from tests.support.history import open_at
@@ -50,10 +51,13 @@ class FakeSite:
         self.connections = list(connections)
         self.asked_after: list[str | None] = []
         self.goals: dict[str, Goal] = {}
+        self.refusal: SiteFailed | None = None
 
     @asynccontextmanager
     async def events(self, after: str | None) -> AsyncIterator[AsyncIterator[str]]:
         self.asked_after.append(after)
+        if self.refusal is not None:
+            raise self.refusal
 
         async def messages() -> AsyncIterator[str]:
             for message in self.connections.pop(0):
@@ -154,6 +158,17 @@ async def test_nonsense_is_counted_and_the_site_is_tried_again(nonsense: Any, tm
         await until(lambda: len(site.asked_after) == 2 and not opened.view.behind)
         assert opened.view.malformed == {"malformed": 1}
         assert list(opened.view.robots) == ["/berlin/robot1"]
+
+
+async def test_why_a_site_cannot_be_followed_is_known_until_it_can(tmp_path: Path) -> None:
+    site = FakeSite()
+    refusal = SiteFailed("the site berlin does not believe the hub")
+    site.refusal = refusal
+    async with hub(site, tmp_path) as opened:
+        await until(lambda: opened.view.trouble == refusal.detail)
+        site.connections, site.refusal = [[snapshot()]], None
+        await until(lambda: not opened.view.behind)
+        assert opened.view.trouble is None
 
 
 async def test_what_came_after_an_event_that_cannot_be_read_is_read(tmp_path: Path) -> None:
