@@ -14,7 +14,7 @@ import { ANYBODY, session } from "../src/api/session";
 import type { Site } from "../src/api/sites";
 import { goalPath, robotPath } from "../src/fleet/names";
 import { linkOf } from "../src/fleet/words";
-import { atHub } from "../src/pages/map/SiteMapsPage";
+import { atHub } from "../src/pages/map/siteEvents";
 import { find } from "../src/search/items";
 import { clockWords, countWords, refusalWords, urgentSites } from "../src/sites/sites";
 import { alert, emptyScene, goal, latched, robot } from "./events";

@@ -1,7 +1,6 @@
-import type { GatewayEvent, Robot } from "@dock-gateway/client";
+import type { Robot } from "@dock-gateway/client";
 import { Stack, Text } from "@mantine/core";
 import { useEffect, useMemo, useRef, useState } from "react";
-import { hubName } from "../../api/hub";
 import { useFleetTopic } from "../../fleet/context";
 import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
@@ -10,6 +9,7 @@ import { PageTitle, Section } from "../../ui/Section";
 import { watchSight } from "../../ui/sight";
 import { siteOf } from "../overview/list";
 import { ASKED, RobotsMap } from "./MapPage";
+import { atHub } from "./siteEvents";
 import { FleetScenes } from "./stage";
 
 /** At a hub: a map for each site. */
@@ -59,15 +59,4 @@ function SiteMap({ site, robots }: { site: string; robots: readonly Robot[] }) {
       )}
     </div>
   );
-}
-
-/** An event of a site with the names of the hub. */
-export function atHub(event: GatewayEvent, site: string): GatewayEvent {
-  if (event.type === "scenes") return { ...event, scenes: renamed(event.scenes, site) };
-  if (event.type === "maps") return { ...event, maps: renamed(event.maps, site) };
-  return event;
-}
-
-function renamed<Value>(known: Record<string, Value>, site: string): Record<string, Value> {
-  return Object.fromEntries(Object.entries(known).map(([name, value]) => [hubName(site, name), value]));
 }
