@@ -60,12 +60,15 @@ def test_a_dock_on_the_map_is_pressed(page: Page, gateway: RunningGateway) -> No
     expect(page.get_by_text("laser scan")).to_be_visible()
     gateway.http.post("/stop", json={"by": "a test"}).raise_for_status()
 
+    here = page.get_by_role("menuitem", name="Dock here")
+
     def is_refused() -> bool:
         page.keyboard.press("Escape")
+        expect(here).to_have_count(0)  # the earlier menu has gone
         press_lab(page, gateway)
+        expect(here).to_be_visible()
         return page.get_by_text("The robot is stopped. Release the stop first.").count() > 0
 
-    here = page.get_by_role("menuitem", name="Dock here")
     wait_until(is_refused, "the menu, with the reason")
     expect(here).to_be_disabled()
     assert not find_violations(page)
