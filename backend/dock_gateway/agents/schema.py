@@ -213,10 +213,14 @@ class AlertList(Schema):
 
 
 class StopAnswer(Schema):
-    """What became of a stop. `canceling` and `unconfirmed` name goals, `failed` robots that were not reached."""
+    """What became of a stop. `canceling` and `unconfirmed` name goals, `failed` robots that were not reached.
+
+    `others` are gateways that stop robots of their own then.
+    """
 
     stop: Any
     canceling: Any
     unconfirmed: Any
     failed: Any
+    others: Any
     warning: Any
