@@ -1,5 +1,6 @@
 """A hub that asks for a login, with a small site, over a real NATS server."""
 
+import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -101,6 +102,16 @@ async def test_the_site_learns_who_asks_and_nothing_of_the_login(hub: Hub) -> No
     moved = await hub.http.post("/sites/berlin/elsewhere", headers=header)
     assert (moved.status_code, moved.headers["location"]) == (202, "/sites/berlin/echo")
     assert "set-cookie" not in moved.headers
+
+
+async def test_every_metric_of_a_hub_is_documented(hub: Hub) -> None:
+    _, header = await hub.token("prometheus", Role.VIEWER)
+    answer = (await hub.http.get("/metrics", headers=header)).raise_for_status()
+    page = (Path(__file__).parents[3] / "docs" / "metrics.md").read_text().partition("## Of a hub")[2]
+    named = set(re.findall(r"^\| `(dock_gateway_\w+)` \| (\w+) \|", page, re.MULTILINE))
+    told = set(re.findall(r"^# TYPE (dock_gateway_(?:site|broker)\w+) (\w+)$", answer.text, re.MULTILINE))
+    assert len(told) == 5
+    assert named == told
 
 
 async def test_what_a_login_does_not_reach_is_not_there(hub: Hub) -> None:
