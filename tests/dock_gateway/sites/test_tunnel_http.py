@@ -318,7 +318,7 @@ async def test_the_hub_has_a_limit_of_streams(server: NatsServer) -> None:
         assert stop.status == 404
         assert (await tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60)).status == 201
         other = Address("oslo", tunnel.address.instance)
-        with pytest.raises(SiteUnreachable, match="does not listen"):
+        with pytest.raises(SiteUnreachable, match="is not connected"):
             await tunnel.caller.request(other, "GET", "/echo", token="", deadline=60)
         forwarding.cancel()
 
