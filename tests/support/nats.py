@@ -9,7 +9,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from tests.support.processes import BIN, free_port
+from tests.support.processes import BIN, free_port, is_stopped
 from tests.support.waiting import wait_until
 
 
@@ -59,9 +59,11 @@ class NatsServer:
             self._process = None
 
     def freeze(self) -> None:
-        """Let it hear and say nothing, with its connections open."""
-        assert self._process is not None
-        self._process.send_signal(signal.SIGSTOP)
+        """Let it hear and say nothing, with its connections open. None of its threads runs any more."""
+        process = self._process
+        assert process is not None
+        process.send_signal(signal.SIGSTOP)
+        wait_until(lambda: is_stopped(process.pid), "the NATS server stands still")
 
     def thaw(self) -> None:
         """Let it go on."""

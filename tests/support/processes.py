@@ -40,7 +40,7 @@ def free_port() -> int:
         return port
 
 
-def _stopped(pid: int) -> bool:
+def is_stopped(pid: int) -> bool:
     """Whether none of a process's threads runs."""
     stats = [task.joinpath("stat").read_text() for task in Path(f"/proc/{pid}/task").iterdir()]
     return all(stat.rpartition(")")[2].split()[0] in "TZ" for stat in stats)
@@ -110,7 +110,7 @@ class Process:
         """Send a signal to the process; after SIGSTOP, wait until none of its threads runs."""
         self._process.send_signal(number)
         if number == signal.SIGSTOP:
-            wait_until(lambda: _stopped(self.pid), f"process {self.pid} stands still")
+            wait_until(lambda: is_stopped(self.pid), f"process {self.pid} stands still")
 
     def wait(self, timeout: float = PATIENCE) -> int:
         """Wait for the end and return the exit code."""
