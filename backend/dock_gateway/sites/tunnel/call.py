@@ -17,22 +17,9 @@ from dock_gateway.sites.tunnel.frames import (
     Head,
     Message,
     Open,
-    read_headers,
-    write_headers,
 )
+from dock_gateway.sites.tunnel.headers import read_request_headers, write_answer_headers
 
-# What the hub must not send along: it belongs to the connection of the hub's own client, or says who that is.
-LEFT_OUT = frozenset({
-    "authorization", "connection", "cookie", "expect", "forwarded", "host", "keep-alive", "origin",
-    "proxy-authorization", "proxy-connection", "referer", "sec-fetch-dest", "sec-fetch-mode", "sec-fetch-site",
-    "sec-fetch-user", "sec-websocket-accept", "sec-websocket-extensions", "sec-websocket-key",
-    "sec-websocket-protocol", "sec-websocket-version", "te", "trailer", "transfer-encoding", "upgrade",
-    "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto", "x-real-ip",
-})  # fmt: skip
-# What belongs to one connection, not to an answer.
-HOP_BY_HOP = frozenset({
-    "connection", "keep-alive", "proxy-connection", "te", "trailer", "transfer-encoding", "upgrade",
-})  # fmt: skip
 ABNORMAL_CLOSE, FORBIDDEN = 1006, 403
 
 
@@ -44,7 +31,6 @@ def scope_of(opened: Open, hub: Any, state: Mapping[str, Any]) -> Scope:
         hub: Who asks, as it was verified.
         state: The application's state.
     """
-    headers = [(name, value) for name, value in opened.headers if name not in LEFT_OUT]
     scope: Scope = {
         "type": opened.kind,
         "asgi": {"version": "3.0", "spec_version": "2.3" if opened.kind == "http" else "2.4"},
@@ -54,7 +40,7 @@ def scope_of(opened: Open, hub: Any, state: Mapping[str, Any]) -> Scope:
         "raw_path": quote(opened.path).encode(),
         "root_path": "",
         "query_string": opened.query.encode(),
-        "headers": [(b"host", b"localhost"), *read_headers(headers)],
+        "headers": [(b"host", b"localhost"), *read_request_headers(opened.headers)],
         "client": (opened.client, 0),
         "server": ("localhost", 80),
         "state": dict(state),
@@ -149,7 +135,7 @@ class WebSocketCall:
             text = message.get("text")
             await self._channel.send_message(message["bytes"] if text is None else text)
         elif kind == "websocket.accept":
-            headers = write_headers(message.get("headers", ()), HOP_BY_HOP)
+            headers = write_answer_headers(message.get("headers", ()))
             await self._channel.send("accept", subprotocol=message.get("subprotocol"), headers=headers)
             self.answered = True
         elif kind == "websocket.close" and self.answered:
@@ -171,7 +157,7 @@ async def send_head(channel: Channel, message: Mapping[str, Any]) -> None:
     Raises:
         ChannelEnded: Nobody waits for it any more.
     """
-    headers = write_headers(message.get("headers", ()), HOP_BY_HOP)
+    headers = write_answer_headers(message.get("headers", ()))
     await channel.send("head", status=int(message["status"]), headers=headers)
 
 

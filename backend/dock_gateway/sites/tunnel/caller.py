@@ -22,16 +22,13 @@ from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, pie
 from dock_gateway.sites.tunnel.conversation import Conversation, shake_hands
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteUnreachable, ended_early, refused, silent_for
 from dock_gateway.sites.tunnel.forward import CLIENT_GONE, forward_http, forward_websocket
-from dock_gateway.sites.tunnel.frames import STOP, encode, write_headers
+from dock_gateway.sites.tunnel.frames import STOP, encode
+from dock_gateway.sites.tunnel.headers import write_request_headers
 
 # Streams of clients at the same time: in all, and of one site, which takes some more, for the hub itself.
 MAX_STREAMS, MAX_STREAMS_OF_SITE = 5_000, 450
 # Streams that have just ended, and whose last frames may still be on their way.
 REMEMBERED = 1_000
-# Headers of a client that mean nothing to a site, or that it must not get.
-KEPT_BACK = frozenset(
-    {"authorization", "connection", "cookie", "expect", "host", "origin", "proxy-authorization", "te"}
-)
 
 
 @dataclass(frozen=True)
@@ -151,7 +148,7 @@ class Caller:
             "method": scope.get("method", "GET"),
             "path": path,
             "query": scope.get("query_string", b"").decode("latin-1"),
-            "headers": write_headers(scope["headers"] if headers is None else headers, KEPT_BACK),
+            "headers": write_request_headers(scope["headers"] if headers is None else headers),
             "subprotocols": scope.get("subprotocols") or [],
             "client": "" if client is None else client[0],
         }

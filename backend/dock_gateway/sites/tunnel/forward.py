@@ -11,7 +11,8 @@ from starlette.types import Receive, Scope, Send
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded
 from dock_gateway.sites.tunnel.failures import ended_early, silent_for
-from dock_gateway.sites.tunnel.frames import Accept, Close, Data, End, Head, Message, read_headers
+from dock_gateway.sites.tunnel.frames import Accept, Close, Data, End, Head, Message
+from dock_gateway.sites.tunnel.headers import read_headers
 
 log = logging.getLogger(__name__)
 

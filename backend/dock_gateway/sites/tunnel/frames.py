@@ -1,6 +1,5 @@
 """The messages of the tunnel: one line of JSON, then raw bytes. Both ends are on other machines: all is checked."""
 
-from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
 import orjson
@@ -152,17 +151,6 @@ def read_frame(data: bytes) -> tuple[Frame, bytes]:
         return _FRAMES.validate_json(line), body
     except ValidationError as error:
         raise malformed(error) from None
-
-
-def write_headers(headers: Iterable[tuple[bytes, bytes]], leave_out: frozenset[str]) -> list[tuple[str, str]]:
-    """Return headers as a message has them, in lower case, without those to leave out."""
-    pairs = ((name.decode("latin-1").lower(), value.decode("latin-1").strip()) for name, value in headers)
-    return [(name, value) for name, value in pairs if name not in leave_out]
-
-
-def read_headers(headers: Iterable[tuple[str, str]]) -> list[tuple[bytes, bytes]]:
-    """Return headers as ASGI has them."""
-    return [(name.encode("latin-1"), value.strip().encode("latin-1")) for name, value in headers]
 
 
 def _split(data: bytes) -> tuple[bytes, bytes]:
