@@ -33,6 +33,11 @@ from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
 log = logging.getLogger(__name__)
 
 
+def login_ended() -> NotAuthenticated:
+    """Return the error for who was logged in when they began."""
+    return NotAuthenticated("the login has ended or was changed; connect again", code="invalid_token")
+
+
 class Logins:
     """Users, sessions and tokens.
 
@@ -154,7 +159,7 @@ class Logins:
             NotAuthenticated: Their login has ended, or what they may do has changed (`invalid_token`).
         """
         if not self.is_valid(principal):
-            raise NotAuthenticated("the login has ended or was changed; connect again", code="invalid_token")
+            raise login_ended()
 
     @contextmanager
     def watch(self, principal: Principal, end: Callable[[], object]) -> Iterator[None]:

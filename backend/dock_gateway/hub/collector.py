@@ -21,12 +21,13 @@ class HubCollector(PartsCollector):
         yield gauge("broker_connected", "Whether the NATS server is connected", self.parts[Broker].connected)
         yield gauges("sites", "Sites by state", "state", sites.count())
         yield counters("sites_refused", "Messages of sites that were refused, by reason", "reason", sites.refused())
+        documents = [sites.document(name) for name in sites.names()]
         for name, text, field in (
             ("site_lag_seconds", "Age of a site's newest report", "lag_ms"),
             ("site_round_trip_seconds", "What a small answer of a site took last", "round_trip_ms"),
         ):
             family = GaugeMetricFamily(f"{NAMESPACE}_{name}", text, labels=["site"])
-            for site in sites.names():
-                if (value := sites.document(site)[field]) is not None:
-                    family.add_metric([site], value / 1000)
+            for site in documents:
+                if (value := site[field]) is not None:
+                    family.add_metric([site["name"]], value / 1000)
             yield family

@@ -15,9 +15,9 @@ from starlette.responses import Response
 from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
-from dock_gateway.access.logins import Logins
+from dock_gateway.access.logins import Logins, login_ended
 from dock_gateway.audit.trail import Trail, audited
-from dock_gateway.core.errors import InvalidField, MalformedRequest, NotAuthenticated
+from dock_gateway.core.errors import InvalidField, MalformedRequest
 from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http import operation as needs
@@ -29,6 +29,7 @@ from dock_gateway.http.requests import read_body, read_wait
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.hub.site_client import DEADLINE, SiteClient
 from dock_gateway.hub.sites import Sites
+from dock_gateway.hub.stop_requests import BODY_WITHIN
 from dock_gateway.settings import Settings
 from dock_gateway.sites.names import site_grant, to_hub
 from dock_gateway.sites.tunnel.failures import SiteTimeout, silent_for
@@ -37,23 +38,10 @@ from dock_gateway.streams.events import CLOSE_CODES
 router = APIRouter(tags=["Sites"])
 
 METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
-# Seconds that a stop waits for the rest of its request: who made it, for example.
-STOP_BODY_WITHIN = 0.5
 # The WebSockets that take commands: the hub records that they were opened, and the site each command.
 COMMANDING = frozenset({"ws", "rosbridge", "foxglove"})
 # The code with which a WebSocket is closed whose site was lost.
 SITE_LOST = 1014
-# What is about the connection to the hub, and the login there. The rest of the headers goes to the site.
-STAYING = frozenset(
-    {
-        *("authorization", "connection", "cookie", "expect", "forwarded", "host", "keep-alive", "origin"),
-        *("proxy-authorization", "referer", "te", "trailer", "transfer-encoding", "upgrade"),
-        *("content-length", "permissions-policy"),
-    }
-)
-STAYING_PREFIXES = ("proxy-", "sec-", "x-forwarded-")
-FIRST = asyncio.FIRST_COMPLETED
-LOGIN_ENDED = NotAuthenticated("the login has ended or was changed; connect again", code="invalid_token")
 Pairs = list[tuple[bytes, bytes]]
 
 
@@ -68,7 +56,7 @@ async def forward_request(site: str, path: str, request: Request) -> Response:
     body = await _read(request, path)
     parts[Logins].require_valid(principal)  # the body may have taken its time
     token = _sign(client, request.method, f"/{path}", request.scope, body)
-    return Forwarded(client, Asked(f"/{path}", token, _headers(request), body, DEADLINE + _wait(request)))
+    return Forwarded(Asked(client, f"/{path}", token, _headers(request), body, DEADLINE + _wait(request)))
 
 
 @router.websocket("/sites/{site}/{path:path}", name="forward_websocket")
@@ -79,13 +67,13 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
     client = parts[Sites].client(site, principal.grant)
     scope = {**websocket.scope, "query_string": _without_ticket(websocket.scope["query_string"])}
     token = _sign(client, "GET", f"/{path}", scope)
-    asked = Asked(f"/{path}", token, _headers(websocket), b"", DEADLINE)
+    asked = Asked(client, f"/{path}", token, _headers(websocket), b"", DEADLINE)
     if path in COMMANDING:
         trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
         trail.fields |= {"robot": None, "subject": f"/sites/{site}/{path}"[:200]}
         await trail.record(HTTPStatus.SWITCHING_PROTOCOLS)
     with parts[Quotas].hold(principal, "streams"):
-        await Stream(websocket).run(client, asked, scope)
+        await Stream(websocket).run(asked, scope)
 
 
 @dataclass(frozen=True)
@@ -93,6 +81,7 @@ class Asked:
     """A request to a site.
 
     Attributes:
+        client: The site.
         path: The path there.
         token: Who asks, signed.
         headers: Its headers.
@@ -100,31 +89,46 @@ class Asked:
         deadline: Seconds until the answer has to begin.
     """
 
+    client: SiteClient
     path: str
     token: str
     headers: Pairs
     body: bytes
     deadline: float
 
+    @property
+    def site(self) -> str:
+        """Name of the site."""
+        return self.client.address.site
+
+    async def carry(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Carry it to the site, and what that answers back; arguments as ASGI has them.
+
+        Raises:
+            GatewayError: As `Caller.forward`.
+        """
+        await self.client.forward(
+            scope, receive, send, path=self.path, token=self.token, headers=self.headers, deadline=self.deadline
+        )
+
 
 class Forwarded(Response):
     """The answer of a site, as it comes.
 
     Args:
-        client: The site.
         asked: What it is asked.
     """
 
-    def __init__(self, client: SiteClient, asked: "Asked") -> None:
+    def __init__(self, asked: Asked) -> None:
         super().__init__()
-        self._client = client
         self._asked = asked
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send the request, and then what comes."""
         connection = HTTPConnection(scope)
         timeout = parts_of(connection)[Settings].subscriber_timeout
-        prefix, asked = f"/sites/{self._client.address.site}", self._asked
+        asked = self._asked
+        prefix = f"/sites/{asked.site}"
         waiting: list[Message] = [{"type": "http.request", "body": asked.body, "more_body": False}]
 
         begun = asyncio.Event()
@@ -138,33 +142,24 @@ class Forwarded(Response):
                 message = {**message, "headers": [*_answered(message.get("headers", ()), prefix)]}
             await send_in_time(send, message, timeout)
 
-        forward = self._client.forward(
-            scope,
-            receive_all,
-            send_own,
-            path=asked.path,
-            token=asked.token,
-            headers=asked.headers,
-            deadline=asked.deadline,
-        )
-        carrying, beginning = asyncio.ensure_future(forward), asyncio.ensure_future(begun.wait())
+        carrying = asyncio.ensure_future(asked.carry(scope, receive_all, send_own))
+        beginning = asyncio.ensure_future(begun.wait())
         try:
             with (
                 self._counted(connection),
                 parts_of(connection)[Logins].watch(principal_of(connection), carrying.cancel),
             ):
-                await asyncio.wait((carrying, beginning), timeout=asked.deadline, return_when=FIRST)
+                await asyncio.wait((carrying, beginning), timeout=asked.deadline, return_when=asyncio.FIRST_COMPLETED)
                 late = not (carrying.done() or begun.is_set())
                 if not late:
                     await asyncio.wait((carrying,))
         finally:
             await cancel(carrying, beginning)
-        site = self._client.address.site
         try:
             if late:
-                raise silent_for(site, asked.deadline)
+                raise silent_for(asked.site, asked.deadline)
             if carrying.cancelled():
-                raise LOGIN_ENDED
+                raise login_ended()
             carrying.result()
         except SiteTimeout as error:
             error.extra["idempotency_key"] = Headers(raw=asked.headers).get("idempotency-key")
@@ -187,19 +182,11 @@ class Stream:
         self._websocket = websocket
         self._timeout = parts_of(websocket)[Settings].subscriber_timeout
 
-    async def run(self, client: SiteClient, asked: Asked, scope: Scope) -> None:
+    async def run(self, asked: Asked, scope: Scope) -> None:
         """Carry messages both ways until either side ends it, or the login ends."""
         websocket, ended = self._websocket, asyncio.Event()
-        forward = client.forward(
-            scope,
-            websocket.receive,
-            self._send,
-            path=asked.path,
-            token=asked.token,
-            headers=asked.headers,
-            deadline=asked.deadline,
-        )
-        carrying, ending = asyncio.ensure_future(forward), asyncio.ensure_future(ended.wait())
+        carrying = asyncio.ensure_future(asked.carry(scope, websocket.receive, self._send))
+        ending = asyncio.ensure_future(ended.wait())
         try:
             with parts_of(websocket)[Logins].watch(principal_of(websocket), ended.set):
                 await asyncio.wait((carrying, ending), return_when=asyncio.FIRST_COMPLETED)
@@ -207,7 +194,7 @@ class Stream:
             await cancel(ending, carrying)
         if websocket.application_state is WebSocketState.CONNECTING:
             if carrying.cancelled():
-                raise LOGIN_ENDED
+                raise login_ended()
             carrying.result()  # what kept it from being opened is the answer
         elif WebSocketState.CONNECTED is websocket.application_state is websocket.client_state:
             with suppress(WebSocketDisconnect):
@@ -225,7 +212,7 @@ async def _read(request: Request, path: str) -> bytes:
     if path != "stop":
         return await read_body(request)
     try:
-        return await read_body(request, STOP_BODY_WITHIN)
+        return await read_body(request, BODY_WITHIN)
     except MalformedRequest:
         return b""
 
@@ -246,15 +233,11 @@ def _sign(client: SiteClient, method: str, path: str, scope: Scope, body: bytes 
 
 
 def _headers(connection: HTTPConnection) -> Pairs:
-    """Return the headers that go to the site. What may be sent twice gets a key, so that it is done once."""
-    kept = [
-        (name, value)
-        for name, value in connection.scope["headers"]
-        if (text := name.decode("latin-1")) not in STAYING and not text.startswith(STAYING_PREFIXES)
-    ]
+    """Return the headers of a request. What may be sent twice gets a key, so that it is done once."""
+    headers: Pairs = list(connection.scope["headers"])
     if connection.scope.get("method") == "POST" and "idempotency-key" not in connection.headers:
-        kept.append((b"idempotency-key", uuid.uuid4().hex.encode()))
-    return kept
+        headers.append((b"idempotency-key", uuid.uuid4().hex.encode()))
+    return headers
 
 
 def _answered(headers: Iterable[tuple[bytes, bytes]], prefix: str) -> Iterable[tuple[bytes, bytes]]:

@@ -15,6 +15,8 @@ from dock_gateway.sites.names import to_site
 
 # All robots of a site.
 WHOLE = "/"
+# Seconds that a stop waits for the rest of its request: who made it, for example.
+BODY_WITHIN = 0.5
 # Everyone may stop every robot.
 STOPS_ALL = Grant(Role.VIEWER)
 # Answers of a site that will not change: it does not know the robot, or does not let the hub do it.

@@ -20,16 +20,13 @@ from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import RobotQuery, RobotsQuery, json_response, known_query, read_json
 from dock_gateway.hub.stop_outcomes import StopOutcome
-from dock_gateway.hub.stop_requests import WHOLE
+from dock_gateway.hub.stop_requests import BODY_WITHIN, WHOLE
 from dock_gateway.hub.stop_schema import HubReleaseReport, HubStopReport
 from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.names import site_grant, to_site
 from dock_gateway.stop.requests import STOP_REQUEST, noting, read_robots, read_stop, warning
 
 router = APIRouter(tags=["Stop"])
-
-# Seconds that a stop waits for its body.
-BODY_WITHIN = 0.5
 
 
 @router.post(
