@@ -6,7 +6,6 @@ import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager
 from functools import partial
-from typing import Protocol, TypeVar
 
 from prometheus_client import CollectorRegistry
 
@@ -29,8 +28,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.share import Claim, Share
-from dock_gateway.core.tasks import PendingFacts, Tasks
-from dock_gateway.core.webhook import Delivery
+from dock_gateway.core.tasks import PendingFacts, Tasks, closed_by
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.findings import claimed_twice
@@ -87,9 +85,7 @@ from dock_gateway.storage.database import display
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.streams.gateway_present import GatewayPresent
 from dock_gateway.streams.present import Present
-from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
-from dock_gateway.webhooks.outbox import Outbox
-from dock_gateway.webhooks.webhook import WebhookEntry
+from dock_gateway.webhooks.notifier import Notifier, make_notifier
 
 log = logging.getLogger(__name__)
 
@@ -105,7 +101,7 @@ async def open_gateway(settings: Settings, limits: GoalLimits = LIMITS) -> Async
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
         spool = None if settings.database_url == "memory:" else AuditSpool(settings.spool_folder / "audit")
-        audit = _closed_by(stack, AuditLog(history.audit, spool))
+        audit = closed_by(stack, AuditLog(history.audit, spool))
         await audit.open()
         yield await _open(settings, history, audit, stack, limits)
 
@@ -120,30 +116,30 @@ async def _open(
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
     stack.push_async_callback(asyncio.to_thread, bridge.close)
-    interlock = _closed_by(stack, _make_interlock(settings, fanout))
-    last_goals = _closed_by(stack, LastGoals(history))
-    actions = _closed_by(
+    interlock = closed_by(stack, _make_interlock(settings, fanout))
+    last_goals = closed_by(stack, LastGoals(history))
+    actions = closed_by(
         stack,
         ActionRegistry(settings, bridge, fanout, history, reasons, interlock=interlock, share=share, limits=limits),
     )
     history.on_loss = lambda: store_unfinished(actions, history)
     _follow_docking(actions, last_goals, fanout)
-    robots = _closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals, share=share))
+    robots = closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals, share=share))
     gateways.robots = robots.namespaces
-    stopper = _closed_by(stack, Stopper(robots, actions, interlock, share=share))
-    simulators = _closed_by(stack, Simulators(settings, bridge, fanout, robots))
-    approvals = _closed_by(stack, Approvals(settings, fanout, actions.verb_of, simulators.__contains__))
+    stopper = closed_by(stack, Stopper(robots, actions, interlock, share=share))
+    simulators = closed_by(stack, Simulators(settings, bridge, fanout, robots))
+    approvals = closed_by(stack, Approvals(settings, fanout, actions.verb_of, simulators.__contains__))
     activity = _watch_activity(robots, actions)
     _follow_stops(stopper, interlock, activity, approvals)
     _subscribe_on_demand(settings, bridge, fanout, robots, activity, stack=stack)
-    board = _closed_by(stack, SceneBoard(fanout, robots.namespaces))
+    board = closed_by(stack, SceneBoard(fanout, robots.namespaces))
     _listen_to_poses(settings, robots, MapPort, board, stack)
     if settings.store_poses:
-        recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
+        recorder = closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
         _listen_to_poses(settings, robots, PosePort, recorder, stack)
     graph, relays = _read_topics(bridge, stack)
     recordings = _record(settings, relays, robots, actions, audit=audit, stack=stack)
-    publishing = _closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
+    publishing = closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
     await bridge.call(
         lambda: DiagnosticsPort(
             robots.topics,
@@ -154,13 +150,13 @@ async def _open(
             on_simulator=simulators.on_report,
         )
     )
-    stop_of_all = _closed_by(stack, StopOfAll(settings, robots, interlock, stopper))
+    stop_of_all = closed_by(stack, StopOfAll(settings, robots, interlock, stopper))
     await _open_robots(robots, actions, share, stop_of_all)
-    labels = _closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
+    labels = closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
     await labels.open()
     graph_watch = _make_graph_watch(settings, bridge, robots, actions)
     decisions = DecisionLog(fanout, history.documents("decision", Decision))
-    alerts = _closed_by(
+    alerts = closed_by(
         stack,
         AlertBoard(
             fanout,
@@ -174,7 +170,7 @@ async def _open(
         ),
     )
     robot_actions = RobotActions(settings, actions, robots)
-    fleet = _closed_by(
+    fleet = closed_by(
         stack,
         Fleet(
             settings,
@@ -189,7 +185,7 @@ async def _open(
             alerts=alerts,
         ),
     )
-    automation = _closed_by(
+    automation = closed_by(
         stack,
         AutomaticDocking(
             fleet,
@@ -201,11 +197,11 @@ async def _open(
             decisions=decisions,
         ),
     )
-    notifier = _closed_by(stack, _make_notifier(history, alerts, labels, share))
-    logins = _closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
+    notifier = closed_by(stack, make_notifier(history, alerts, labels, share))
+    logins = closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
-    tasks = _closed_by(stack, Tasks("running the gateway"))
+    tasks = closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(
         _watch_graph(
             bridge,
@@ -234,7 +230,7 @@ async def _open(
             DockingActions: actions.docking,
             Goals: Goals(actions, actions.docking, history),
             Owners: Owners(actions.docking, robots, labels, history),
-            Docks: _closed_by(stack, Docks(settings, bridge)),
+            Docks: closed_by(stack, Docks(settings, bridge)),
             Share: share,
             Gateways: gateways,
             Robots: robots,
@@ -255,12 +251,12 @@ async def _open(
             Subjects: Subjects(settings, actions.action_of, robots.namespaces),
             GraphCache: graph,
             Relays: relays,
-            Maps: _closed_by(stack, Maps(settings, relays, graph, fanout, robots.namespaces)),
-            Cameras: _closed_by(stack, Cameras(settings, fanout, robots, graph, relays)),
+            Maps: closed_by(stack, Maps(settings, relays, graph, fanout, robots.namespaces)),
+            Cameras: closed_by(stack, Cameras(settings, fanout, robots, graph, relays)),
             Recordings: recordings,
-            EchoRegistry: _closed_by(stack, EchoRegistry(bridge, graph)),
-            ServiceCalls: _closed_by(stack, ServiceCalls(settings, bridge, interlock)),
-            Parameters: _closed_by(stack, Parameters(settings, bridge)),
+            EchoRegistry: closed_by(stack, EchoRegistry(bridge, graph)),
+            ServiceCalls: closed_by(stack, ServiceCalls(settings, bridge, interlock)),
+            Parameters: closed_by(stack, Parameters(settings, bridge)),
             Publishing: publishing,
         }
     )
@@ -280,7 +276,7 @@ async def _claim_robots(settings: Settings, history: History, stack: AsyncExitSt
     address = own_address(settings, settings.port)
     gateways = Gateways(history.documents("gateway", Claim), share, address, shared=history.shared)
     await gateways.open()
-    return share, _closed_by(stack, gateways)
+    return share, closed_by(stack, gateways)
 
 
 async def _open_robots(robots: RobotRegistry, actions: ActionRegistry, share: Share, stop_of_all: StopOfAll) -> None:
@@ -319,8 +315,8 @@ def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, s
 
 def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Relays]:
     """Make what reads the graph, and the messages of any topic."""
-    graph = _closed_by(stack, GraphCache(bridge))
-    return graph, _closed_by(stack, Relays(bridge, graph))
+    graph = closed_by(stack, GraphCache(bridge))
+    return graph, closed_by(stack, Relays(bridge, graph))
 
 
 def _record(
@@ -336,7 +332,7 @@ def _record(
     store = RecordingStore(settings.recordings_folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
     if settings.record == "none":
         return Recordings(store, None)
-    recorder = _closed_by(stack, Recorder(settings, robots.topics.bridge, relays, robots, store))
+    recorder = closed_by(stack, Recorder(settings, robots.topics.bridge, relays, robots, store))
     actions.on_sent.append(recorder.follow)
     actions.on_change.append(recorder.follow)
     actions.on_end.append(recorder.end)
@@ -350,12 +346,6 @@ def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry,
     watch = GraphWatch(settings, bridge, robots, actions)
     actions.remark = watch.remark
     return watch
-
-
-def _make_notifier(history: History, alerts: AlertBoard, labels: Labels, share: Share) -> Notifier:
-    webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
-    outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
-    return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox, share=share)
 
 
 def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, approvals: Approvals) -> None:
@@ -376,25 +366,13 @@ def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, fanout: Fano
     actions.on_end.append(last_goals.take)
 
 
-class _Part(Protocol):
-    async def close(self) -> None: ...
-
-
-PartT = TypeVar("PartT", bound=_Part)
-
-
-def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
-    stack.push_async_callback(part.close)
-    return part
-
-
 def _observe(parts: Parts, stack: AsyncExitStack) -> None:
     """Measure the parts, and trace their goals if that is configured."""
     if traces := open_traces(parts):
-        _closed_by(stack, traces)
+        closed_by(stack, traces)
     registry = CollectorRegistry()
     GoalMetrics(registry, parts)
-    parts.add(Metrics, _closed_by(stack, Metrics(GatewayCollector(parts), registry)))
+    parts.add(Metrics, closed_by(stack, Metrics(GatewayCollector(parts), registry)))
 
 
 def _subscribe_on_demand(
@@ -427,9 +405,9 @@ def _subscribe_on_demand(
         port.callback(activity.unsubscribed, robot)
         return port
 
-    _closed_by(stack, OnDemand(bridge, fanout, "scene", scene))
-    _closed_by(stack, OnDemand(bridge, fanout, "cmd_vel", velocity))
-    _closed_by(stack, OnDemand(bridge, activity, "motion", motion))
+    closed_by(stack, OnDemand(bridge, fanout, "scene", scene))
+    closed_by(stack, OnDemand(bridge, fanout, "cmd_vel", velocity))
+    closed_by(stack, OnDemand(bridge, activity, "motion", motion))
 
 
 def _listen_to_poses(
@@ -445,7 +423,7 @@ def _listen_to_poses(
         resolve = partial(settings.resolve, namespace=robot)
         return kind(robots.topics, robot, resolve, ears.hear, stop_topic=resolve(settings.stop_topic))
 
-    _closed_by(stack, OnDemand(robots.topics.bridge, ears, "poses", port))
+    closed_by(stack, OnDemand(robots.topics.bridge, ears, "poses", port))
 
 
 async def _watch_graph(bridge: Bridge, *steps: Callable[[Scan], Awaitable[bool | None]]) -> None:

@@ -4,7 +4,8 @@ import asyncio
 import logging
 from collections import OrderedDict
 from collections.abc import Coroutine
-from typing import Any, Generic, TypeVar
+from contextlib import AsyncExitStack
+from typing import Any, Generic, Protocol, TypeVar
 
 from dock_gateway.core.errors import GatewayError
 
@@ -100,3 +101,16 @@ class PendingFacts(Generic[T]):
             finally:
                 self._waiting.pop(goal_id, None)
         return self._facts.get(goal_id)
+
+
+class _Closable(Protocol):
+    async def close(self) -> None: ...
+
+
+ClosableT = TypeVar("ClosableT", bound=_Closable)
+
+
+def closed_by(stack: AsyncExitStack, part: ClosableT) -> ClosableT:
+    """Return a part, which is closed when the stack is."""
+    stack.push_async_callback(part.close)
+    return part

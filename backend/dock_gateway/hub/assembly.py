@@ -15,7 +15,7 @@ from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.webhook import Delivery
+from dock_gateway.core.tasks import closed_by
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
@@ -38,12 +38,9 @@ from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
 from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
-from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.streams.present import Present
-from dock_gateway.webhooks.notifier import MAX_WEBHOOKS, Notifier
-from dock_gateway.webhooks.outbox import Outbox
-from dock_gateway.webhooks.webhook import WebhookEntry
+from dock_gateway.webhooks.notifier import Notifier, make_notifier
 
 log = logging.getLogger(__name__)
 
@@ -65,8 +62,7 @@ async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
         assert isinstance(history, SqlHistory)  # the command refuses `memory:`
-        audit = AuditLog(history.audit, AuditSpool(settings.spool_folder / "audit"))
-        stack.push_async_callback(audit.close)
+        audit = closed_by(stack, AuditLog(history.audit, AuditSpool(settings.spool_folder / "audit")))
         await audit.open()
         options = BrokerOptions(
             urls=settings.nats,
@@ -89,24 +85,16 @@ async def _open(
     caller = Caller(broker)
     await caller.open()
     stack.push_async_callback(caller.close)
-    store = HubStore(history.mirror, fanout)
-    stack.push_async_callback(store.close)
-    sites = Sites(broker, caller, signer, history, store)
-    stack.push_async_callback(sites.close)
-    stops = Stops(sites, history.documents("stop", StopEntry))
-    stack.push_async_callback(stops.close)
+    store = closed_by(stack, HubStore(history.mirror, fanout))
+    sites = closed_by(stack, Sites(broker, caller, signer, history, store))
+    stops = closed_by(stack, Stops(sites, history.documents("stop", StopEntry)))
     sites.pending_stop = stops.pending
     docking = DockingActions(DockingCatalog(settings), {})
     goals = Goals(NoLiveGoals(), docking, history)
-    overview = Overview(fanout, sites, goals, history)
-    stack.push_async_callback(overview.close)
+    overview = closed_by(stack, Overview(fanout, sites, goals, history))
     labels = SiteLabels(sites)
-    webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
-    outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
-    notifier = Notifier(overview, labels, webhooks=webhooks, outbox=outbox)
-    stack.push_async_callback(notifier.close)
-    logins = Logins(history, open_single_sign_on(settings), display(settings.database))
-    stack.push_async_callback(logins.close)
+    notifier = closed_by(stack, make_notifier(history, overview, labels))
+    logins = closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
     history.on_loss = sites.read_again
@@ -134,8 +122,7 @@ async def _open(
             Subjects: Subjects(settings, lambda _: None, overview.namespaces),
         }
     )
-    metrics = Metrics(HubCollector(parts), CollectorRegistry())
-    stack.push_async_callback(metrics.close)
+    metrics = closed_by(stack, Metrics(HubCollector(parts), CollectorRegistry()))
     parts.add(Metrics, metrics)
     stops.open()
     await sites.open()

@@ -13,11 +13,11 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.core.webhook import DeliveryState, EventType
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.robots import RobotLabels
-from dock_gateway.storage import RobotLabel
-from dock_gateway.storage.shared_entries import SharedBook
+from dock_gateway.storage import History, RobotLabel
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.outbox import Document, Outbox, delivery_document
 from dock_gateway.webhooks.sender import new_secret
 from dock_gateway.webhooks.webhook import WebhookEntry
@@ -252,3 +252,10 @@ class Notifier:
         """Stop sending. Pending deliveries are sent after the next start."""
         await self._tasks.close()
         await self._outbox.close()
+
+
+def make_notifier(history: History, alerts: Alerts, labels: RobotLabels, share: Share = EVERYTHING) -> Notifier:
+    """Make the notifier of the webhooks that a history has; arguments as for `Notifier`."""
+    webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", MAX_WEBHOOKS)
+    outbox = Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery)))
+    return Notifier(alerts, labels, webhooks=webhooks, outbox=outbox, share=share)
