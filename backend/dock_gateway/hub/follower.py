@@ -6,29 +6,18 @@ import random
 import time
 from collections.abc import Iterable
 from copy import copy
-from datetime import datetime, timedelta
 from typing import Any, Protocol
 
 import orjson
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import CLOCK_TOLERANCE, STATUS, event_id, moment, nanoseconds, stamp_of, utc_now
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError
 from dock_gateway.core.tasks import cancel
-from dock_gateway.http.queries import EVENT_ID
-from dock_gateway.hub.renaming import (
-    ForeignDocumentError,
-    Happening,
-    ends_of,
-    finish_goal,
-    read_alerts,
-    read_approvals,
-    read_goal,
-    read_goal_id,
-    read_names,
-    read_robots,
-    read_time,
-)
+from dock_gateway.hub.fields import ForeignDocumentError
+from dock_gateway.hub.goal_documents import Happening, ends_of, finish_goal, read_goal, read_goal_id, read_time
+from dock_gateway.hub.reading import Reading, id_before, read_event_id
+from dock_gateway.hub.renaming import read_alerts, read_approvals, read_names, read_robots
 from dock_gateway.hub.site_client import Conversation, SiteClient
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import News
@@ -125,7 +114,7 @@ class Follower:
             for task in done:
                 task.result()
 
-    async def _read_all(self, conversation: Conversation, reading: "Reading") -> None:
+    async def _read_all(self, conversation: Conversation, reading: Reading) -> None:
         async for message in conversation:
             self._view.reported_at = began = time.monotonic()
             self._view.trouble = None
@@ -153,7 +142,7 @@ class Follower:
 
     # ------------------------------------------------------------------ messages
 
-    async def _read(self, message: dict[str, Any], reading: "Reading") -> None:
+    async def _read(self, message: dict[str, Any], reading: Reading) -> None:
         match message.get("type"):
             case "status" | "result" as kind:
                 await self._read_event(kind, message, reading)
@@ -175,8 +164,8 @@ class Follower:
             case "closing":
                 log.info("the site %s ends the stream: %s", self._site, message.get("reason"))
 
-    async def _read_event(self, kind: str, message: dict[str, Any], reading: "Reading") -> None:
-        identity, at = _read_event_id(message.get("id")), read_time(message.get("time"))
+    async def _read_event(self, kind: str, message: dict[str, Any], reading: Reading) -> None:
+        identity, at = read_event_id(message.get("id")), read_time(message.get("time"))
         try:
             if kind == "status":
                 goal = read_goal(self._site, message)
@@ -229,7 +218,7 @@ class Follower:
 
     # ------------------------------------------------------------------ what was missed
 
-    async def _read_snapshot(self, message: dict[str, Any], reading: "Reading") -> None:
+    async def _read_snapshot(self, message: dict[str, Any], reading: Reading) -> None:
         self._view.put_robots(read_robots(self._site, message.get("robots")), all_of_them=True)
         self._view.put_alerts(read_alerts(self._site, message.get("alerts")))
         self._view.put_approvals(read_approvals(self._site, message.get("approvals")))
@@ -238,16 +227,16 @@ class Follower:
         if not isinstance(documents, list):
             raise ForeignDocumentError("a snapshot without goals")
         ids = [each.get("last_event_id") for each in documents if isinstance(each, dict)]
-        reading.newest = max((reading.newest, *(_read_event_id(each) for each in ids if each is not None)))
+        reading.newest = max((reading.newest, *(read_event_id(each) for each in ids if each is not None)))
         found = await self._take(documents, reading)
         found |= await self._read_pages(reading)
         await self._look_for_unfinished(found)
         reading.gap = False
-        self._news.cursor = reading.newest or _id_before(read_time(message.get("time")))
+        self._news.cursor = reading.newest or id_before(read_time(message.get("time")))
         self._more.set()
         self._view.behind = False
 
-    async def _take(self, documents: Iterable[Any], reading: "Reading") -> set[str]:
+    async def _take(self, documents: Iterable[Any], reading: Reading) -> set[str]:
         """Take over goals as they are now; return their ids. Their ends are told, if they may not have been told."""
         found = set()
         for document in documents:
@@ -263,7 +252,7 @@ class Follower:
         self._more.set()
         return found
 
-    async def _read_pages(self, reading: "Reading") -> set[str]:
+    async def _read_pages(self, reading: Reading) -> set[str]:
         """Read the goals of the site, newest first, until those that are known already."""
         found: set[str] = set()
         query = f"limit={PAGE}"
@@ -296,54 +285,6 @@ class Follower:
                 self._news.happenings += [Happening("status", copy(goal), goal.updated_at)]
             self._note(goal)
             self._news.happenings += ends_of(copy(goal))
-
-
-class Reading:
-    """How far a stream of a site has been read.
-
-    Args:
-        cursor: The last event that is stored; None if the site was never read.
-
-    Attributes:
-        first_robots: Whether the next robots are all of them.
-        gap: Whether events are missing that the site no longer has: its goals are read instead.
-        newest: Id of the newest event that was read; empty if there is none yet.
-    """
-
-    def __init__(self, cursor: str | None) -> None:
-        self.first_robots = False
-        self.gap = False
-        self.newest = ""
-        self._since: datetime | None = None if cursor is None else moment(stamp_of(cursor)) - timedelta(seconds=5)
-        self._missed = 0
-
-    def begin(self, message: dict[str, Any], view: SiteView) -> None:
-        """Note how many missed events follow."""
-        count = message.get("count")
-        self._missed = count if isinstance(count, int) else 0
-        self.first_robots = True
-        view.behind = self._missed > 0
-
-    def count_event(self, view: SiteView) -> None:
-        """Note that an event was read."""
-        if self._missed:
-            self._missed -= 1
-            view.behind = self._missed > 0
-
-    def tells_of(self, goal: Goal) -> bool:
-        """Return whether the end of a goal may not have been told: it is later than what was read before."""
-        return self._since is not None and (goal.finished_at or goal.updated_at) >= self._since
-
-
-def _read_event_id(value: object) -> str:
-    if not isinstance(value, str) or not EVENT_ID.fullmatch(value):
-        raise ForeignDocumentError(f"{value!r:.60} is not the id of an event")
-    return value
-
-
-def _id_before(time: datetime) -> str:
-    """Return an id to resume from at a site that had no event at that time: all of its events come later."""
-    return event_id(nanoseconds(time) - CLOCK_TOLERANCE, STATUS, "none")
 
 
 def _decode(message: str | bytes) -> dict[str, Any]:

@@ -20,8 +20,9 @@ from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import NO_QUERY, RobotQuery, json_response, known_query
+from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.overview import Overview
-from dock_gateway.hub.renaming import ForeignDocumentError, read_alerts
+from dock_gateway.hub.renaming import read_alerts
 from dock_gateway.hub.schema import (
     HubHealth,
     HubReadiness,

@@ -9,7 +9,7 @@ import orjson
 from starlette.types import Receive, Scope, Send
 
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.renaming import ForeignDocumentError
+from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.tunnel.answer import Answer
 from dock_gateway.sites.tunnel.caller import Address, Caller

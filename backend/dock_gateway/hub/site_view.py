@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from dock_gateway.hub.renaming import ForeignDocumentError
+from dock_gateway.hub.fields import ForeignDocumentError
 
 Document = dict[str, Any]
 

@@ -16,7 +16,8 @@ from dock_gateway.core.event import Event, nanoseconds, result_event, status_eve
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.hub.renaming import ForeignDocumentError, Happening
+from dock_gateway.hub.fields import ForeignDocumentError
+from dock_gateway.hub.goal_documents import Happening
 from dock_gateway.storage.mirror import MirrorBatch, RefusedError, SqlMirror
 
 log = logging.getLogger(__name__)

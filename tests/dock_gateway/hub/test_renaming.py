@@ -9,7 +9,7 @@ import pytest
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
 from dock_gateway.fleet.alert import Alert, AlertKind
-from dock_gateway.hub import renaming
+from dock_gateway.hub import fields, goal_documents, renaming
 from dock_gateway.hub.site_view import MAX_ROBOTS, SiteView
 from tests.support import small_site
 
@@ -58,17 +58,17 @@ def test_an_alert_of_the_gateway_is_one_of_the_site() -> None:
 
 def test_a_goal_comes_through_as_it_was_but_for_its_name_and_its_last_event() -> None:
     goal = ended_goal()
-    renamed = renaming.read_goal("berlin", decoded(goal.document()))
+    renamed = goal_documents.read_goal("berlin", decoded(goal.document()))
     expected = decoded(goal.document()) | {"action_name": "/berlin/robot1/dock", "last_event_id": None}
     assert decoded(renamed.document()) == expected
-    assert [each.kind for each in renaming.ends_of(renamed)] == ["status", "result"]
+    assert [each.kind for each in goal_documents.ends_of(renamed)] == ["status", "result"]
 
 
 def test_a_result_finishes_a_goal() -> None:
     goal = ended_goal()
-    running = renaming.read_goal("berlin", decoded(goal.document()) | {"status": "executing", "result": None})
+    running = goal_documents.read_goal("berlin", decoded(goal.document()) | {"status": "executing", "result": None})
     event = {"status": "aborted", "result": {"b": 1}, "error": None, "time": "2026-11-27T12:00:01Z"}
-    renaming.finish_goal(running, event)
+    goal_documents.finish_goal(running, event)
     assert (running.status, running.result, running.error) == (GoalStatus.ABORTED, b'{"b":1}', None)
     assert running.finished_at == datetime(2026, 11, 27, 12, 0, 1, tzinfo=UTC)
 
@@ -91,26 +91,26 @@ def test_a_result_finishes_a_goal() -> None:
 )
 def test_what_is_not_a_goal_is_refused_with_a_sentence(field: str, value: object) -> None:
     document = decoded(ended_goal().document()) | {field: value}
-    with pytest.raises(renaming.ForeignDocumentError):
-        renaming.read_goal("berlin", document)
+    with pytest.raises(fields.ForeignDocumentError):
+        goal_documents.read_goal("berlin", document)
 
 
 @pytest.mark.parametrize("nonsense", [None, 5, "text", {}, [None], [[]], [{"name": 1}], [ROBOT | {"stop": None}]])
 def test_nonsense_is_refused(nonsense: object) -> None:
     for read in (renaming.read_robots, renaming.read_alerts, renaming.read_names, renaming.read_approvals):
-        with pytest.raises(renaming.ForeignDocumentError):
+        with pytest.raises(fields.ForeignDocumentError):
             read("berlin", deepcopy(nonsense))
-    with pytest.raises(renaming.ForeignDocumentError):
-        renaming.read_goal("berlin", nonsense)
+    with pytest.raises(fields.ForeignDocumentError):
+        goal_documents.read_goal("berlin", nonsense)
 
 
 def nested(depth: int) -> Any:
     return [nested(depth - 1)] if depth else []
 
 
-@pytest.mark.parametrize("value", [nested(250), "x" * renaming.MAX_DOCUMENT])
+@pytest.mark.parametrize("value", [nested(250), "x" * fields.MAX_DOCUMENT])
 def test_a_value_that_nobody_could_be_shown_is_refused(value: Any) -> None:
-    with pytest.raises(renaming.ForeignDocumentError):
+    with pytest.raises(fields.ForeignDocumentError):
         renaming.read_robots("berlin", [ROBOT | {"battery": value}])
 
 
@@ -118,14 +118,14 @@ def test_a_site_has_only_so_many_robots() -> None:
     view = SiteView("berlin")
     every = [ROBOT | {"name": f"/berlin/r{number}"} for number in range(MAX_ROBOTS)]
     view.put_robots(every)
-    with pytest.raises(renaming.ForeignDocumentError, match="more than"):
+    with pytest.raises(fields.ForeignDocumentError, match="more than"):
         view.put_robots([ROBOT])
-    with pytest.raises(renaming.ForeignDocumentError, match="a list has"):
-        renaming.read_names("berlin", ["/r1"] * (renaming.MAX_ENTRIES + 1))
+    with pytest.raises(fields.ForeignDocumentError, match="a list has"):
+        renaming.read_names("berlin", ["/r1"] * (fields.MAX_ENTRIES + 1))
     assert len(view.robots) == MAX_ROBOTS
 
 
 def test_a_message_that_is_too_large_is_left_out() -> None:
-    document = decoded(ended_goal().document()) | {"goal": {"a": "x" * renaming.MAX_MESSAGE}}
-    renamed = renaming.read_goal("berlin", document)
+    document = decoded(ended_goal().document()) | {"goal": {"a": "x" * goal_documents.MAX_MESSAGE}}
+    renamed = goal_documents.read_goal("berlin", document)
     assert (renamed.goal, renamed.result) == (None, b'{"b":[null]}')

@@ -12,7 +12,8 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.hub.renaming import ForeignDocumentError, Happening, ends_of
+from dock_gateway.hub.fields import ForeignDocumentError
+from dock_gateway.hub.goal_documents import Happening, ends_of
 from dock_gateway.hub.store import HubStore, News
 from dock_gateway.storage.mirror import MirrorBatch
 from dock_gateway.storage.sql import SqlHistory
