@@ -6,8 +6,8 @@ from typing import Any
 import click
 
 from dock_gateway.cli.options import read_settings, settings_options
-from dock_gateway.cli.start import check_exposure
-from dock_gateway.doctor.machine import find_database_fault, find_port_fault
+from dock_gateway.cli.start import check_broker, check_exposure, check_port
+from dock_gateway.doctor.machine import find_database_fault
 from dock_gateway.settings import Settings, data_file
 
 # What a hub reads of the settings besides those of the web server, by what their names begin with.
@@ -44,9 +44,10 @@ def hub(**options: Any) -> None:
         own |= {} if settings.spool_path else {"spool_path": data_file("hub-spool")}
         settings = settings.model_copy(update=own)
     check_exposure(settings)
-    for fault in (find_port_fault(settings), find_database_fault(settings)):
-        if fault is not None:
-            raise click.ClickException(fault)
+    check_broker(settings)
+    check_port(settings)
+    if (fault := find_database_fault(settings)) is not None:
+        raise click.ClickException(fault)
     from dock_gateway.cli.server import run  # noqa: PLC0415 - takes long to import
     from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415
     from dock_gateway.hub.app import create_hub_app  # noqa: PLC0415

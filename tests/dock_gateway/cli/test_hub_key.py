@@ -40,6 +40,10 @@ def test_a_start_with_other_files(tmp_path: Path, setting: str, sentence: str) -
     (path := tmp_path / "file").write_text("something else\n")
     with pytest.raises(click.UsageError, match=sentence):
         check_broker(read_settings({"nats": "nats://127.0.0.1", setting: str(path)}))
+    option = f"--{setting.replace('_', '-')}"
+    result = CliRunner().invoke(main, ["hub", "--nats", "nats://127.0.0.1", "--port", "0", option, str(path)])
+    assert result.exit_code == 2
+    assert setting in result.output
 
 
 def test_a_file_that_is_no_key(tmp_path: Path) -> None:
