@@ -1,4 +1,4 @@
-"""The clients of rosbridge and of Foxglove as their users install them, on a real gateway: `make test-clients`."""
+"""Clients of rosbridge, Foxglove and MCP as their users install them, on a real gateway: `make test-clients`."""
 
 import json
 import os
@@ -16,6 +16,7 @@ from playwright.sync_api import sync_playwright
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.origins import blank_page
 from tests.support.processes import free_port
 from tests.support.waiting import wait_until
 
@@ -30,6 +31,20 @@ ENTRY = """
 import * as roslib from "{package}";
 import {{ scenario }} from "{scenario}";
 globalThis.scenario = (url) => scenario("{package}" === "roslib" && roslib.default || roslib, url);
+"""
+
+
+AGENT = """
+import {{ Client }} from "@modelcontextprotocol/{client}";
+import {{ StreamableHTTPClientTransport }} from "@modelcontextprotocol/{transport}";
+globalThis.agent = async (url) => {{
+  const client = new Client({{ name: "page", version: "1" }});
+  await client.connect(new StreamableHTTPClientTransport(new URL(url)));
+  const tools = (await client.listTools()).tools.map((tool) => tool.name);
+  const robots = await client.callTool({{ name: "list_robots", arguments: {{}} }});
+  await client.close();
+  return {{ tools, robots: robots.structuredContent }};
+}};
 """
 
 
@@ -113,6 +128,27 @@ def check(seen: dict[str, Any], *, actions: bool) -> None:
         assert seen["result"] == {"sequence": [0, 1, 1, 2, 3]}
         assert seen["feedback"] == {"partial_sequence": [0, 1, 1]}
         assert "canceled" in seen["canceled"]
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason=MISSING)
+@pytest.mark.parametrize("package", ["sdk", "client"])
+def test_an_agent_in_a_page_of_another_origin(tmp_path: Path, package: str) -> None:
+    """Both versions of the protocol's own client for browsers, as its inspector uses it without a proxy."""
+    modules = {"sdk": ("sdk/client/index.js", "sdk/client/streamableHttp.js"), "client": ("client", "client")}
+    client, transport = modules[package]
+    entry, script = CLIENTS / "mcp/entry.mjs", tmp_path / "script.js"
+    entry.write_text(AGENT.format(client=client, transport=transport))
+    command = [BUNDLER, entry, "--file", script, "--format", "iife", "--platform", "browser"]
+    done = subprocess.run(command, cwd=CLIENTS / "mcp", capture_output=True, text=True, timeout=60, check=False)
+    assert script.exists(), done.stdout + done.stderr
+    with blank_page() as origin, ros_domain() as domain, sync_playwright() as playwright, ExitStack() as stack:
+        gateway = stack.enter_context(running_gateway(domain, mcp="true", allowed_origins=origin))
+        page = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS).new_page()
+        page.goto(origin)
+        page.add_script_tag(path=script)
+        seen = page.evaluate("(url) => agent(url)", f"{gateway.url}/mcp")
+    assert "stop_robots" in seen["tools"]
+    assert [robot["name"] for robot in seen["robots"]["robots"]] == ["/"]
 
 
 def test_ros_mcp(gateway: RunningGateway) -> None:

@@ -1,11 +1,21 @@
 """The application as a browser page of another origin meets it: allowed pages may use all of it, others nothing."""
 
+import re
+from pathlib import Path
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mcp.server import streamable_http
+from mcp.shared import inbound
 from starlette.testclient import TestClient
 
+import dock_gateway
 from dock_gateway.app import create_app
+from dock_gateway.http import request_id
 from dock_gateway.settings import Settings
 
+PACKAGE = Path(dock_gateway.__file__).parent
 OPS = "https://ops.example"
 
 
@@ -18,7 +28,7 @@ def preflight(origin: str, method: str, **more: str) -> dict[str, str]:
     return {
         "Origin": origin,
         "Access-Control-Request-Method": method,
-        "Access-Control-Request-Headers": "content-type,idempotency-key,if-none-match,last-event-id,prefer",
+        "Access-Control-Request-Headers": "content-type,idempotency-key",
         **more,
     }
 
@@ -46,10 +56,50 @@ def test_a_preflight_to_a_foreign_name() -> None:
     assert (response.status_code, response.json()["code"]) == (403, "host_not_allowed")
 
 
+TOKEN = "abcdefghijklmnopqrstuvwxyz0123456789!#$%&'*+-.^_`|~"  # RFC 9110, 5.6.2; browsers send names in lower case
+APP = client(OPS)
+
+
+def headers_that_are_read() -> set[str]:
+    """Those of the OpenAPI document, those that the code names, and those of the Model Context Protocol."""
+    document = APP.get("/openapi.json").json()
+    operations = [operation for path in document["paths"].values() for operation in path.values()]
+    parameters = [parameter for operation in operations for parameter in operation.get("parameters", ())]
+    code = "".join(path.read_text() for path in PACKAGE.rglob("*.py"))
+    agents = {inbound.MCP_PROTOCOL_VERSION_HEADER, inbound.MCP_METHOD_HEADER, inbound.MCP_NAME_HEADER}
+    return {
+        *(parameter["name"] for parameter in parameters if parameter["in"] == "header"),
+        *re.findall(r"\.headers(?:\.get\(|\[)\"([\w-]+)\"", code),
+        *request_id.TRACE,
+        *agents,
+        streamable_http.MCP_SESSION_ID_HEADER,
+        f"{inbound.MCP_PARAM_HEADER_PREFIX}robot",
+    }
+
+
+def test_an_allowed_page_may_send_every_header_that_is_read() -> None:
+    names = {name.lower() for name in headers_that_are_read()}
+    assert {"idempotency-key", "prefer", "if-none-match", "last-event-id", "traceparent", "mcp-session-id"} < names
+    asked = {"Access-Control-Request-Headers": ",".join(sorted(names))}
+    response = APP.options("/mcp", headers=preflight(OPS, "POST", **asked))
+    assert response.status_code == 200, response.text
+    assert names == set(re.split(", ?", response.headers["access-control-allow-headers"].lower()))
+
+
+@given(st.sets(st.text(TOKEN, min_size=1, max_size=30), min_size=1, max_size=10))
+def test_an_allowed_page_may_send_any_header(names: set[str]) -> None:
+    asked = {"Access-Control-Request-Headers": ",".join(sorted(names))}
+    response = APP.options("/dock", headers=preflight(OPS, "POST", **asked))
+    assert response.status_code == 200, response.text
+    assert names <= {name.strip() for name in response.headers["access-control-allow-headers"].split(",")}
+    assert APP.options("/dock", headers=preflight("https://evil.example", "POST", **asked)).status_code == 403
+
+
 def test_what_an_allowed_page_may_read() -> None:
-    headers = client(OPS).get("/openapi.json", headers={"Origin": OPS}).headers
+    """All of it. `*` means every header, as no answer to a page of another origin depends on its cookies."""
+    headers = APP.get("/openapi.json", headers={"Origin": OPS}).headers
     assert headers["access-control-allow-origin"] == OPS
-    exposed = "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Retry-After, X-Request-ID"
-    assert headers["access-control-expose-headers"] == exposed
+    assert headers["access-control-expose-headers"] == "*"
+    assert "access-control-allow-credentials" not in headers
     assert client("*").get("/openapi.json", headers={"Origin": OPS}).headers["access-control-allow-origin"] == "*"
     assert "access-control-allow-origin" not in client("").get("/openapi.json", headers={"Origin": OPS}).headers
