@@ -6,7 +6,7 @@ from typing import Any
 
 from dock_gateway.cameras.camera import COMPRESSED, IMAGE
 from dock_gateway.cameras.pixels import Unreadable, encode
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 
 # The largest message that is read, in bytes, and the most pixels of a picture: 4K in colour fits.
 MOST_BYTES, MOST_PIXELS = 32_000_000, 33_000_000

@@ -11,7 +11,7 @@ from dock_gateway.cameras.camera import Camera
 from dock_gateway.cameras.picture import WHOLE, Picture, read_picture
 from dock_gateway.cameras.pixels import Unreadable
 from dock_gateway.core.fanout import Subscriber
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 
 log = logging.getLogger(__name__)
 

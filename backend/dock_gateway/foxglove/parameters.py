@@ -10,7 +10,7 @@ from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, Not
 from dock_gateway.core.grant import Role
 from dock_gateway.foxglove.protocol import MAX_PARAMETERS, Json, ParameterIn
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts

@@ -10,7 +10,7 @@ from dock_gateway.core.event import websocket_frame
 from dock_gateway.core.fanout import FrameWriter
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
 
 MAX_SUBSCRIPTIONS = 100

@@ -3,17 +3,16 @@
 import asyncio
 import logging
 from asyncio import Task
-from collections import deque
-from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Protocol
 
 from dock_gateway.core.errors import GatewayError, NotFound
 from dock_gateway.core.graph import Topic
 from dock_gateway.core.tasks import cancel
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.earlier import EarlierMessages
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.subscription import Listening, TopicSubscription, listening_for
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.raw_port import Arrival, EchoType
 
 log = logging.getLogger(__name__)
 
@@ -23,45 +22,6 @@ TICK = 1.0
 PAUSE, SELDOM = 0.25, 5
 # Messages that are kept while earlier ones are encoded.
 KEEP = 200
-# Earlier messages for new readers, where the publishers keep theirs. Each publisher of transforms has its own.
-EARLIER = 1
-EARLIER_OF = {"tf2_msgs/msg/TFMessage": 50}
-
-Made = TypeVar("Made")
-
-
-class Received:
-    """A message on a topic, for all who read the topic.
-
-    Args:
-        kind: The type of the topic.
-        arrival: The serialized message.
-
-    Attributes:
-        topic: Absolute name of the topic.
-        kind: Its type, which decodes `data`.
-        data: The serialized message (CDR).
-        source_ns: When it was sent, in ns since 1970; 0 if unknown.
-        received_ns: When it came, in ns since 1970.
-    """
-
-    def __init__(self, topic: str, kind: EchoType, arrival: Arrival) -> None:
-        self.topic = topic
-        self.kind = kind
-        self.data, self.source_ns, self.received_ns = arrival
-        self._made: dict[object, Any] = {}
-
-    @property
-    def size(self) -> int:
-        """Number of bytes in ROS."""
-        return len(self.data)
-
-    def once(self, make: "Callable[[Received], Made]") -> "Made":
-        """Return what `make` makes of this message; it is made once for all readers."""
-        if make not in self._made:
-            self._made[make] = make(self)
-        made: Made = self._made[make]
-        return made
 
 
 class Outlet(Protocol):
@@ -92,7 +52,7 @@ class Relay:
         self.outlets: set[Outlet] = set()
         self._tick = tick
         self._subscription = TopicSubscription(bridge, graph, topic, KEEP)
-        self._earlier: deque[Received] = deque()
+        self._earlier = EarlierMessages()
         self._task: Task[None] | None = None
 
     @property
@@ -126,8 +86,8 @@ class Relay:
         self._subscription.close()
 
     async def add(self, outlet: Outlet) -> None:
-        """Add a reader. If the topic's publishers keep earlier messages, the reader gets the last one."""
-        for message in tuple(self._earlier):
+        """Add a reader. If the topic's publishers keep earlier messages, the reader gets them, as `EarlierMessages`."""
+        for message in self._earlier:
             await outlet.offer(message)
         self.outlets.add(outlet)
 
@@ -162,11 +122,7 @@ class Relay:
             message = Received(heard.topic.name, heard.kind, arrival)
             for outlet in tuple(self.outlets):
                 await outlet.offer(message)
-            self._keep(message, latched=heard.listening is not None and heard.listening.latched)
-
-    def _keep(self, message: Received, *, latched: bool) -> None:
-        """Keep a message for later readers, if the topic's publishers do."""
-        while len(self._earlier) >= (EARLIER_OF.get(message.kind.name, EARLIER) if latched else 1):
-            self._earlier.popleft()
-        if latched:
-            self._earlier.append(message)
+            if heard.listening is not None and heard.listening.latched:
+                self._earlier.add(message)
+            else:
+                self._earlier.clear()

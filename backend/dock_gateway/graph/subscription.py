@@ -114,7 +114,8 @@ class TopicSubscription:
 def listening_for(topic: Topic, now: Listening | None) -> Listening:
     """Return how to subscribe to every publisher of a topic, and to earlier messages if all publishers keep them.
 
-    If a topic has more than one type, which is a mistake on the graph, one of its publishers' types is used.
+    If a topic has more than one type, which is a mistake on the graph, one of its publishers' types is used. Fixed
+    transforms are published once: as in tf2, one publisher that keeps them is enough to ask for earlier messages.
 
     Args:
         topic: The current state of the topic.
@@ -128,7 +129,11 @@ def listening_for(topic: Topic, now: Listening | None) -> Listening:
     def all_are(name: str, value: str) -> bool:
         return bool(publishers) and all(_quality(endpoint, name) == value for endpoint in publishers)
 
-    return Listening(types[0], all_are("reliability", "reliable"), all_are("durability", "transient_local"))
+    keeps = topic.name.endswith("/tf_static") and any(
+        each.qos.reliability == "reliable" and each.qos.durability == "transient_local" for each in publishers
+    )
+    reliable, latched = all_are("reliability", "reliable"), all_are("durability", "transient_local")
+    return Listening(types[0], reliable or keeps, latched or keeps)
 
 
 def _quality(endpoint: Endpoint, name: str) -> str:

@@ -6,7 +6,7 @@ from collections import deque
 
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.maps.grid import MAX_CELLS, Grid, read_grid
 from dock_gateway.maps.image import encode

@@ -7,7 +7,7 @@ from typing import Any
 
 from dock_gateway.core.scene import MAX_LENGTH, MIN_LENGTH
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.maps.grid import frame_name
 from dock_gateway.maps.reader import TopicReader
@@ -20,6 +20,8 @@ TYPE = "tf2_msgs/msg/TFMessage"
 NOW = 0.0
 # Bytes of a message after which others have their turn.
 LARGE = 4_000
+# Behind the name of a topic of moving frames: that of the frames that never move.
+STATIC = "_static"
 
 
 class Frames:
@@ -28,11 +30,11 @@ class Frames:
     Args:
         relays: The relayed topics.
         graph: Knows who publishes what.
-        moving: Absolute name of the topic; that of the frames that never move ends with `_static`.
+        moving: Absolute name of the topic; that of the frames that never move ends with `STATIC`.
     """
 
     def __init__(self, relays: Relays, graph: GraphCache, moving: str) -> None:
-        self._fixed = f"{moving}_static"
+        self._fixed = f"{moving}{STATIC}"
         self._tree = TransformTree()
         self._readers = [TopicReader(relays, graph, topic, TYPE, self) for topic in (moving, self._fixed)]
         self._doubted = False
@@ -45,17 +47,27 @@ class Frames:
     async def offer(self, message: Received) -> None:
         """Take transforms."""
         try:
-            for stamped in message.kind.decode(message.data).transforms:
-                parent, child = frame_name(stamped.header.frame_id), frame_name(stamped.child_frame_id)
-                stamp = stamped.header.stamp.sec + stamped.header.stamp.nanosec / 1e9
-                transform = transform_of(stamped.transform)
-                self._tree.add(parent, child, stamp, transform, fixed=message.topic == self._fixed)
+            transforms = message.kind.decode(message.data).transforms
         except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
-            if not self._doubted:
-                self._doubted = True
-                log.warning("%s: a transform is not used: it %s", message.topic, error)
+            self._doubt(message.topic, error)
+            transforms = ()
+        for stamped in transforms:
+            try:
+                self._add(stamped, fixed=message.topic == self._fixed)
+            except ValueError as error:  # the others of the message count
+                self._doubt(message.topic, error)
         if message.size > LARGE:
             await asyncio.sleep(0)
+
+    def _add(self, stamped: Any, *, fixed: bool) -> None:
+        parent, child = frame_name(stamped.header.frame_id), frame_name(stamped.child_frame_id)
+        stamp = stamped.header.stamp.sec + stamped.header.stamp.nanosec / 1e9
+        self._tree.add(parent, child, stamp, transform_of(stamped.transform), fixed=fixed)
+
+    def _doubt(self, topic: str, error: Exception) -> None:
+        if not self._doubted:
+            self._doubted = True
+            log.warning("%s: a transform is not used: it %s", topic, error)
 
     def locate(self, frame: str, target: str, stamp: float = NOW) -> Transform:
         """Return where a frame lies in another one: at a time, or the newest that is known if not for that time.

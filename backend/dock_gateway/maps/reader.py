@@ -1,12 +1,13 @@
 """A topic that is read while it is needed, if it is published with the type that is expected."""
 
-import asyncio
 import logging
 from collections.abc import Sequence
+from contextlib import suppress
 
 from dock_gateway.core.errors import GatewayError, NotFound
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.relay import Outlet, Received
+from dock_gateway.graph.received import Received
+from dock_gateway.graph.relay import Outlet
 from dock_gateway.graph.relays import Relays
 
 log = logging.getLogger(__name__)
@@ -97,20 +98,29 @@ class TopicReader:
             await self._relays.leave(self.topic, self)
 
 
-async def published_types(graph: GraphCache, topic: str) -> list[str]:
-    """Return the types with which a topic is published; none if it is not."""
-    try:
-        found = await graph.topic(topic)
-    except NotFound:
-        return []
-    return sorted({endpoint.type for endpoint in found.publishers})
+async def published_types(graph: GraphCache, *topics: str) -> list[str]:
+    """Return the types with which some topics are published; none if none of them is."""
+    types: set[str] = set()
+    for topic in topics:
+        with suppress(NotFound):
+            types.update(endpoint.type for endpoint in (await graph.topic(topic)).publishers)
+    return sorted(types)
 
 
-async def find_topic(graph: GraphCache, names: Sequence[str], type_name: str) -> str:
-    """Return the first of some topics that is published with a type; else the first that is published, or that."""
+async def find_topic(
+    graph: GraphCache, names: Sequence[str], type_name: str, *, suffixes: Sequence[str] = ("",)
+) -> str:
+    """Return the first of some topics that is published with a type; else the first that is published, or the first.
+
+    Args:
+        graph: Knows who publishes what.
+        names: Absolute names of the topics.
+        type_name: The type that is expected.
+        suffixes: A topic counts as published if it is with one of them behind its name.
+    """
     if len(names) == 1:
         return names[0]
-    types = await asyncio.gather(*(published_types(graph, name) for name in names))
+    types = [await published_types(graph, *(f"{name}{suffix}" for suffix in suffixes)) for name in names]
     right = [name for name, found in zip(names, types, strict=True) if type_name in found]
     there = [name for name, found in zip(names, types, strict=True) if found]
     return next(iter((*right, *there)), names[0])

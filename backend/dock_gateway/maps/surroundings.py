@@ -6,11 +6,11 @@ from typing import Any, TypeVar
 
 from dock_gateway.core.scene import BASE, ODOM, Pose
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.maps.feed import GRID_TYPE, MapFeed
+from dock_gateway.maps.frames import STATIC, Frames
 from dock_gateway.maps.frames import TYPE as TRANSFORMS
-from dock_gateway.maps.frames import Frames
 from dock_gateway.maps.grid import frame_name
 from dock_gateway.maps.pool import Pool
 from dock_gateway.maps.reader import MOST_BYTES, TopicReader, find_topic
@@ -108,7 +108,8 @@ class Surroundings:
 
     async def _use(self, pool: Pool[P], used: P | None, names: list[str], type_name: str, *, wanted: bool) -> P | None:
         """Take what is wanted out of a pool, or another one if another topic is published now."""
-        topic = await find_topic(self._graph, names, type_name) if wanted else None
+        suffixes = ("", STATIC) if type_name == TRANSFORMS else ("",)
+        topic = await find_topic(self._graph, names, type_name, suffixes=suffixes) if wanted else None
         before = self._taken.get(type_name)
         if topic == before:
             return used

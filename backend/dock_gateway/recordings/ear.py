@@ -6,7 +6,7 @@ from typing import Any
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.goal import encode
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.recordings.ring import Ring
 from dock_gateway.recordings.topics import CAMERA, Wanted

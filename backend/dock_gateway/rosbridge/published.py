@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from dock_gateway.core.event import websocket_frame
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.rosbridge import cbor, png
 from dock_gateway.rosbridge.protocol import Compression, published
 from dock_gateway.rosbridge.protocol import png as png_message

@@ -7,7 +7,7 @@ from typing import Any
 
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.fanout import FrameWriter
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
 from dock_gateway.rosbridge.published import Payload, Published

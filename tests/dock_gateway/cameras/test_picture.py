@@ -10,7 +10,7 @@ import simplejpeg
 
 from dock_gateway.cameras.camera import COMPRESSED, IMAGE
 from dock_gateway.cameras.picture import JPEG, MOST_BYTES, PNG, Picture, Unreadable, read_picture
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 
 GRADIENT = np.tile(np.arange(160, dtype=np.uint8), (90, 1))
 JPEG_FILE = simplejpeg.encode_jpeg(np.ascontiguousarray(np.dstack([GRADIENT] * 3)))

@@ -13,7 +13,7 @@ from dock_gateway.core.errors import Conflict, TooManyRequests
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
 from dock_gateway.foxglove.subscriptions import MAX_SUBSCRIPTIONS, Framed, Queue, Subscriptions, Waiting
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.raw_port import Arrival, EchoType
 

@@ -7,7 +7,8 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.core.graph import Topic
-from dock_gateway.graph.relay import Received, Relay
+from dock_gateway.graph.received import Received
+from dock_gateway.graph.relay import Relay
 from dock_gateway.ros.raw_port import Arrival
 from tests.support.waiting import PATIENCE
 

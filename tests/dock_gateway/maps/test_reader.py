@@ -63,6 +63,15 @@ async def test_a_robot_has_its_own_map_or_that_of_all(topics: dict[str, str | No
     assert await find_topic(cast("Any", Graph(**topics)), ["/robot1/map", "/map"], GRID) == found
 
 
+@pytest.mark.parametrize(
+    ("topics", "found"),
+    [({"tf_static": GRID}, "/tf"), ({"robot1_tf_static": GRID, "tf": GRID}, "/robot1/tf"), ({}, "/robot1/tf")],
+)
+async def test_frames_are_there_if_only_fixed_ones_are_published(topics: dict[str, str | None], found: str) -> None:
+    names, suffixes = ["/robot1/tf", "/tf"], ("", "_static")
+    assert await find_topic(cast("Any", Graph(**topics)), names, GRID, suffixes=suffixes) == found
+
+
 async def test_a_topic_of_another_type_is_not_joined_and_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     graph, relays = Graph(), Relays()
     reader = TopicReader(cast("Any", relays), cast("Any", graph), "/map", GRID, cast("Any", object()))

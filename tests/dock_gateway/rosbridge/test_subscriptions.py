@@ -7,7 +7,7 @@ from unittest.mock import AsyncMock
 import pytest
 
 from dock_gateway.core.errors import TooManyRequests
-from dock_gateway.graph.relay import Received
+from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.rosbridge.protocol import Compression, Subscribe
 from dock_gateway.rosbridge.published import Payload
