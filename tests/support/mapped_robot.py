@@ -2,6 +2,9 @@
 
 It stands at (1, 0) in `odom`, which begins at (2, 3) in `map`, turned left by 90°; its laser sees a wall 1 m ahead. For
 each SIGUSR1 it publishes the next of the maps `KINDS`.
+
+With `--fixed 120`, its frames are on topics of its own, and each frame that never moves has a publisher of its own: the
+first says where `odom` is in `map`, 120 others are parts. With `--odd`, only each second ray of its laser comes back.
 """
 
 import argparse
@@ -58,22 +61,35 @@ def link(parent: str, child: str, x: float, y: float, theta: float) -> Transform
     return message
 
 
+def publish_fixed(node: Node, parts: list[TransformStamped]) -> None:
+    """Publish where `odom` is in `map`, behind a transform that is none, and each part with a publisher of its own."""
+    nowhere, place = link("map", "nowhere", math.nan, 0.0, 0.0), link("/map", "/odom", 2.0, 3.0, math.pi / 2)
+    for links in ([nowhere, place], *([part] for part in parts)):
+        node.create_publisher(TFMessage, "tf_static", LATCHED).publish(TFMessage(transforms=links))
+    loose = node.create_publisher(TFMessage, "tf_static", 10)  # keeps nothing for those who come later
+    node.create_timer(0.5, lambda: loose.publish(TFMessage(transforms=[link("base_link", "loose", 0.0, 0.0, 0.0)])))
+
+
 class MappedRobot:
     """The topics of the robot."""
 
-    def __init__(self, node: Node, size: int, *, localized: bool) -> None:
+    def __init__(self, node: Node, size: int, *, localized: bool, fixed: int = 0, odd: bool = False) -> None:
         self._node = node
         self._size = size
+        self._odd = odd
         self._maps = node.create_publisher(OccupancyGrid, "/map", LATCHED)
         self._battery = node.create_publisher(BatteryState, "battery_status", 10)
         self._odometry = node.create_publisher(Odometry, "odom", 10)
         self._scan = node.create_publisher(LaserScan, "scan", 10)
         self._path = node.create_publisher(Path, "plan", 10)
-        self._tf = node.create_publisher(TFMessage, "/tf", 10)
-        fixed = TFMessage(transforms=[link("base_link", "laser", 0.1, 0.0, 0.0)])
-        node.create_publisher(TFMessage, "/tf_static", LATCHED).publish(fixed)
+        self._tf = node.create_publisher(TFMessage, "tf" if fixed else "/tf", 10)
         self._links = [link("odom", "base_link", 1.0, 0.0, 0.0)]
-        if localized:
+        laser = link("base_link", "laser", 0.1, 0.0, 0.0)
+        if fixed:
+            publish_fixed(node, [laser, *(link("base_link", f"part{index}", 0.0, 0.0, 0.0) for index in range(fixed))])
+        else:
+            node.create_publisher(TFMessage, "/tf_static", LATCHED).publish(TFMessage(transforms=[laser]))
+        if localized and not fixed:
             self._links.append(link("map", "odom", 2.0, 3.0, math.pi / 2))
         self.show("walls")
         node.create_timer(0.1, self.tick)
@@ -96,6 +112,8 @@ class MappedRobot:
         scan = LaserScan(angle_min=-0.5, angle_max=0.5, angle_increment=0.001, range_min=0.05, range_max=10.0)
         scan.header.frame_id, scan.header.stamp = "laser", now
         scan.ranges = [1.0 / math.cos(-0.5 + 0.001 * index) for index in range(1001)]
+        if self._odd:
+            scan.ranges = [0.0 if index % 2 == 0 else each for index, each in enumerate(scan.ranges[:720])]
         self._scan.publish(scan)
         path = Path()
         path.header.frame_id = "map"
@@ -110,10 +128,12 @@ def main() -> None:
     parser.add_argument("--namespace", default="/robot1")
     parser.add_argument("--size", type=int, default=200)
     parser.add_argument("--lost", action="store_true", help="without a transform from the map to odometry")
+    parser.add_argument("--fixed", type=int, default=0, help="number of publishers of frames that never move")
+    parser.add_argument("--odd", action="store_true", help="only each second ray of the laser comes back")
     arguments = parser.parse_args()
     rclpy.init()
     node = rclpy.create_node("mapped_robot", namespace=arguments.namespace)
-    robot = MappedRobot(node, arguments.size, localized=not arguments.lost)
+    robot = MappedRobot(node, arguments.size, localized=not arguments.lost, fixed=arguments.fixed, odd=arguments.odd)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     kinds = itertools.cycle((*KINDS[1:], KINDS[0]))

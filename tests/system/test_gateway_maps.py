@@ -5,11 +5,13 @@ import signal
 from collections.abc import Iterator
 from typing import Any
 
+import orjson
 import pytest
+from websockets.sync.client import connect
 
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.processes import ForkedProcess, Process, ros_environment
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -85,3 +87,28 @@ def test_a_robot_on_its_map(gateway: RunningGateway, robot: Process) -> None:
     newest = gateway.http.get("/robots/map", params=QUERY).json()
     assert newest["map"]["revision"] == shown["map"]["revision"] != grid["revision"]
     wait_until(lambda: not subscribed(gateway, "/robot1/scan"), "that the scan is left")
+
+
+def test_a_robot_with_many_publishers_of_fixed_frames_whose_laser_misses_each_second_ray(
+    gateway: RunningGateway, shared_domain: int
+) -> None:
+    """Also for one who comes later: another client has read the fixed frames before."""
+    environment = ros_environment(shared_domain)
+    options = ("--namespace", "/robot2", "--fixed", "120", "--odd")
+    with (
+        ForkedProcess("-m", "tests.support.mapped_robot", *options, env=environment) as process,
+        connect(f"{gateway.url.replace('http', 'ws')}/rosbridge") as early,
+    ):
+        process.wait_for("mapped")
+        wait_until(lambda: gateway.http.get("/robots", params={"robot": "/robot2"}).status_code == 200, "the robot")
+        early.send(orjson.dumps({"op": "subscribe", "topic": "/robot2/tf_static", "type": "tf2_msgs/msg/TFMessage"}))
+        frames: set[str] = set()
+        while not {"/odom", "laser", "part119"} <= frames:
+            message = orjson.loads(early.recv(PATIENCE))
+            frames |= {each["child_frame_id"] for each in message["msg"]["transforms"]}
+        with gateway.stream("?robot=/robot2&include=map,scan") as stream:
+            shown = stream.until(lambda event: event["type"] == "map" and event["map"]["odom"] is not None)["map"]
+            assert shown["odom"] == {"x": 2.0, "y": 3.0, "theta": 1.5708}
+            scan = stream.once_seen(lambda event: event["type"] == "scan" and event["scan"]["frame"] == "odom")["scan"]
+            assert (len(scan["points"]), scan["hint"]) == (360, None)
+            assert all(abs(x - 2.1) < 0.01 for x, _ in scan["points"])

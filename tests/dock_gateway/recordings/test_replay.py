@@ -6,12 +6,14 @@ from typing import Any
 
 import pytest
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
+from hypothesis import given
+from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import BatteryState, LaserScan
 
 from dock_gateway.recordings.mcap_file import McapFile
-from dock_gateway.recordings.replay import Replay
+from dock_gateway.recordings.replay import MOST, Replay, thinned
 from dock_gateway.ros.messages.types import type_name
 from robot_io.recording import Sample
 from tf2_msgs.msg import TFMessage
@@ -72,3 +74,61 @@ def test_what_makes_no_sense_is_left_out(tmp_path: Path) -> None:
         sample("/robot1/cmd_vel", TwistStamped(), 3),
     )
     assert found == {"scans": [], "velocity": [{"at": 3.0, "linear": 0.0, "angular": 0.0}], "battery": []}
+
+
+def test_of_two_lasers_on_one_topic_that_take_turns_one_is_seen(tmp_path: Path) -> None:
+    """Whichever comes first: what shows nothing does not count as a message that was used."""
+    dark, lost = LaserScan(angle_increment=0.1, range_max=10.0, ranges=[math.inf]), LaserScan(ranges=[1.0])
+    dark.header.frame_id, lost.header.frame_id = "laser", "nowhere"
+    for other in (dark, lost):
+        scans = [sample("/robot1/scan", (other, SCAN)[index % 2], index / 10) for index in range(40)]
+        odometry = sample("/robot1/odom", Odometry(child_frame_id="base"), -4)
+        found = replay(tmp_path / "goal.mcap", laser_at(0.5, 0.0), odometry, *scans)["scans"]
+        assert sum(bool(each["points"]) for each in found) >= 15
+
+
+def test_of_several_fixed_frames_a_wrong_one_does_not_hide_the_others(tmp_path: Path) -> None:
+    stamped = [TransformStamped(child_frame_id=child) for child in ("odd", "laser")]
+    for each in stamped:
+        each.header.frame_id = "base"
+    stamped[0].transform.translation.x = math.nan
+    found = replay(
+        tmp_path / "goal.mcap",
+        sample("/tf_static", TFMessage(transforms=stamped), -5),
+        sample("/robot1/odom", Odometry(child_frame_id="base"), -4),
+        sample("/robot1/scan", SCAN, 1),
+    )
+    assert found["scans"] == [{"at": 1.0, "points": [[2.0, 0.0]]}]
+
+
+VALUES = st.lists(st.sampled_from((math.nan, 0.0, 1.0, -2.0)), min_size=1, max_size=9)
+
+
+@given(VALUES, VALUES, st.integers(1, 3000), st.integers(0, 2999))
+def test_what_is_thinned_keeps_its_ends_and_extreme_values(
+    voltages: list[float], shares: list[float], count: int, dip: int
+) -> None:
+    found = [
+        {"at": index, "voltage": voltages[index % len(voltages)], "percentage": shares[index % len(shares)]}
+        for index in range(count)
+    ]
+    found[dip % count]["voltage"] = -9.0
+    shown = thinned(found)
+    there = [each for each in found if math.isfinite(each["voltage"]) or math.isfinite(each["percentage"])]
+    assert min(len(there), MOST // 4) <= len(shown) <= MOST
+    assert [each["at"] for each in shown] == sorted({each["at"] for each in shown})
+    assert {there[0]["at"], there[-1]["at"]} <= {each["at"] for each in shown}
+    for name in ("voltage", "percentage"):
+        before, after = ([each[name] for each in some if math.isfinite(each[name])] for some in (found, shown))
+        assert bool(before) == bool(after)
+        if before:
+            assert (min(before), max(before)) == (min(after), max(after))
+
+
+@given(st.lists(st.booleans(), min_size=1, max_size=9), st.integers(1, 2000))
+def test_of_many_scans_those_that_show_something_are_kept(pattern: list[bool], count: int) -> None:
+    found = [{"at": index, "points": [[1.0, 1.0]] * pattern[index % len(pattern)]} for index in range(count)]
+    shown = thinned(found)
+    seen, there = (sum(bool(each["points"]) for each in some) for some in (shown, found))
+    assert len(shown) <= MOST
+    assert seen == there if count <= MOST else seen >= min(there, MOST)
