@@ -38,11 +38,12 @@ def encode(part: Any) -> str:
 
 
 def sign(key: Key | OctKey, claims: Any, algorithm: str = "RS256", **header: Any) -> str:
-    """A JWT: with the key's id, unless the header says something else."""
+    """A JWT: with the key's id, unless the header says something else. Claims may be JSON text already."""
     fields = {"alg": algorithm, "kid": key.kid, **header}
     fields = {name: value for name, value in fields.items() if value is not None}
     registry = Registry(algorithms=[algorithm], strict_check_header=False)
-    return jws.serialize_compact(fields, orjson.dumps(claims), key, [algorithm], registry)
+    payload = claims if isinstance(claims, bytes) else orjson.dumps(claims)
+    return jws.serialize_compact(fields, payload, key, [algorithm], registry)
 
 
 class FakeProvider:

@@ -26,11 +26,15 @@ MAX_KEYS = 50
 MIN_RSA_BITS = 2048
 # The year 9999, in seconds since 1970: what a datetime can hold.
 END_OF_TIME = 253_402_300_000
-# The kind of an access token, if it says so (RFC 9068). Others do not end so: `JWT`, or what a provider makes up.
+# The kind of an access token, if it says so (RFC 9068). Most providers call each of their JWTs so, or nothing.
 ACCESS_TOKEN = "at+jwt"  # noqa: S105 - it is none
-# What Keycloak calls its tokens that are no access tokens, and claims that only ID tokens and events have.
-OTHER_TOKENS = ("ID", "Refresh", "Offline", "Logout")
-OTHER_CLAIMS = ("at_hash", "c_hash", "events")
+ANY_KINDS = ("", "jwt")
+# Claims by which providers name the use of a token, and what they call an access token: Keycloak, Cognito and others.
+USES, ACCESS = ("typ", "token_type", "token_use"), ("bearer", "access")
+# Claims that ID tokens and events have, and access tokens that do not say what they are have not.
+OTHER_CLAIMS = ("nonce", "at_hash", "c_hash", "s_hash", "events")
+# Claims that access tokens have, and ID tokens have not: of any provider; of Entra ID's for services.
+SCOPES = ("scope", "scp", "azpacr", "appidacr")
 # Kinds of keys by how the names of their algorithms begin.
 KINDS = {"RS": "RSA", "PS": "RSA", "ES": "EC", "Ed": "OKP"}
 
@@ -213,8 +217,7 @@ def check_claims(claims: Mapping[str, Any], issuer: str, audience: str, now: dat
     """
     if claims.get("iss") != issuer:
         raise _refusal("it is from another issuer")
-    audiences = claims.get("aud")
-    if audience not in (audiences if isinstance(audiences, list) else [audiences]):
+    if audience not in _audiences(claims):
         raise _refusal("it is for another audience")
     at = now.timestamp()
     expires = _seconds(claims, "exp")
@@ -229,15 +232,41 @@ def check_claims(claims: Mapping[str, Any], issuer: str, audience: str, now: dat
     return datetime.fromtimestamp(expires + BEHIND, UTC)
 
 
-def require_access_token(header: Header, claims: Mapping[str, Any]) -> None:
-    """Refuse what a provider signs with the same key for another purpose (RFC 8725, 3.11): ID tokens, logout tokens.
+def require_access_token(header: Header, claims: Mapping[str, Any], client_id: str | None) -> None:
+    """Refuse what a provider signs with the same key for another purpose (RFC 8725, 3.11), such as an ID token.
+
+    Few providers call access tokens `at+jwt` as RFC 9068 asks. So another name in the header is refused; with a common
+    name, or none, a claim has to say that it is an access token, or no claim may be one of an ID token. A token whose
+    audience is the client itself, as that of its ID tokens, needs scopes then.
+
+    Args:
+        header: Its header.
+        claims: Its claims.
+        client_id: The gateway's own name at the provider, if people log in there.
 
     Raises:
         NotAuthenticated: It is no access token (`invalid_token`).
     """
-    other_kind = header.kind.endswith("+jwt") and header.kind != ACCESS_TOKEN
-    if other_kind or claims.get("typ") in OTHER_TOKENS or any(name in claims for name in OTHER_CLAIMS):
-        raise _refusal("it is no access token")
+    uses = [claims[name] for name in USES if name in claims]
+    if not all(isinstance(use, str) and use.lower() in ACCESS for use in uses):
+        raise _refusal(f"it is no access token: {' or '.join(USES)} says so")
+    if header.kind == ACCESS_TOKEN:
+        return
+    if header.kind not in ANY_KINDS:
+        raise _refusal(f"it is no access token but {header.kind[:40]!r}")
+    if uses:
+        return
+    for name in OTHER_CLAIMS:
+        if name in claims:
+            raise _refusal(f"it is no access token, as it has the claim {name}")
+    for_client = client_id is not None and client_id in _audiences(claims)
+    if for_client and not any(claims.get(name) for name in SCOPES):
+        raise _refusal("it looks like an ID token: it is for the client, and names neither its use nor a scope")
+
+
+def _audiences(claims: Mapping[str, Any]) -> list[Any]:
+    audiences = claims.get("aud")
+    return audiences if isinstance(audiences, list) else [audiences]
 
 
 def _seconds(claims: Mapping[str, Any], name: str) -> float | None:

@@ -235,8 +235,9 @@ class SingleSignOn:
             )
         signed = verify(token, self.provider.keys, self._algorithms)
         expires_at = check_claims(signed.claims, self.issuer, self.audience, utc_now())
-        require_access_token(read_header(token), signed.claims)
+        require_access_token(read_header(token), signed.claims, self.client_id)
         try:
+            subject_of(signed.claims)
             name = self.rules.name_of(signed.claims)
         except NotAuthenticated as error:
             raise NotAuthenticated(error.detail, code="invalid_token") from None

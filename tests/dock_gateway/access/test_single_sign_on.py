@@ -458,7 +458,7 @@ async def test_what_is_signed_for_another_purpose(
     assert await refusal(logins, fake.access_token(kind, **claims)) == "invalid_token"
 
 
-@pytest.mark.parametrize("kind", ["at+jwt", "application/at+JWT", "JWT", "jwt", "okta-internal-at+token", None])
+@pytest.mark.parametrize("kind", ["at+jwt", "application/at+JWT", "JWT", "jwt", None])
 async def test_kinds_of_access_tokens(logins: Logins, fake: FakeProvider, kind: str | None) -> None:
     audiences = ["account", AUDIENCE]
     principal = await identify(logins, fake.access_token(kind, aud=audiences, typ="Bearer", nonce="x"))
