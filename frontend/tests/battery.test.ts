@@ -125,6 +125,23 @@ describe("BatterySeries", () => {
     expect(series.points.bands.current.max).toHaveLength(series.length);
   });
 
+  it("loses no value to messages that do not have it, and no extreme value", () => {
+    for (const spacing of [10, 50, 100, 125, 240])
+      for (const turn of [0, 1]) {
+        const series = new BatterySeries();
+        const [dip, steady, count] = [3, 12, 200];
+        for (let index = 0; index < count; index += 1)
+          series.push(
+            index * spacing,
+            state(index % 2 === turn ? 0.5 : null, index === 2 * (count >> 2) ? dip : steady),
+          );
+        const { percentage, voltage } = series.points.bands;
+        const measured = percentage.mean.filter((value) => value !== null);
+        expect(measured.length).toBeGreaterThanOrEqual(Math.floor(percentage.mean.length / 2));
+        expect(Math.min(...voltage.min.map((value, index) => value ?? voltage.mean[index] ?? 99))).toBe(dip);
+      }
+  });
+
   it("leaves out what is older than the last", () => {
     const series = new BatterySeries();
     series.push(60_000, state(0.6, 12));

@@ -148,8 +148,33 @@ describe("the log of feedback", () => {
     log.add(Array.from({ length: 8 }, (_, index) => row(index)));
     expect([log.thinned, log.generation]).toEqual([false, 0]);
     log.add([row(8)]);
-    expect(log.rows.map(({ time }) => time)).toEqual([0, 2, 4, 5, 6, 7, 8]);
+    expect(log.rows.map(({ time }) => time)).toEqual([0, 3, 4, 5, 6, 7, 8]);
     expect([log.thinned, log.generation]).toEqual([true, 1]);
+  });
+
+  it("keeps fields that take turns, the ends and the extreme values, however often it is thinned out", () => {
+    for (const period of [1, 2, 3, 4, 5, 7, 8])
+      for (const spike of [5, 6, 7, 8, 101]) {
+        const log = new FeedbackLog(64);
+        for (let index = 0; index < 500; index += 1) {
+          const value = index === spike ? 99 : (index * 7) % 11;
+          log.add([
+            {
+              id: `e${index}`.padStart(5, "0"),
+              time: index,
+              message: { [`turn${index % period}`]: value, sometimes: index % 8 === 1 ? 1 : null },
+            },
+          ]);
+        }
+        expect(log.rows.length).toBeLessThan(128);
+        expect([log.rows[0]?.time, log.rows.at(-1)?.time]).toEqual([0, 499]);
+        for (const field of log.fields.all) {
+          const left = log.rows
+            .map(({ message }) => numberAt(message, field))
+            .filter((each) => each !== null);
+          expect([Math.min(...left), Math.max(...left)]).toEqual([field.min, field.max]);
+        }
+      }
   });
 });
 

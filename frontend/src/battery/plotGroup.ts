@@ -2,7 +2,7 @@ import "uplot/dist/uPlot.min.css";
 import uPlot from "uplot";
 import { noPoints, type Points, QUANTITIES, type Quantity } from "../store/batterySeries";
 import { fixed } from "../ui/numbers";
-import { plotAxis } from "../ui/plotData";
+import { POINTS, plotAxis } from "../ui/plotData";
 import type { Zone } from "../ui/zone";
 import { describe } from "./points";
 import { formatValue, marks, rangeOf, SHAPES } from "./quantities";
@@ -197,7 +197,7 @@ function plotOptions(
       {},
       { ...edge, label: "most" },
       { ...edge, label: "least" },
-      { label: SHAPES[quantity].name, width: 2, stroke: color, spanGaps: false },
+      { label: SHAPES[quantity].name, width: 2, stroke: color, spanGaps: false, points: POINTS },
     ],
     bands: [{ series: [1, 2], fill: `${color}${BAND_ALPHA}` }],
     hooks: {

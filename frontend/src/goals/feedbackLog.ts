@@ -11,7 +11,7 @@ export interface FeedbackRow {
   message: Message;
 }
 
-/** Beyond this number every second message of the older half is left out: a page may be open for days. */
+/** Beyond this number half of the older messages are left out: a page may be open for days. */
 const MAX_ROWS = 10_000;
 
 /** The feedback of one goal in the order of its ids, each message once, whichever way and however often it came. */
@@ -55,12 +55,33 @@ export class FeedbackLog {
     return this.#rows[indexOf(this.#rows, id)]?.id === id;
   }
 
+  /**
+   * Of each two older messages one is left out, now the second and now the first: messages may take turns. Those with
+   * the extreme values of a field stay.
+   */
   #thin(): void {
     const half = this.#rows.length >> 1;
-    this.#rows = this.#rows.filter((_, index) => index >= half || index % 2 === 0);
+    const older = this.#rows.slice(0, half);
+    const extremes = new Set(this.fields.all.flatMap((field) => extremesOf(older, field)));
+    this.#rows = this.#rows.filter(
+      (row, index) => index >= half || index % 4 === 0 || index % 4 === 3 || extremes.has(row),
+    );
     this.generation += 1;
     this.thinned = true;
   }
+}
+
+/** The rows with the least and the greatest value of a field; none where it was never measured. */
+function extremesOf(rows: readonly FeedbackRow[], field: NumericField): FeedbackRow[] {
+  let [least, greatest] = [Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY];
+  const found: FeedbackRow[] = [];
+  for (const row of rows) {
+    const value = numberAt(row.message, field);
+    if (value === null) continue;
+    if (value < least) [least, found[0]] = [value, row];
+    if (value > greatest) [greatest, found[1]] = [value, row];
+  }
+  return found;
 }
 
 /** Where a row is among rows in the order of their ids, or the first after it. */

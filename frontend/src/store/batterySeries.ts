@@ -3,7 +3,10 @@ import type { BatteryState, Implausible } from "@dock-gateway/client";
 /** What is kept of what was heard live: the last five minutes. */
 export const WINDOW_S = 300;
 
-/** Points closer together than this become one: two of them are a pixel of the plot, whatever the rate of messages. */
+/**
+ * Points closer together than this become one, with the last value and the span of all: two of them are a pixel of the
+ * plot, whatever the rate of messages.
+ */
 const MIN_SPACING_S = 0.25;
 
 /** The battery's recent past as it was heard. Bounded by the window and the spacing. */
@@ -32,9 +35,14 @@ export class BatterySeries {
       beforeLast !== undefined && time - beforeLast < MIN_SPACING_S ? this.length - 1 : this.length;
     times[index] = time;
     for (const quantity of QUANTITIES) {
-      bands[quantity].mean[index] = measured(state, quantity);
-      bands[quantity].min[index] = null;
-      bands[quantity].max[index] = null;
+      const value = measured(state, quantity);
+      const { mean, min, max } = bands[quantity];
+      const before = mean[index] ?? null;
+      // What is not measured takes nothing back, and no extreme value is lost.
+      const several = before !== null && value !== null;
+      min[index] = several ? Math.min(min[index] ?? before, value) : (min[index] ?? null);
+      max[index] = several ? Math.max(max[index] ?? before, value) : (max[index] ?? null);
+      mean[index] = value ?? before;
     }
     this.#forget(time - WINDOW_S);
   }

@@ -8,6 +8,18 @@ export interface PlotSource {
   read(): [number[], ...(number | null)[][]];
 }
 
+/** Points of a uPlot line: where they are too close together for each to have a dot, those without a neighbour have one. */
+export const POINTS: uPlot.Series.Points = {
+  filter: (plot, series, shown) => (shown ? null : isolated(plot.data[series] ?? [])),
+};
+
+/** Where a value stands between gaps, so that no line leads to it. */
+export function isolated(values: ArrayLike<number | null | undefined>): number[] {
+  return Array.from(values, (_, index) => index).filter(
+    (index) => values[index] != null && values[index - 1] == null && values[index + 1] == null,
+  );
+}
+
 /** A span of the x axis that is coloured behind the lines, with its name. */
 export interface PlotBand {
   from: number;

@@ -12,6 +12,7 @@ import {
   type PlotBand,
   type PlotLine,
   type PlotSource,
+  POINTS,
   plotAxis,
   roomyRange,
 } from "./plotData";
@@ -194,6 +195,7 @@ export class StackedPlots {
           stroke: LINE_COLORS[scheme][index % LINE_COLORS[scheme].length] ?? LINE_COLORS[scheme][0],
           width: 2,
           spanGaps: false,
+          points: POINTS,
         },
       ],
       hooks: {
