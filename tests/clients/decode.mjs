@@ -18,9 +18,9 @@ const readable = {
 const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers: await loadDecompressHandlers() });
 const text = (bytes) => new TextDecoder().decode(bytes);
 const decoders = new Map();
-for (const { id, encoding, data } of reader.schemasById.values()) {
-  const ros = encoding === "ros2msg" ? new MessageReader(parse(text(data), { ros2: true })) : undefined;
-  decoders.set(id, ros ? (bytes) => ros.readMessage(bytes) : (bytes) => JSON.parse(text(bytes)));
+for (const { id, data } of reader.schemasById.values()) {
+  const ros = new MessageReader(parse(text(data), { ros2: true }));
+  decoders.set(id, (bytes) => ros.readMessage(bytes));
 }
 const topics = {};
 for await (const message of reader.readMessages()) {

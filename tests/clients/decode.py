@@ -28,8 +28,9 @@ def read(file: Path) -> dict[str, list[Any]]:
     with file.open("rb") as stream:
         for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
             decode = decoders.decoder_for(channel.message_encoding, schema)
-            decoded = json.loads(message.data) if decode is None else plain(decode(message.data))
-            topics.setdefault(channel.topic, []).append(decoded)
+            if decode is None:
+                raise ValueError(f"{channel.topic} cannot be decoded")
+            topics.setdefault(channel.topic, []).append(plain(decode(message.data)))
     return topics
 
 

@@ -23,7 +23,8 @@ from docking.simulation.parameters import SimulatorSettings
 from tests.docking.test_imports import MODULES, ROS_PARTS, imported
 
 # Imported where they are needed, and done without: the simulator has no camera then, and recordings are not replayed.
-OPTIONAL = {"mcap", "simplejpeg"}
+# What mcap decompresses with comes with it.
+OPTIONAL = {"mcap", "lz4", "zstandard", "simplejpeg"}
 PROJECT = Path(__file__).parents[2]
 PACKAGE = PROJECT / "backend" / "action_tutorials_py"
 SETTINGS: dict[str, type[NodeSettings]] = {

@@ -1,6 +1,7 @@
 """The black box: a goal that fails leaves what was heard of its robot, also if the gateway is killed meanwhile."""
 
 import signal
+import time
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -8,10 +9,17 @@ from uuid import UUID
 import orjson
 import pytest
 from mcap.reader import make_reader
+from nav_msgs.msg import OccupancyGrid
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import QosDurability
 
+from dock_gateway.recordings.recorder import BEFORE
 from dock_gateway.ros.messages.interfaces import load_message
+from robot_io.recording import Sample, read
 from tests.support.gateway import ACTION, RunningGateway, running_gateway
+from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
 
@@ -41,11 +49,10 @@ def download(gateway: RunningGateway, path: str, folder: Path) -> dict[str, list
     messages: dict[str, list[Any]] = {}
     with file.open("rb") as stream:
         for _, channel, message in make_reader(stream).iter_messages():
-            if channel.message_encoding == "json":
-                decoded = orjson.loads(message.data)
-            else:
-                decoded = deserialize_message(message.data, load_message(channel.metadata["ros_type"]))
-            messages.setdefault(channel.topic, []).append(decoded)
+            decoded = deserialize_message(message.data, load_message(channel.metadata["ros_type"]))
+            messages.setdefault(channel.topic, []).append(
+                orjson.loads(decoded.data) if channel.topic == EVENTS else decoded
+            )
     return messages
 
 
@@ -105,3 +112,43 @@ def check_download(gateway: RunningGateway, goal_id: str, size: int) -> None:
 
 def size_of(path: Path) -> int:
     return path.stat().st_size if path.exists() else 0
+
+
+def test_what_was_published_once_long_before_is_the_first_in_the_recording(
+    domain: int, observer: Observer, tmp_path: Path
+) -> None:
+    """A map and transforms hold until the next ones: `ros2 bag play` publishes them first, for who comes later, too."""
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    the_map = OccupancyGrid(data=[100] * 50)
+    publisher = observer.call(lambda: observer.node.create_publisher(OccupancyGrid, "/map", latched))
+    publisher.publish(the_map)
+    command = ("-m", "tests.support.plain_action_server", "--feedbacks", "5")
+    with (
+        ForkedProcess(*command, env=ros_environment(domain)) as server,
+        running_gateway(domain, record="all", record_topics="/map") as gateway,
+    ):
+        server.wait_for("serving")
+        gateway.wait_until_ready()
+        file = tmp_path / "recording.mcap"
+
+        def recorded(path: str) -> list[Sample]:
+            file.write_bytes(gateway.http.get(path).raise_for_status().content)
+            return [each for each in read(file) if each.topic == "/map"]
+
+        (heard, *_) = wait_until(lambda: recorded("/robots/recording.mcap"), "the map")
+        old_ns = heard.received_ns + (BEFORE + 0.5) * 1e9
+        wait_until(lambda: time.time_ns() > old_ns, "it is older than what a recording has of before its goal")
+        goal_id = send(gateway, SUCCEEDED)
+        wait_for_recording(gateway, goal_id)
+        (found,) = recorded(f"/goals/{goal_id}/recording.mcap")
+    assert deserialize_message(found.data, OccupancyGrid) == the_map
+    samples = list(read(file))
+    assert found.received_ns == min(each.received_ns for each in samples)
+    assert found.received_ns > heard.received_ns
+    with AnyReader([file]) as reader:
+        first, at, _ = next(iter(reader.messages()))
+        offered = {each.topic: each.ext.offered_qos_profiles for each in reader.connections}  # type: ignore[union-attr]
+        assert (first.topic, at) == ("/map", reader.start_time)
+    assert [each.durability for each in offered["/map"]] == [QosDurability.TRANSIENT_LOCAL]
+    assert [each.durability for each in offered[f"{ACTION}/_action/status"]] == [QosDurability.TRANSIENT_LOCAL]
+    assert [each.durability for each in offered[FEEDBACK]] == [QosDurability.VOLATILE]

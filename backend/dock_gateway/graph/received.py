@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from dock_gateway.graph.subscription import OFFER, Offer
 from dock_gateway.ros.raw_port import Arrival, EchoType
 
 Made = TypeVar("Made")
@@ -14,6 +15,7 @@ class Received:
     Args:
         kind: The type of the topic.
         arrival: The serialized message.
+        offer: What the publishers of the topic offer.
 
     Attributes:
         topic: Absolute name of the topic.
@@ -21,11 +23,14 @@ class Received:
         data: The serialized message (CDR).
         source_ns: When it was sent, in ns since 1970; 0 if unknown.
         received_ns: When it came, in ns since 1970.
+        reliable: Whether a publisher of the topic sends again what was lost.
+        kept: Number of messages that the publishers keep for later subscribers.
     """
 
-    def __init__(self, topic: str, kind: EchoType, arrival: Arrival) -> None:
+    def __init__(self, topic: str, kind: EchoType, arrival: Arrival, offer: Offer = OFFER) -> None:
         self.topic = topic
         self.kind = kind
+        self.reliable, self.kept = offer
         self.data, self.source_ns, self.received_ns = arrival
         self._made: dict[object, Any] = {}
 

@@ -119,7 +119,7 @@ class Relay:
             return
         heard.port.tell_next()  # before the take: what comes after it is told, and does not wait for the next message
         for arrival in heard.port.take():
-            message = Received(heard.topic.name, heard.kind, arrival)
+            message = Received(heard.topic.name, heard.kind, arrival, heard.offer)
             for outlet in tuple(self.outlets):
                 await outlet.offer(message)
             if heard.listening is not None and heard.listening.latched:

@@ -2,12 +2,17 @@
 
 import asyncio
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.graph import Endpoint, Topic
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
+
+# The most messages that count as kept for later subscribers.
+MOST_KEPT = 1_000
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
 
 
 @dataclass(frozen=True)
@@ -17,6 +22,21 @@ class Listening:
     kind: str
     reliable: bool
     latched: bool
+
+
+class Offer(NamedTuple):
+    """What the publishers of a topic offer together.
+
+    Attributes:
+        reliable: Whether one of them sends again what was lost.
+        kept: Number of messages that they keep for later subscribers.
+    """
+
+    reliable: bool
+    kept: int
+
+
+OFFER = Offer(reliable=True, kept=0)
 
 
 class TopicSubscription:
@@ -33,6 +53,7 @@ class TopicSubscription:
         kind: The type that is subscribed to; None before `listen`.
         listening: How it is subscribed to; None before `listen`.
         port: The subscription on the ROS thread; None before `listen`.
+        offer: What the publishers offer; the last ones, while there are none.
         news: Set when a message has come, as `EchoPort.tell_next` asks for.
     """
 
@@ -41,6 +62,7 @@ class TopicSubscription:
         self.kind: EchoType | None = None
         self.listening: Listening | None = None
         self.port: EchoPort | None = None
+        self.offer = OFFER
         self.news = asyncio.Event()
         self._bridge = bridge
         self._graph = graph
@@ -75,6 +97,8 @@ class TopicSubscription:
         if listening != self.listening:
             await self.listen(listening)
             return True
+        if self.topic.publishers:
+            self.offer = offer_of(self.topic, listening)
         return self.topic.document() != before.document()
 
     async def listen(self, listening: Listening) -> None:
@@ -103,6 +127,7 @@ class TopicSubscription:
             )
 
         self.port, self.listening = await self._bridge.call(change, undo=EchoPort.close), listening
+        self.offer = offer_of(self.topic, listening)
         self.news.set()  # a message may have come already
 
     def close(self) -> None:
@@ -134,6 +159,19 @@ def listening_for(topic: Topic, now: Listening | None) -> Listening:
     )
     reliable, latched = all_are("reliability", "reliable"), all_are("durability", "transient_local")
     return Listening(types[0], reliable or keeps, latched or keeps)
+
+
+def offer_of(topic: Topic, listening: Listening) -> Offer:
+    """Return what the publishers of a topic offer.
+
+    DDS does not tell how many messages a publisher keeps: it counts as one, but each publisher of transforms keeps all
+    of its own.
+    """
+    qualities = [endpoint.qos for endpoint in topic.publishers]
+    kept = 0
+    if listening.latched:
+        kept = MOST_KEPT if listening.kind == TRANSFORMS else min(MOST_KEPT, sum(each.depth or 1 for each in qualities))
+    return Offer(any(each.reliability == "reliable" for each in qualities), kept)
 
 
 def _quality(endpoint: Endpoint, name: str) -> str:

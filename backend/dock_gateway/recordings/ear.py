@@ -8,9 +8,11 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.goal import encode
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.graph.subscription import MOST_KEPT
+from dock_gateway.recordings.offered_qos import offered_qos
 from dock_gateway.recordings.ring import Ring
 from dock_gateway.recordings.topics import CAMERA, Wanted
-from robot_io.recording import EVENT, EVENTS, Sample
+from robot_io.recording import Sample, event_sample
 
 log = logging.getLogger(__name__)
 
@@ -57,10 +59,10 @@ class RobotEar:
                 return
             self._pictures[message.topic] = message.received_ns
         wanted = self.topics.get(message.topic)
-        sample = Sample(message.topic, kind, message.data, message.source_ns, message.received_ns)
-        self.ring.put(sample, lasting=wanted is not None and wanted.lasting)
+        kept = MOST_KEPT if wanted is not None and wanted.lasting else message.kept
+        qos = offered_qos(reliable=message.reliable, kept=kept)
+        self.ring.put(Sample(message.topic, kind, message.data, message.source_ns, message.received_ns, qos), kept=kept)
 
     def note(self, document: dict[str, Any]) -> None:
         """Keep an event of the gateway."""
-        now = time.time_ns()
-        self.ring.put(Sample(EVENTS, EVENT, encode(document), now, now))
+        self.ring.put(event_sample(encode(document), time.time_ns()))

@@ -1,18 +1,23 @@
-"""MCAP files: written in small pieces that can be read after a crash.
+"""MCAP files: written in small pieces that can be read after a crash, and such that `ros2 bag` opens them.
+
+rosbag2 refuses a file in which two topics have another encoding (all are `cdr` here), or without statistics. Each
+channel has the quality of service that rosbag2 publishes a topic with.
 
 `mcap` is imported with the first file: it takes 9 MB.
 """
 
+import logging
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any, BinaryIO
 
 from dock_gateway.core.graph import FEEDBACK_TYPE
 from dock_gateway.ros.messages.full_definition import full_definition
 from dock_gateway.ros.messages.interfaces import load_message
-from robot_io.recording import EVENT, TYPE, Sample
+from dock_gateway.ros.messages.type_hash import type_hash
+from robot_io.recording import QOS, TYPE, TYPE_HASH, Sample
 
-EVENT_SCHEMA = b'{"title":"dock_gateway/Event","type":"object"}'
+log = logging.getLogger(__name__)
+
 METADATA = "dock_gateway"
 
 
@@ -21,27 +26,36 @@ class McapFile:
 
     Args:
         output: Where it is written to.
+
+    Attributes:
+        said: Bytes of all messages, without compression.
     """
 
     def __init__(self, output: BinaryIO) -> None:
         from mcap.writer import Writer  # noqa: PLC0415 - see above
 
+        self.said = 0
         self._output = output
         self._writer: Any = Writer(output)
         self._writer.start("ros2", "dock-gateway")
         self._schemas: dict[str, int] = {}
-        self._channels: dict[tuple[str, str], int] = {}
+        self._channels: dict[str, tuple[str, int | None]] = {}
         self._numbers: dict[int, int] = {}
 
     def write(self, samples: Iterable[Sample]) -> None:
         """Write messages, so that they are in the file whatever happens to this process.
 
+        A topic keeps the type of its first message, and has no messages if that type is not installed.
+
         Raises:
             OSError: The disk does not take them.
         """
         for sample in samples:
-            channel = self._channels.get((sample.topic, sample.kind)) or self._open(sample.topic, sample.kind)
+            kind, channel = self._channels.get(sample.topic) or self._open(sample)
+            if channel is None or kind != sample.kind:
+                continue
             self._numbers[channel] = number = self._numbers.get(channel, 0) + 1
+            self.said += len(sample.data)
             self._writer.add_message(
                 channel,
                 log_time=sample.received_ns,
@@ -51,15 +65,19 @@ class McapFile:
             )
         self._writer.flush()
 
-    def _open(self, topic: str, kind: str) -> int:
-        event = kind == EVENT
-        if kind not in self._schemas:
-            schema = (EVENT, "jsonschema", EVENT_SCHEMA) if event else ros_schema(kind)
-            self._schemas[kind] = self._writer.register_schema(*schema)
-        encoding = "json" if event else "cdr"
-        channel: int = self._writer.register_channel(topic, encoding, self._schemas[kind], {TYPE: kind})
-        self._channels[topic, kind] = channel
-        return channel
+    def _open(self, sample: Sample) -> tuple[str, int | None]:
+        topic, kind = sample.topic, sample.kind
+        channel: int | None = None
+        try:
+            if kind not in self._schemas:
+                self._schemas[kind] = self._writer.register_schema(*ros_schema(kind))
+            known = {QOS: sample.qos, TYPE_HASH: type_hash(kind)}
+            about = {TYPE: kind} | {name: value for name, value in known.items() if value}
+            channel = self._writer.register_channel(topic, "cdr", self._schemas[kind], about)
+        except (ImportError, TypeError) as error:
+            log.warning("%s is left out of a recording: %s", topic, error)
+        self._channels[topic] = kind, channel
+        return kind, channel
 
     def finish(self, about: Mapping[str, str]) -> None:
         """Write the index, and what the recording is about.
@@ -85,22 +103,3 @@ def ros_schema(kind: str) -> tuple[str, str, bytes]:
         text = text.replace(f"{package}/{action}_", f"{package}/{action}")
         kind = kind.replace(name, name.replace("_", ""))
     return kind, "ros2msg", text.encode()
-
-
-def read_last(path: Path, kind: str) -> Sample | None:
-    """Return the last message of a type in a finished file.
-
-    Raises:
-        OSError: There is no such file.
-    """
-    from mcap.reader import make_reader  # noqa: PLC0415 - see above
-
-    with path.open("rb") as file:
-        reader: Any = make_reader(file)
-        if (summary := reader.get_summary()) is None:
-            return None
-        wanted = {schema.id for schema in summary.schemas.values() if schema.name == kind}
-        topics = [channel.topic for channel in summary.channels.values() if channel.schema_id in wanted]
-        for _, channel, message in reader.iter_messages(topics=topics, reverse=True) if topics else ():
-            return Sample(channel.topic, kind, message.data, message.publish_time, message.log_time)
-    return None

@@ -29,8 +29,8 @@ BEFORE, AFTER = 5.0, 2.0
 FLUSH, CLEAN = 0.5, 60.0
 # Seconds that the end of the gateway waits for the disk.
 CLOSE_TIMEOUT = 2.0
-# Bytes of a recording after which only its end is written.
-MAX_RECORDING = 200_000_000
+# Bytes of a recording, as a file and without compression, after which only its end is written.
+MAX_RECORDING, MAX_SAID = 200_000_000, 1_000_000_000
 
 
 class _Running:
@@ -48,9 +48,10 @@ class _Running:
         self.elsewhere = False  # another gateway on this machine records it in the same folder
 
     @property
-    def size(self) -> int:
-        """Bytes written so far."""
-        return 0 if self.opened is None else self.opened.size
+    def full(self) -> bool:
+        """Whether only the end is still to be written."""
+        opened = self.opened
+        return opened is not None and (opened.size > MAX_RECORDING or opened.file.said > MAX_SAID)
 
     def about(self) -> dict[str, str]:
         """Return what the recording is about."""
@@ -231,13 +232,12 @@ class Recorder:
         """Write what was heard since the last time, and finish the file if its time has come."""
         ring = running.ear.ring
         done = running.ends_at is not None and (closing or time.monotonic() >= running.ends_at)
-        if running.elsewhere or (running.size > MAX_RECORDING and not done):
-            samples = []
-        else:
+        samples: list[Sample] = []
+        if not (running.elsewhere or (running.full and not done)):
             samples = ring.after(running.seen)
+            if running.opened is None:
+                samples = _after_held(ring.held(running.seen), samples, running.began_ns)
             running.seen = ring.heard
-        if running.opened is None:
-            samples = [each._replace(received_ns=running.began_ns) for each in ring.lasting()] + samples
         try:
             if not running.elsewhere:
                 await asyncio.to_thread(self._write, running, samples, done=done)
@@ -292,12 +292,16 @@ class Recorder:
         """Return what has been heard of a robot in the last seconds; None if it is not listened to."""
         if (ear := self._ears.get(robot)) is None:
             return None
-        samples = ear.ring.after(0)
-        began = samples[0].received_ns if samples else time.time_ns()
-        return [*(each._replace(received_ns=began) for each in ear.ring.lasting()), *samples]
+        return _after_held(ear.ring.held(0), ear.ring.after(0), time.time_ns())
 
     async def close(self) -> None:
         """Write what there is of running goals, with which the next process goes on."""
         self._closing.set()
         await asyncio.wait([self._writing], timeout=CLOSE_TIMEOUT)
         await self._tasks.close()
+
+
+def _after_held(held: list[Sample], samples: list[Sample], began_ns: int) -> list[Sample]:
+    """Return messages after those that hold at the beginning, so that a player publishes these first."""
+    first_ns = min((each.received_ns for each in samples), default=began_ns)
+    return [each._replace(received_ns=min(first_ns, began_ns)) for each in held] + samples

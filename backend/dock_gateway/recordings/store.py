@@ -14,10 +14,10 @@ from pathlib import Path
 from stat import S_ISREG
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.recordings.mcap_file import McapFile, read_last
+from dock_gateway.recordings.mcap_file import McapFile
 from dock_gateway.recordings.topics import CAMERA
 from dock_gateway.storage import Incident
-from robot_io.recording import Sample, read
+from robot_io.recording import Sample, read, read_last
 
 log = logging.getLogger(__name__)
 
@@ -179,6 +179,8 @@ class RecordingStore:
                 continue
             except OSError as error:
                 self.complain(error)
+            except Exception:
+                log.exception("while finishing %s, which a killed gateway left", part)
 
     def _repair(self, part: Path) -> None:
         goal_id = part.name.removesuffix(PART)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from docking.replay.course import Course
-from robot_io.recording import EVENTS, Sample, read
+from robot_io.recording import EVENTS, Sample, event_text, read
 
 ENDS = {"succeeded": "SUCCEEDED", "canceled": "CANCELED", "aborted": "ABORTED"}
 NS = 1_000_000_000
@@ -64,7 +64,7 @@ def read_goal(path: Path) -> RecordedGoal:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from error
     except ImportError as error:
         raise ValueError(f"recordings are read with the Python package mcap, which does not load: {error}") from error
-    states = [(sample, json.loads(sample.data)) for sample in samples if sample.topic == EVENTS]
+    states = [(sample, json.loads(event_text(sample))) for sample in samples if sample.topic == EVENTS]
     accepted = [
         (sample, state)
         for sample, state in states

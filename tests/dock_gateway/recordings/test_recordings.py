@@ -14,7 +14,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.recordings.recordings import OFF, Recordings
 from dock_gateway.recordings.store import Recording, RecordingStore
 from dock_gateway.recordings.topics import CAMERA
-from robot_io.recording import EVENT, EVENTS, Sample, read
+from robot_io.recording import EVENTS, Sample, event_sample, read
 
 JPEG = b"\xff\xd8\xff\xe0picture"
 CAMERAS = ("/robot1/front/compressed", "/robot2/front/compressed")
@@ -50,7 +50,7 @@ def record(store: RecordingStore, *samples: Sample) -> Recording:
 async def test_a_limited_grant_gets_only_its_topics(
     store: RecordingStore, tmp_path: Path, grant: Grant, topics: set[str]
 ) -> None:
-    found = record(store, *(image(topic, JPEG) for topic in CAMERAS), Sample(EVENTS, EVENT, b"{}", 1, 1))
+    found = record(store, *(image(topic, JPEG) for topic in CAMERAS), event_sample(b"{}", 1))
     file = tmp_path / "narrowed.mcap"
     file.write_bytes(await Recordings(store, None).narrowed(found, grant))
     assert {each.topic for each in read(file)} == topics

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.recordings.ring import LASTING, OVERHEAD, Ring
+from dock_gateway.recordings.ring import OVERHEAD, Ring
 from robot_io.recording import Sample
 
 SECONDS, BYTES = 30.0, 10_000
@@ -13,23 +13,47 @@ def sample(data: bytes = b"", topic: str = "/odom") -> Sample:
     return Sample(topic, "nav_msgs/msg/Odometry", data, 1, 2)
 
 
-@given(st.lists(st.tuples(st.floats(0, 40), st.integers(0, 12_000), st.booleans()), max_size=60))
-def test_its_limits_hold(messages: list[tuple[float, int, bool]]) -> None:
+@given(st.lists(st.tuples(st.floats(0, 40), st.integers(0, 12_000), st.integers(0, 3)), max_size=60))
+def test_its_limits_hold(messages: list[tuple[float, int, int]]) -> None:
     now = 0.0
     ring = Ring(SECONDS, BYTES, lambda: now)
     times: dict[bytes, float] = {}
-    for number, (pause, size, lasting) in enumerate(messages):
+    for number, (pause, size, kept) in enumerate(messages):
         now += pause
         data = number.to_bytes(4) + bytes(size)
         times[data] = now
-        ring.put(sample(data), lasting=lasting)
-        kept = ring.after(0)
-        assert ring.size == sum(len(each.data) + OVERHEAD for each in kept) <= BYTES
-        assert all(times[each.data] >= max(map(times.__getitem__, (e.data for e in kept))) - SECONDS for each in kept)
-        assert [each.data for each in kept] == sorted(each.data for each in kept), "in the order in which they came"
-        assert len(ring.lasting()) <= LASTING
-        assert sum(len(each.data) for each in ring.lasting()) <= BYTES
+        ring.put(sample(data, f"/topic{kept}"), kept=kept)
+        there = ring.after(0)
+        assert ring.size == sum(len(each.data) + OVERHEAD for each in there) <= BYTES
+        assert all(times[each.data] >= max(map(times.__getitem__, (e.data for e in there))) - SECONDS for each in there)
+        assert [each.data for each in there] == sorted(each.data for each in there), "in the order in which they came"
+        assert sum(len(each.data) for each in ring.held(0)) <= BYTES
     assert ring.heard == len(messages)
+
+
+@given(
+    st.lists(st.tuples(st.floats(0, 20), st.sampled_from("abc"), st.sampled_from(["/map", "/tf_static", "/odom"]))),
+    st.floats(0, 60),
+)
+def test_at_each_moment_it_knows_what_a_new_subscriber_would_get(
+    messages: list[tuple[float, str, str]], ago: float
+) -> None:
+    """However old the messages are: the newest of each latched topic, each once, and none of what came later."""
+    keeps = {"/map": 1, "/tf_static": 2, "/odom": 0}
+    now = 0.0
+    ring = Ring(SECONDS, 1_000_000, lambda: now)
+    for pause, text, topic in messages:
+        now += pause
+        ring.put(sample(text.encode(), topic), kept=keeps[topic])
+    mark = ring.mark(min(ago, SECONDS))
+    expected = {
+        topic: list(dict.fromkeys(text for _, text, of in reversed(messages[:mark]) if of == topic))[:kept][::-1]
+        for topic, kept in keeps.items()
+    }
+    found: dict[str, list[str]] = {topic: [] for topic in keeps}
+    for each in ring.held(mark):
+        found[each.topic].append(each.data.decode())
+    assert found == expected
 
 
 def test_what_is_new_since_a_mark() -> None:
@@ -46,12 +70,13 @@ def test_what_is_new_since_a_mark() -> None:
     assert [each.data for each in ring.after(mark)] == [b"later"]
 
 
-def test_what_holds_outlasts_the_ring_and_repetitions_count_once() -> None:
+def test_a_large_map_leaves_room_for_what_other_topics_hold() -> None:
     now = 0.0
     ring = Ring(SECONDS, BYTES, lambda: now)
-    for data in (b"camera", b"laser", b"camera"):
-        ring.put(sample(data, "/tf_static"), lasting=True)
-    now = 1000.0
+    ring.put(sample(b"laser", "/tf_static"), kept=50)
+    for number in range(3):
+        now += 1000.0
+        ring.put(sample(bytes([number]) * 6_000, "/map"), kept=2)
+    now += 1000.0
     ring.put(sample(b"odometry"))
-    assert [each.data for each in ring.after(0)] == [b"odometry"]
-    assert [each.data for each in ring.lasting()] == [b"laser", b"camera"]
+    assert [each.data[:5] for each in ring.held(0)] == [b"laser", bytes([2]) * 5]

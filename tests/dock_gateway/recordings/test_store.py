@@ -9,9 +9,8 @@ import pytest
 from geometry_msgs.msg import Twist
 from rclpy.serialization import serialize_message
 
-from dock_gateway.recordings.mcap_file import read_last
 from dock_gateway.recordings.store import NoRoomError, RecordingStore
-from robot_io.recording import EVENT, EVENTS, Sample, read
+from robot_io.recording import Sample, event_sample, read, read_last
 
 DAY = 86_400
 TWIST = serialize_message(Twist())
@@ -85,7 +84,7 @@ def test_what_is_still_being_written_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_goal_that_goes_on_after_a_restart_has_one_recording(tmp_path: Path) -> None:
     kept = store(tmp_path)
-    goal_id = record(kept, twist(1), Sample(EVENTS, EVENT, b"{}", 2, 2))
+    goal_id = record(kept, twist(1), event_sample(b"{}", 2))
     opened = kept.open(goal_id)
     opened.file.write([twist(3)])
     kept.finish(opened, goal_id, {}, failed=False)

@@ -7,14 +7,14 @@ import pytest
 
 from dock_gateway.recordings.mcap_file import McapFile
 from docking.replay.recorded_goal import read_goal
-from robot_io.recording import EVENT, EVENTS, Sample
+from robot_io.recording import Sample, event_sample
 
 S = 1_000_000_000
 CHATTER = "std_msgs/msg/String"
 
 
 def event(at: float, **document: object) -> Sample:
-    return Sample(EVENTS, EVENT, orjson.dumps(document), round(at * S), round(at * S))
+    return event_sample(orjson.dumps(document), round(at * S))
 
 
 def status(at: float, name: str, goal_id: str = "g1", **more: object) -> Sample:

@@ -113,7 +113,7 @@ def install_hint(package: str) -> str:
 def known_actions() -> list[str]:
     """Return all action types in the ament index, sorted."""
     found = set()
-    for prefix in _prefixes():
+    for prefix in install_prefixes():
         for entry in prefix.joinpath(_INDEX).glob("*"):
             for line in entry.read_text(errors="replace").splitlines():
                 kind, _, file = line.partition("/")
@@ -132,7 +132,7 @@ def definition_text(package: str, kind: str, name: str) -> str | None:
         kind: `msg`, `srv` or `action`.
         name: Such as `BatteryState`.
     """
-    for prefix in _prefixes():
+    for prefix in install_prefixes():
         try:
             return prefix.joinpath("share", package, kind, f"{name}.{kind}").read_text(errors="replace")
         except OSError:
@@ -140,7 +140,7 @@ def definition_text(package: str, kind: str, name: str) -> str | None:
     return None
 
 
-def _prefixes() -> list[Path]:
+def install_prefixes() -> list[Path]:
     """Return the install prefixes: the sourced workspaces, then this environment, where wheels put their share/."""
     sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return [Path(prefix) for prefix in dict.fromkeys([*sourced, sys.prefix]) if prefix]
