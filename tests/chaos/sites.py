@@ -40,9 +40,18 @@ def plain_client(url: str, timeout: float = 20.0) -> httpx2.Client:
 class Sites:
     """All of it. The broker, the hub and the sites are started at once, and ended with the block."""
 
-    def __init__(self, folder: Path, sites: dict[str, float] = CLOCKS, robots: int = 3) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        sites: dict[str, float] = CLOCKS,
+        robots: int = 3,
+        *,
+        duplicated: float = DUPLICATED,
+        reordered: float = REORDERED,
+    ) -> None:
         self.names = list(sites)
-        self._folder = folder
+        self.folder = folder
+        self._misbehave = {"duplicated": duplicated, "reordered": reordered}
         self._clocks = sites
         self._robots = robots
         self._port = free_port()
@@ -54,12 +63,12 @@ class Sites:
         self.outputs: list[Process] = []
 
     def __enter__(self) -> Self:
-        keys = Signer.load_or_create(self._folder / "hub-key.json").public_keys()
-        (self._folder / "keys.json").write_text(json.dumps(keys))
+        keys = Signer.load_or_create(self.folder / "hub-key.json").public_keys()
+        (self.folder / "keys.json").write_text(json.dumps(keys))
         self.broker.start()
         self._stack.callback(self.broker.kill)
         for number, name in enumerate(("hub", *self.names)):
-            link = link_to(self.broker, duplicated=DUPLICATED, reordered=REORDERED, seed=number)
+            link = link_to(self.broker, **self._misbehave, seed=number)
             self.links[name] = self._stack.enter_context(link)
         for name in ("hub", *self.names):
             self.start(name)
@@ -79,22 +88,22 @@ class Sites:
             settings = {
                 "port": str(self._port),
                 "nats": url,
-                "hub_key_path": str(self._folder / "hub-key.json"),
-                "database_url": f"sqlite:///{self._folder}/hub.db",
-                "spool_path": str(self._folder / "hub-spool"),
+                "hub_key_path": str(self.folder / "hub-key.json"),
+                "database_url": f"sqlite:///{self.folder}/hub.db",
+                "spool_path": str(self.folder / "hub-spool"),
                 "max_subscribers": "100",
             }
             variables = {f"DOCK_GATEWAY_{key.upper()}": value for key, value in settings.items()}
             process = ForkedProcess("dock-gateway", "hub", env=ros_environment(0, **variables))
         else:
-            (self._folder / f"{name}.json").write_text(json.dumps({name: url}))
+            (self.folder / f"{name}.json").write_text(json.dumps({name: url}))
             command = (sys.executable, "-m", "tests.support.simulated_site", *self._arguments(name))
             process = Process(*command, env=ros_environment(0))
         self._processes[name] = process
         self.outputs.append(process)
 
     def _arguments(self, name: str) -> tuple[str, ...]:
-        folder = self._folder
+        folder = self.folder
         return (
             *("--brokers", f"{folder}/{name}.json", "--keys", f"{folder}/keys.json", "--robots", str(self._robots)),
             *("--journals", str(folder), f"--clock-offset={self._clocks[name]}", name),
@@ -106,6 +115,16 @@ class Sites:
         process.send_signal(signal.SIGKILL)
         process.wait()
         process.__exit__()
+
+    def process(self, name: str) -> Process:
+        """The process of the hub or a site."""
+        return self._processes[name]
+
+    def instance(self, site: str) -> str:
+        """The id of the process of a site."""
+        with plain_client(self.url) as http:
+            instance: str = http.get(f"/sites/{site}").json()["instance"]
+        return instance
 
     def followed(self) -> set[str]:
         """The sites that the hub has read once and hears now; none while there is no hub."""
@@ -120,7 +139,7 @@ class Sites:
 
     def journal(self, site: str) -> list[dict[str, Any]]:
         """What a site has stored."""
-        lines = (self._folder / f"{site}.jsonl").read_bytes().splitlines()
+        lines = (self.folder / f"{site}.jsonl").read_bytes().splitlines()
         entries = []
         for line in lines:
             with contextlib.suppress(orjson.JSONDecodeError):

@@ -8,6 +8,7 @@ import os
 import random
 import time
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,8 @@ import pytest
 from tests.chaos.load import FINAL
 from tests.chaos.report import report
 from tests.chaos.sites import Commander, HubReader, Sites, Stopper, commanders
+from tests.support.probe import memory, quantile
+from tests.support.site_floods import AT_HUB, AT_SITE, flooding
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.timeout(7200)
@@ -25,6 +28,9 @@ pytestmark = pytest.mark.timeout(7200)
 # Rounds of kills and cuts, and about how long connections are cut or silent.
 ROUNDS = int(os.environ.get("CHAOS_SITE_ROUNDS", "1"))
 SECONDS = float(os.environ.get("CHAOS_SITE_SECONDS", "0.5"))
+# Seconds of a flood; the promise to a stop within it, and after it. A machine that other tests share is slower.
+FLOOD_SECONDS = float(os.environ.get("CHAOS_SECONDS", "1"))
+STOPPED_WITHIN = 1.0 if FLOOD_SECONDS >= 5 else 3.0
 
 
 def kill(sites: Sites, name: str) -> None:
@@ -153,3 +159,60 @@ def test_sites_hub_and_broker_that_are_killed_in_turn(tmp_path: Path) -> None:
     assert figures["goals at the sites"] > kills
     zero = ("missing", "different", "not carried out", "twice", "not told", "older", "gaps", "forgotten")
     assert {name: value for name, value in figures.items() if value and any(word in name for word in zero)} == {}
+
+
+@pytest.fixture(scope="module")
+def flooded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sites]:
+    """A hub with the sites berlin and oslo, with perfect connections."""
+    with Sites(tmp_path_factory.mktemp("sites"), {"berlin": 0.0, "oslo": 0.0}, duplicated=0, reordered=0) as sites:
+        sites.wait_for_all()
+        yield sites
+
+
+def stop_once(sites: Sites, site: str) -> float:
+    """Seconds until a site has confirmed a stop."""
+    began = time.monotonic()
+    answer = httpx2.post(f"{sites.url}/stop?robot=/{site}", json={"latch": False}, timeout=30, trust_env=False)
+    assert answer.status_code == 200, answer.text
+    return time.monotonic() - began
+
+
+def withstand(sites: Sites, name: str, sender: str, target: str, stopped: str) -> None:
+    """Stop a site through the hub during a flood, and after it. What is flooded does not grow."""
+    calm = [stop_once(sites, stopped) for _ in range(5)]
+    instance = sites.instance(target)
+    processes = [sites.process("hub" if name in AT_HUB else target)]
+    before = [memory(process.pid) for process in processes]
+    during: list[float] = []
+    with flooding(name, sites.broker.url_for(sender), target, instance, sites.folder):
+        began = time.monotonic()
+        while time.monotonic() - began < FLOOD_SECONDS or len(during) < 10:
+            during.append(stop_once(sites, stopped))
+            time.sleep(0.02)
+    after = [stop_once(sites, stopped) for _ in range(5)]
+    grown = max(memory(process.pid) - size for process, size in zip(processes, before, strict=True))
+    figures = {
+        "stops": len(during),
+        **{
+            f"stop {when}, median / worst, ms": f"{1000 * quantile(values, 0.5):.0f} / {1000 * max(values):.0f}"
+            for when, values in (("before", calm), ("during", during), ("after", after))
+        },
+        "megabytes": round(grown),
+    }
+    report(f"NATS: {name}", figures)
+    assert max(during) < STOPPED_WITHIN
+    assert max(after) < STOPPED_WITHIN
+    assert sites.followed() == set(sites.names)
+    assert grown < 60
+
+
+@pytest.mark.parametrize("name", AT_SITE)
+def test_a_flood_of_a_site(flooded: Sites, name: str) -> None:
+    """What the hub has not signed delays what it has signed by a moment, during the flood and after it."""
+    withstand(flooded, name, "hub", "berlin", "berlin")
+
+
+@pytest.mark.parametrize("name", AT_HUB)
+def test_a_flood_of_the_hub_by_a_site(flooded: Sites, name: str) -> None:
+    """A hostile site does not keep the hub from the other one."""
+    withstand(flooded, name, "oslo", "oslo", "berlin")

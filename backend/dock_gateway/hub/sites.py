@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -16,14 +17,15 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.hub.directory import Directory, Site, State
 from dock_gateway.hub.follower import Follower
-from dock_gateway.hub.site_client import SiteClient
+from dock_gateway.hub.site_client import READER, SiteClient
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, NoResponder
-from dock_gateway.sites.identity import Signer
+from dock_gateway.sites.identity import AGREEMENT, Signer
 from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, read
 from dock_gateway.sites.names import site_grant
+from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.subscription import Received
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
@@ -35,8 +37,8 @@ log = logging.getLogger(__name__)
 LOOK_INTERVAL = 0.5
 # Seconds that the process of a site may take to show that it is there.
 PROBE_TIMEOUT = 1.0
-# Hellos that are being answered. More are dropped: each comes again.
-MAX_HELLOS = 1000
+# Hellos that are being answered, and those of one site in a second. More are dropped unread: each comes again.
+MAX_HELLOS, MAX_HELLOS_OF_SITE = 1000, 10
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ class Sites:
         self._broker = broker
         self._caller = caller
         self._signer = signer
+        self._keys = KeyAgreement()
+        self._agreed: dict[str, tuple[Address, str]] = {}  # by site: its process, and the public key of that
         self._history = history
         self._entries = history.documents("site", SiteEntry)
         self._store = store
@@ -83,6 +87,7 @@ class Sites:
         self._refusals: dict[str, tuple[str, str]] = {}
         self._tasks = Tasks("looking after sites")
         self._hellos = Tasks("answering hellos")
+        self._second, self._heard = 0, Counter[str]()  # hellos of each site in this second
         self._following = asyncio.Lock()
         self.on_connect: list[Callable[[str], object]] = []
         self.pending_stop: Callable[[str], dict[str, Any] | None] = lambda _: None
@@ -123,6 +128,9 @@ class Sites:
         if name is None:
             self._broker.refuse("foreign_subject", received.subject, "a site cannot have that name")
             return
+        if self._says_too_much(name):
+            self._broker.refuse("too_many_hellos", received.subject, "a site says hello too often")
+            return
         try:
             hello = read(Hello, received.data)
         except Malformed as error:
@@ -133,6 +141,13 @@ class Sites:
         if len(self._hellos) < MAX_HELLOS:
             self._hellos.spawn(self._answer(name, hello, received))
 
+    def _says_too_much(self, name: str) -> bool:
+        if (second := int(time.monotonic())) != self._second:
+            self._second = second
+            self._heard.clear()
+        self._heard[name] += 1
+        return self._heard[name] > MAX_HELLOS_OF_SITE
+
     async def _answer(self, name: str, hello: Hello, received: Received) -> None:
         answer = self._judge(name, hello)
         if isinstance(answer, Refusal) and answer.code == "site_connected_elsewhere" and await self._is_gone(name):
@@ -142,9 +157,33 @@ class Sites:
         if isinstance(answer, Refusal) and self._refusals.get(name) != (said := (hello.instance, answer.code)):
             self._refusals[name] = said  # once, not with each hello
             log.warning("refused the site %s on %s: %s", name, hello.name_of_machine or "?", answer.detail)
+        if isinstance(answer, Welcome) and hello.public and not hello.leaving:
+            answer = self._agree(name, hello, answer)
         await received.reply(answer.encode())
         if isinstance(answer, Welcome):
             await self._follow(name)
+
+    def _agree(self, name: str, hello: Hello, welcome: Welcome) -> Welcome:
+        """Agree on a key for the requests to a process of a site; return the welcome that tells it."""
+        address = Address(name, hello.instance)
+        if self._agreed.get(name) != (address, hello.public):
+            try:
+                key = self._keys.agree(hello.public, name, hello.instance)
+            except ValueError as error:
+                log.info("there is no key for requests to the site %s: %s", name, error)
+                return welcome
+            self._forget_key(name)
+            self._agreed[name], self._caller.keys[address] = (address, hello.public), key
+        public, proof = self._keys.public, ""
+        if hello.agreed != public:
+            said = name, hello.instance, None, READER, AGREEMENT, public, self._clock_of(name)
+            proof = self._signer.sign(*said, content=hello.public)
+        return welcome.model_copy(update={"public": public, "proof": proof})
+
+    def _forget_key(self, name: str) -> None:
+        address, _ = self._agreed.pop(name, (None, ""))
+        if address is not None:
+            del self._caller.keys[address]
 
     def _judge(self, name: str, hello: Hello) -> Welcome | Refusal:
         return self._directory.judge(name, hello, time.monotonic(), time.time())
@@ -332,6 +371,7 @@ class Sites:
         self._refusals.pop(name, None)
         self._states.pop(name, None)
         self._quiet_since.pop(name, None)
+        self._forget_key(name)
 
     def read_again(self) -> None:
         """Follow all sites from the beginning: the hub's database has lost what it had."""

@@ -5,6 +5,7 @@ import contextlib
 import itertools
 import logging
 import random
+import time
 from collections import Counter
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -27,6 +28,8 @@ log = logging.getLogger(__name__)
 MAX_WAITING = 256 * 1024
 # A message's size before a server has said its limit.
 DEFAULT_MAX_PAYLOAD = 1024 * 1024
+# Seconds for which messages of a subject are handled before others have their turn.
+WITHOUT_BREAK = 0.002
 NO_RESPONDERS = "503"
 
 
@@ -146,10 +149,16 @@ class Broker:
     async def subscribe(self, subject: str, handler: Callable[[Received], Awaitable[None]]) -> Subscription:
         """Hand messages of a subject to a handler, one after the other, until the subscription is closed.
 
-        The handler must not wait for anything but `reply`: it holds up all that follow.
+        The handler must not wait for anything but `reply`: it holds up all that follow. However many come, other work
+        goes on in between.
         """
+        breaks = 0.0
 
         async def deliver(message: Msg) -> None:
+            nonlocal breaks
+            if time.monotonic() - breaks > WITHOUT_BREAK:
+                await asyncio.sleep(0)  # nats-py has none while messages wait
+                breaks = time.monotonic()
             try:
                 await handler(Received(message.subject, message.data, message.reply, self.publish))
             except Unavailable as error:

@@ -18,6 +18,8 @@ MAX_MINORS_APART = 1
 _VERSION = re.compile(r"(\d+)\.(\d+)(?:\D.*)?")
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Version = Annotated[str, Field(min_length=1, max_length=64)]
+# A public key of a `KeyAgreement`; empty: none.
+PublicKey = Annotated[str, Field(max_length=64)]
 
 
 class Malformed(ValueError):
@@ -53,6 +55,8 @@ class Hello(_Message):
         at: The site's clock, in seconds since 1970.
         leaving: The process ends now.
         name_of_machine: For people.
+        public: The public key of this process, for seals.
+        agreed: The public key of the hub that it has agreed with.
     """
 
     installation: UUID
@@ -61,6 +65,8 @@ class Hello(_Message):
     at: Seconds
     leaving: bool = False
     name_of_machine: Annotated[str, Field(max_length=253)] = ""
+    public: PublicKey = ""
+    agreed: PublicKey = ""
 
 
 class Welcome(_Message):
@@ -69,11 +75,15 @@ class Welcome(_Message):
     Attributes:
         hub_version: The hub's release.
         at: The hub's clock, in seconds since 1970.
+        public: The public key of this process of the hub, for seals.
+        proof: Signed by the hub: its public key and that of the site. Empty if the site has agreed with it already.
     """
 
     ok: bool = True
     hub_version: Version
     at: Seconds
+    public: PublicKey = ""
+    proof: Annotated[str, Field(max_length=4000)] = ""
 
 
 class Refusal(_Message):

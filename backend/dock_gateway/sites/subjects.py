@@ -48,11 +48,6 @@ def stream_to_site(site: str, instance: str, stream: str) -> str:
     return f"dock.site.{site}.{instance}.stream.{stream}"
 
 
-def all_to_site(site: str, instance: str) -> str:
-    """Return the pattern of everything that the hub sends to a site's process."""
-    return f"dock.site.{site}.{instance}.>"
-
-
 def stream_to_hub(site: str, stream: str) -> str:
     """Return where a site sends frames of a stream."""
     return f"dock.hub.stream.{site}.{stream}"

@@ -7,7 +7,7 @@ from dock_gateway.core.access import Principal, hub_principal
 from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import Role
 from dock_gateway.settings import Settings
-from dock_gateway.sites.identity import NOTHING, IdentityReused, Verifier
+from dock_gateway.sites.identity import AGREEMENT, NOTHING, IdentityReused, Verifier
 from dock_gateway.uplink.link import HubLink
 
 
@@ -57,3 +57,16 @@ class Admission:
             raise
         self._link.believe()
         return hub_principal(said.name, said.grant.narrowed(*self._limits), said.key)
+
+    def confirm(self, proof: str, public: str, hub_public: str) -> None:
+        """Check that the hub has a public key.
+
+        Args:
+            proof: What the hub has signed.
+            public: The public key of this process.
+            hub_public: That of the hub.
+
+        Raises:
+            NotAuthenticated: It has not signed that.
+        """
+        self._verifier.verify(proof, self._instance, AGREEMENT, hub_public, self._clock(), public)

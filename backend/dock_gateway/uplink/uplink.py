@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import logging
 import platform
 import time
 import uuid
@@ -12,18 +13,21 @@ from typing import Any
 from starlette.types import ASGIApp
 
 from dock_gateway import __version__
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.settings import Settings
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, NoResponder, open_broker
 from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, compatible, read_answer
+from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.server import TunnelServer
 from dock_gateway.storage import History
 from dock_gateway.uplink.admission import Admission
 from dock_gateway.uplink.installation import read_installation
 from dock_gateway.uplink.link import HubLink, HubState
+
+log = logging.getLogger(__name__)
 
 # Seconds between two hellos, and for the answer to one.
 INTERVAL, TIMEOUT = 3.0, 3.0
@@ -60,6 +64,8 @@ class Uplink:
         self._state: Mapping[str, Any] = {}
         self._address = Address(settings.site, subjects.new_id())
         self._admission = Admission(settings, self._address.instance, link)
+        self._keys = KeyAgreement()
+        self._agreed, self._key = "", b""  # with which process of the hub, and on what
         self._installation: uuid.UUID | None = None
         self._broker: Broker | None = None
         self._tunnel: TunnelServer | None = None
@@ -124,6 +130,8 @@ class Uplink:
             at=time.time(),
             leaving=leaving,
             name_of_machine=platform.node(),
+            public=self._keys.public,
+            agreed=self._agreed,
         )
         return await broker.request(subjects.hello(self._address.site), hello.encode(), timeout)
 
@@ -146,7 +154,25 @@ class Uplink:
         if self._tunnel is None:
             self._tunnel = TunnelServer(broker, self._address, self._app, self._admission, self._state)
             await self._tunnel.open()
+        self._agree(answer)
+        self._tunnel.key = self._key or None
         self._link.connected(answer.hub_version)
+
+    def _agree(self, answer: Welcome) -> None:
+        """Agree on a key with a process of the hub; until then, what it sends waits with what others send."""
+        if answer.public in ("", self._agreed):
+            return
+        if not answer.proof:
+            self._agreed = ""
+            self._awake.set()  # the next hello asks for it
+            return
+        try:
+            self._admission.confirm(answer.proof, self._keys.public, answer.public)
+            self._key = self._keys.agree(answer.public, self._address.site, self._address.instance)
+        except (GatewayError, ValueError) as error:
+            log.info("there is no key for the messages of the hub: %s", error)
+        else:
+            self._agreed = answer.public
 
     async def _end_tunnel(self) -> None:
         tunnel, self._tunnel = self._tunnel, None

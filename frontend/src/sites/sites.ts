@@ -29,6 +29,7 @@ const CODES: Record<string, string> = {
   version_refused: "its version is too far from the hub's",
   malformed: "a message could not be read",
   too_large: "a message was too large",
+  too_many_hellos: "the site said hello too often",
   invalid_identity: "the site did not accept the hub's signature: check its hub_key",
 };
 

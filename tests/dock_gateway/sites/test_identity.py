@@ -65,6 +65,26 @@ def test_one_request_only(signer: Signer, verifier: Verifier) -> None:
     assert refusal(verifier, token, now=NOW + LIFETIME) == "it has expired"
 
 
+def test_what_is_refused_in_any_case_is_refused_before_its_signature(
+    signer: Signer, verifier: Verifier, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A signature takes long to verify: neither a late message, nor one for others, nor a repeated one costs that."""
+    stranger = Signer.load_or_create(tmp_path / "stranger.key")
+    token = signed(signer)
+    verifier.verify(token, *REQUEST, NOW)
+    decoded: list[str] = []
+    monkeypatch.setattr(identity.jwt, "decode", lambda token, *_: decoded.append(token))
+    refusals = (
+        refusal(verifier, signed(stranger, now=NOW - LIFETIME)),
+        refusal(verifier, signed(stranger), "fedcba9876543210", *REQUEST[1:]),
+        refusal(verifier, signed(stranger), REQUEST[0], "DELETE", "/dock"),
+    )
+    assert refusals[0] == "it has expired"
+    with pytest.raises(IdentityReused):
+        verifier.verify(token, *REQUEST, NOW)
+    assert decoded == []
+
+
 def test_a_query_and_a_body_that_were_changed_on_the_way(signer: Signer, verifier: Verifier) -> None:
     sent = content_of("robot=/r1", b'{"dock_id":"1"}')
     others = (("robot=/r2", b'{"dock_id":"1"}'), ("robot=/r1", b'{"dock_id":"2"}'), ("robot=/r1", None), ("", b""))

@@ -115,7 +115,7 @@ async def reaches_nothing_else(hub: Broker, berlin: Broker, oslo: Broker) -> Non
     at_hub, at_berlin, at_oslo = Ear(), Ear(), Ear()
     for subject in (subjects.HELLOS, subjects.streams_to_hub("berlin"), subjects.streams_to_hub("oslo")):
         await hub.subscribe(subject, at_hub)
-    await oslo.subscribe(subjects.all_to_site("oslo", ID), at_oslo)
+    await oslo.subscribe(f"dock.site.oslo.{ID}.>", at_oslo)
     secrets = (
         "dock.site.oslo.>",
         "dock.site.>",
@@ -193,7 +193,7 @@ async def at_a_leaf_reaches_nothing_else(hub: Broker, berlin: Broker, oslo: Brok
     at_hub, at_berlin, at_oslo = Ear(), Ear(), Ear()
     for subject in (subjects.HELLOS, subjects.streams_to_hub("berlin"), subjects.streams_to_hub("oslo")):
         await hub.subscribe(subject, at_hub)
-    await oslo.subscribe(subjects.all_to_site("oslo", ID), at_oslo)
+    await oslo.subscribe(f"dock.site.oslo.{ID}.>", at_oslo)
     await says_hello(berlin, "berlin")
     at_hub.heard.clear()
     for subject in ("dock.site.oslo.>", "dock.hub.>", "_INBOX.oslo.>", "_INBOX.hub.>"):

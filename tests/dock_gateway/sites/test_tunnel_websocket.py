@@ -220,8 +220,8 @@ async def test_who_says_nothing_any_more_is_given_up(server: NatsServer) -> None
             await until(lambda: beats._received > 10)
             await conversation.send("still there")
             assert await anext(conversation) == "still there"
-            assert tunnel.server._subscription is not None
-            await tunnel.server._subscription.close()  # the site hears nothing more, and says so
+            for subscription in tunnel.server._subscriptions:
+                await subscription.close()  # the site hears nothing more, and says so
             await until(lambda: tunnel.server.calls == 0)
             with pytest.raises(SiteUnreachable, match="nothing was heard"):
                 await anext(conversation)

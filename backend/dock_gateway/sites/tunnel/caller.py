@@ -16,6 +16,7 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, NoResponder
 from dock_gateway.sites.identity import content_of
 from dock_gateway.sites.messages import Malformed, read_refusal
+from dock_gateway.sites.seals import seal
 from dock_gateway.sites.subscription import Received, Subscription
 from dock_gateway.sites.tunnel.answer import Answer, Asker
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, piece_of
@@ -49,6 +50,9 @@ class Caller:
             itself opens more, and only stops are passed on.
         patience: Seconds for which a request is tried again while nobody gets it: a site says hello a little before it
             listens, and servers of a cluster do not know at once of all that listen.
+
+    Attributes:
+        keys: What requests to a process of a site are sealed with, where that is agreed.
     """
 
     def __init__(
@@ -59,6 +63,7 @@ class Caller:
         max_streams: tuple[int, int] = (MAX_STREAMS, MAX_STREAMS_OF_SITE),
         patience: float = 1.0,
     ) -> None:
+        self.keys: dict[Address, bytes] = {}
         self._broker = broker
         self._timing = timing or Timing()
         self._max_streams = max_streams
@@ -253,6 +258,8 @@ class Caller:
         subject = subjects.open_stream(address.site, address.instance)
         try:
             message = encode({"id": stream, **fields}, body)
+            if (key := self.keys.get(address)) is not None:
+                message = seal(key, message)
             refusal = read_refusal(await self._deliver(subject, message, deadline))
         except Unavailable as error:
             channel.finish()

@@ -1,6 +1,5 @@
 """The site's end of the tunnel: calls the site's own ASGI app for each stream that the hub opens."""
 
-import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -16,11 +15,13 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.identity import IdentityReused, content_of
 from dock_gateway.sites.messages import Malformed, Refusal
+from dock_gateway.sites.seals import unseal, without_seal
 from dock_gateway.sites.subscription import Received, Subscription
 from dock_gateway.sites.tunnel.call import HttpCall, WebSocketCall, scope_of, send_body, send_head
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded, Timing
 from dock_gateway.sites.tunnel.frames import STOP, Open, encode, read_open
+from dock_gateway.sites.tunnel.unsealed import Unsealed
 
 log = logging.getLogger(__name__)
 
@@ -45,6 +46,8 @@ class TunnelServer:
         max_streams: Maximum number of streams at the same time. A stop is never one too many.
 
     Attributes:
+        key: What the hub's messages are sealed with; None: not agreed yet. One without a valid seal waits until there
+            is time to verify its signature.
         calls: Number of requests that the app has not left yet.
     """
 
@@ -68,9 +71,11 @@ class TunnelServer:
         self._max_streams = max_streams
         self._channels: dict[str, Channel] = {}
         self._past = deque[str](maxlen=REMEMBERED)
+        self.key: bytes | None = None
         self.calls = 0
         self._tasks = Tasks("serving the hub")
-        self._subscription: Subscription | None = None
+        self._subscriptions: list[Subscription] = []
+        self._unsealed: Unsealed | None = None
 
     @property
     def streams(self) -> int:
@@ -80,14 +85,21 @@ class TunnelServer:
     async def open(self) -> None:
         """Begin to serve."""
         self._broker.on_loss.append(self._lose_all)
-        pattern = subjects.all_to_site(self._address.site, self._address.instance)
-        self._subscription = await self._broker.subscribe(pattern, self._receive)
+        self._unsealed = Unsealed(lambda received: self._open(received, without_seal(received.data)), self._drop)
+        site, instance = self._address.site, self._address.instance
+        # Two, so that no frame waits for requests, nor is dropped with them.
+        self._subscriptions = [
+            await self._broker.subscribe(subjects.open_stream(site, instance), self._receive_open),
+            await self._broker.subscribe(subjects.stream_to_site(site, instance, "*"), self._receive_frame),
+        ]
 
     async def close(self) -> None:
         """End all streams, at the hub, too."""
-        if self._subscription is not None:
-            await self._subscription.close()
-            self._subscription = None
+        if self._unsealed is not None:
+            while self._subscriptions:
+                await self._subscriptions.pop().close()
+            await self._unsealed.close()
+            self._unsealed = None
             self._broker.on_loss.remove(self._lose_all)
         for channel in list(self._channels.values()):
             await channel.abort("site_leaving", "the site is shutting down, or no longer connected to this hub")
@@ -98,22 +110,28 @@ class TunnelServer:
         for channel in list(self._channels.values()):
             channel.end("broker_unavailable", "the connection to the broker was lost")
 
-    async def _receive(self, received: Received) -> None:
+    async def _receive_frame(self, received: Received) -> None:
         stream = subjects.read_stream_to_site(received.subject)
-        if stream is not None:
-            if (channel := self._channels.get(stream)) is not None:
-                channel.offer(received.data)
-            elif stream not in self._past:
-                self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
-        elif received.subject == subjects.open_stream(self._address.site, self._address.instance):
-            self._open(received)
-            await asyncio.sleep(0)  # however many come: the site has other things to do, such as to stop a robot
-        else:
+        if stream is None:
             self._broker.refuse("malformed", received.subject, "the subject is none of the tunnel")
+        elif (channel := self._channels.get(stream)) is not None:
+            channel.offer(received.data)
+        elif stream not in self._past:
+            self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
 
-    def _open(self, received: Received) -> None:
+    async def _receive_open(self, received: Received) -> None:
+        message = unseal(self.key, received.data)
+        if message is not None:
+            self._open(received, message)
+        elif self._unsealed is not None:
+            self._unsealed.put(received)
+
+    def _drop(self, received: Received) -> None:
+        self._broker.refuse("too_many_unsealed", received.subject, "too many requests wait until they are verified")
+
+    def _open(self, received: Received, message: bytes) -> None:
         try:
-            opened, body = read_open(received.data)
+            opened, body = read_open(message)
         except Malformed as error:
             self._broker.refuse(error.reason, received.subject, error.detail)
             self._answer(received, Refusal(code=error.reason, detail=error.detail, status=HTTPStatus.BAD_REQUEST))

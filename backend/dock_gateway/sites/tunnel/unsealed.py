@@ -1,0 +1,57 @@
+"""Messages that have no valid seal, and wait until it is verified who has sent them."""
+
+import asyncio
+import time
+from collections import deque
+from collections.abc import Callable
+
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.sites.subscription import Received
+
+# Messages that wait, and their bytes.
+MAX_WAITING, MAX_BYTES = 1000, 16 * 1024 * 1024
+# How many times as long as one takes others come first.
+BREAK = 4.0
+
+
+class Unsealed:
+    """Opens messages one by one, in a small share of the time. The newest come first: the oldest are of use to no one.
+
+    Args:
+        serve: Opens one.
+        drop: Called for one that is dropped, as too many wait.
+    """
+
+    def __init__(self, serve: Callable[[Received], None], drop: Callable[[Received], None]) -> None:
+        self._serve = serve
+        self._drop = drop
+        self._waiting = deque[Received]()
+        self._bytes = 0
+        self._arrived = asyncio.Event()
+        self._tasks = Tasks("opening messages without a seal")
+        self._tasks.spawn(self._run())
+
+    def put(self, received: Received) -> None:
+        """Let a message wait."""
+        self._waiting.append(received)
+        self._bytes += len(received.data)
+        while len(self._waiting) > MAX_WAITING or self._bytes > MAX_BYTES:
+            oldest = self._waiting.popleft()
+            self._bytes -= len(oldest.data)
+            self._drop(oldest)
+        self._arrived.set()
+
+    async def close(self) -> None:
+        """Open no more."""
+        await self._tasks.close()
+
+    async def _run(self) -> None:
+        while True:
+            await self._arrived.wait()
+            while self._waiting:
+                newest = self._waiting.pop()
+                self._bytes -= len(newest.data)
+                began = time.monotonic()
+                self._serve(newest)
+                await asyncio.sleep(BREAK * (time.monotonic() - began))
+            self._arrived.clear()
