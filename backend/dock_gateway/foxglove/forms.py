@@ -9,8 +9,8 @@ import orjson
 
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
 from dock_gateway.core.goal import encode, fragment
+from dock_gateway.core.json_text import decode_json
 from dock_gateway.foxglove.protocol import ENCODINGS, SCHEMA_ENCODING
-from dock_gateway.http.requests import decode_json
 from dock_gateway.ros.messages.cdr import from_cdr, to_cdr
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.full_definition import SEPARATOR, full_definition, short_name

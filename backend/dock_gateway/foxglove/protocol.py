@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, NotAllowed
 from dock_gateway.core.goal import encode
-from dock_gateway.http.requests import decode_json
+from dock_gateway.core.json_text import decode_json
 
 Json = dict[str, Any]
 

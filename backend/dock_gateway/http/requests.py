@@ -3,12 +3,10 @@
 import asyncio
 import re
 import uuid
-from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from typing import Annotated, Any
 
-import orjson
 from fastapi import Depends, Path, Query, Request
 from pydantic import WithJsonSchema
 from starlette.convertors import PathConvertor, register_url_convertor
@@ -17,6 +15,7 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
 from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.namespace import NAMESPACE
 from dock_gateway.http.parts import parts_of
 from dock_gateway.setting_types import NAME as ROS_NAME
@@ -81,25 +80,6 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
             status=HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
         )
     return decode_json(raw, "the body")
-
-
-def decode_json(text: bytes | str, what: str) -> Any:
-    """Decode JSON from a client. A byte order mark is ignored, as RFC 8259, 8.1, allows: editors on Windows write one.
-
-    Args:
-        text: The JSON text.
-        what: What it is, for the error.
-
-    Raises:
-        MalformedRequest: It is not JSON.
-    """
-    raw = text.encode() if isinstance(text, str) else text
-    if raw.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
-        raise MalformedRequest(f"{what} is UTF-16: send it as UTF-8")
-    try:
-        return orjson.loads(raw.removeprefix(BOM_UTF8))
-    except orjson.JSONDecodeError as error:
-        raise MalformedRequest(f"{what} is not JSON: {error}") from None
 
 
 async def read_body(request: Request, within: float | None = None) -> bytes:

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed
 from dock_gateway.core.goal import GoalStatus, encode
-from dock_gateway.http.requests import decode_json
+from dock_gateway.core.json_text import decode_json
 
 Json = dict[str, Any]
 Identity = str | int | None
@@ -154,7 +154,7 @@ def read_operation(text: str | bytes) -> tuple[str, Identity, Json]:
         InvalidField: It is not an operation.
         NotAllowed: It is one that the gateway does not have on purpose.
     """
-    message = decode_json(text, "the message")
+    message = decode_json(text, "the message", constants=True)
     if not isinstance(message, dict):
         raise InvalidField([FieldError("", "an object with op", "got something else")])
     op, identity = message.pop("op", None), message.pop("id", None)

@@ -4,10 +4,11 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
+from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.graph import Seen
+from dock_gateway.core.json_text import decode_json
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.operation import Audit, Scope, operation
@@ -108,10 +109,7 @@ class Services:
     async def _set_param(self, args: Any) -> Json:
         node, name = _parameter(args)
         text = args.get("value")
-        try:
-            value = orjson.loads(text) if isinstance(text, str) else text
-        except orjson.JSONDecodeError as error:
-            raise MalformedRequest(f"args.value is not JSON: {error}") from None
+        value = decode_json(text, "args.value", constants=True) if isinstance(text, str) else text
         await self._operations.set_param(node, {name: value})
         return {"successful": True, "reason": ""}
 

@@ -173,7 +173,9 @@ class Session:
             else:
                 await operate(self, fields, identity)
         except GatewayError as error:
-            await self._report(Level.error, f"{op}: {error.detail}" if op else error.detail, identity)
+            text = f"{op}: {error.detail}" if op else error.detail
+            log.info("an operation of a client of rosbridge was refused: %s", text)  # roslibpy does not show why
+            await self._report(Level.error, text, identity)
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
             log.debug("an answer could not be sent: %s", error)
         except Exception:

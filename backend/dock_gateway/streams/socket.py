@@ -30,13 +30,14 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
+from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.problems import INTERNAL
-from dock_gateway.http.requests import decode_json, known_query
+from dock_gateway.http.requests import known_query
 from dock_gateway.streams.command_schema import SubscribeCommand, UnsubscribeCommand
 from dock_gateway.streams.commands import COMMANDS, STOP, Fields, read_command
 from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends

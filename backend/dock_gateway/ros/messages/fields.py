@@ -17,6 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from dock_gateway.core.errors import FieldError
+from dock_gateway.core.json_text import Infinite
 from dock_gateway.ros.messages.constants import Constant
 from dock_gateway.ros.messages.types import Boolean, Float, Integer, Kind, MessageClass, Nested, Sequence, Text
 
@@ -152,6 +153,8 @@ def _float(kind: Float) -> Field:
     def parse(value: Any, path: str, errors: list[FieldError]) -> Any:
         if value is None:
             return math.nan
+        if isinstance(value, Infinite):
+            return float(value)
         if not isinstance(value, int | float) or isinstance(value, bool) or abs(value) > limit:
             errors.append(wrong(path, expected, value))
             return None

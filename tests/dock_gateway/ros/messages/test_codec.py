@@ -26,6 +26,7 @@ from unique_identifier_msgs.msg import UUID
 
 from action_tutorials_interfaces.action import ConnectToChargingDock, Fibonacci
 from dock_gateway.core.errors import InvalidField
+from dock_gateway.core.json_text import Infinite
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.fields import MAX_ERRORS
 from tests.support.messages import alike, documents
@@ -238,6 +239,13 @@ def test_numbers_of_an_array_are_looked_at_one_by_one_where_one_is_wrong() -> No
         "cell_voltage.1: float32 (-3.4e38 to 3.4e38) or null, got 1e+39"
     ]
     assert errors_of(SolidPrimitive, {"dimensions": [math.inf]}) == ["dimensions.0: float64 or null, got inf"]
+    assert list(codec(SolidPrimitive).parse({"dimensions": [Infinite("-inf"), 1, Infinite("inf")]}).dimensions) == [
+        -math.inf,
+        1.0,
+        math.inf,
+    ]
+    assert codec(BatteryState).parse({"voltage": Infinite("inf")}).voltage == math.inf
+    assert errors_of(BatteryState, {"power_supply_status": Infinite("inf"), "present": Infinite("inf")})
     assert [math.isnan(volts) for volts in codec(BatteryState).parse({"cell_voltage": [None, 4]}).cell_voltage] == [
         True,
         False,
