@@ -2,8 +2,9 @@
 
 A goal that was canceled, stopped or given up must not run, even if its server was frozen, unreachable or too late. It
 is unwanted from then on: the cancel request is repeated whenever the goal is seen, until the goal has ended or the
-server refuses. While a stop is latched for the action, every goal on it is unwanted, regardless of its sender, and
-requests continue even after a refusal.
+server refuses. A goal that is on its way when a stop comes is one of them, however late its server accepts it, also
+after the stop was released. While a stop is latched for the action, every goal on it is unwanted, regardless of its
+sender, and requests continue even after a refusal.
 """
 
 import asyncio
@@ -58,6 +59,7 @@ class Canceler:
         self.insisting: set[str] = set()
         for news in (News.SEEN, News.RETURNED):
             tracker.on[news].append(self.seen_again)
+        tracker.on[News.RESUMED].append(self._resume)
         tracker.on[News.RETIRED].append(self._forget)
 
     async def cancel(self, goal: Goal) -> None:
@@ -105,7 +107,8 @@ class Canceler:
             GoalStatus.LOST,
         ):
             return
-        self._refused(goal)
+        if answer.return_code != UNKNOWN_GOAL:  # which refuses nothing: the goal may be there later
+            self._refused(goal)
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
 
     def _refused(self, goal: Goal) -> None:
@@ -113,41 +116,46 @@ class Canceler:
         self.unwanted.pop(goal.goal_id, None)
         self._tracker.explain(goal, self._why_unwanted(goal))
 
+    def stop(self) -> None:
+        """Mark every goal that has not ended: a stop was requested. `cancel_all` asks the server."""
+        for goal in self._tracker.live.values():
+            self.mark_unwanted(goal, self._stopped(goal))
+            self._tracker.explain(goal, self._why_unwanted(goal))
+
     async def cancel_all(self) -> list[str]:
         """Ask the server to cancel every goal; return the ids of those that it will cancel.
+
+        Those that it does not cancel yet are canceled as soon as possible, if a stop was requested.
 
         Raises:
             Unavailable: There are goals but no action server.
             ServerTimeout: The server does not answer.
             Conflict: `cancel_rejected`: the server refuses to cancel some goals; the others are canceled.
         """
-        goals = [goal for goal in self._tracker.live.values() if not goal.status.final]
-        for goal in goals:
-            self.mark_unwanted(goal, self._stopped(goal))
-            self._tracker.explain(goal, self._why_unwanted(goal))
+        goals = list(self._tracker.live.values())
         try:
-            answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
-        except TimeoutError:
-            self._insist_on(goals)
-            detail = "the action server does not answer the request to cancel all goals; retrying"
-            raise ServerTimeout(detail) from None
-        except Unavailable:
-            self._insist_on(goals)
+            return await self._cancel_all(goals)
+        except (ServerTimeout, Unavailable):
+            self._insist_on(self._tracker.running())
             if goals:
                 raise
             return []
+        finally:  # also on those that a further stop has marked meanwhile; on others once they are accepted
+            self._insist_on([goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING])
+
+    async def _cancel_all(self, goals: list[Goal]) -> list[str]:
+        try:
+            answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
+        except TimeoutError:
+            detail = "the action server does not answer the request to cancel all goals; retrying"
+            raise ServerTimeout(detail) from None
         self._tracker.heard()
         for goal_id in answer.goal_ids & self._tracker.live.keys():
             self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
         left = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
-        try:
-            refuses = await asyncio.gather(*map(self._refuses, left))
-        except (ServerTimeout, Unavailable):
-            self._insist_on(left)
-            raise
+        refuses = await asyncio.gather(*map(self._refuses, left))
         canceling = sorted(answer.goal_ids | {goal.goal_id for goal in left if goal.status is GoalStatus.CANCELING})
         if refused := [goal for goal, refuses_it in zip(left, refuses, strict=True) if refuses_it]:
-            self._insist_on(refused)
             detail = f"the action server refuses to cancel {', '.join(goal.goal_id for goal in refused)}"
             raise Conflict(detail, code="cancel_rejected", canceling=canceling)
         return canceling
@@ -173,10 +181,20 @@ class Canceler:
         if len(self.unwanted) > len(self._tracker.live) + self._limits.unwanted:
             del self.unwanted[next(goal_id for goal_id in self.unwanted if goal_id not in self._tracker.live)]
 
+    def _resume(self, goal: Goal) -> None:
+        """Mark a goal that was unwanted before a restart, or at another gateway: its error says why."""
+        given_up = goal.error is not None and goal.error.code == TOO_LATE.code
+        if goal.error is not None and (given_up or not goal.status.terminal):
+            self.mark_unwanted(goal, goal.error)
+
+    def allow(self, goal: Goal) -> None:
+        """Let a goal run that may have been unwanted: its sender sends it again."""
+        self.unwanted.pop(goal.goal_id, None)
+
     def seen_again(self, goal: Goal) -> None:
         """Cancel a goal that appears to run, if it is unwanted."""
         why = self._why_unwanted(goal)
-        if why is None or goal.goal_id in self.insisting:
+        if why is None or goal.goal_id in self.insisting or goal.status is GoalStatus.CANCELING:
             return
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail, extra={"goal_id": goal.goal_id})
         self._tracker.explain(goal, why)
@@ -184,7 +202,7 @@ class Canceler:
         self._tracker.tasks.spawn(self._insist(goal))
 
     def cancel_unwanted(self) -> None:
-        """Cancel the running goals that another gateway's stop has not canceled."""
+        """Cancel the unwanted goals that run, which another gateway's stop has not canceled."""
         self._insist_on(self._tracker.running())
 
     def _why_unwanted(self, goal: Goal) -> GoalError | None:

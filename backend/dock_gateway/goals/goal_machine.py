@@ -28,13 +28,14 @@ MakeEvent = Callable[[Goal, int, int], Event]
 class News(Enum):
     """What other parts of the gateway want to know about a goal.
 
-    `SENT`: this process sends it. `SEEN`: it runs, this process did not send it, and it was unknown so far. `CHANGED`:
-    it has an event before its end. `LOST`, `RETURNED`: it was lost, or is back. `RETIRED`: no further events of it are
-    expected.
+    `SENT`: this process sends it. `SEEN`: it runs, which was not known so far. `RESUMED`: it is tracked again, as the
+    history knows it. `CHANGED`: it has an event before its end. `LOST`, `RETURNED`: it was lost, or is back.
+    `RETIRED`: no further events of it are expected.
     """
 
     SENT = auto()
     SEEN = auto()
+    RESUMED = auto()
     CHANGED = auto()
     LOST = auto()
     RETURNED = auto()
@@ -262,10 +263,11 @@ class GoalMachine:
     def _begin(self, now: Now, goal: Goal, newcomer: Newcomer | None, *, runs: bool) -> None:
         self._track(goal)
         goal.verb = goal.verb or self._verb  # an older gateway that shares the history stores none
+        before = goal.status
         for take in newcomer.messages if newcomer else ():
             take(now, goal)
         self.outputs.append(AwaitResult(goal))
-        if runs:
+        if runs and (goal.status is before or before is not GoalStatus.PENDING):
             self.outputs.append(Notify(News.SEEN, goal))
 
     def _track(self, goal: Goal) -> None:
@@ -288,14 +290,16 @@ class GoalMachine:
 
     def move(self, now: Now, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
         """Move a goal to a state that is not terminal, unless that is a step back."""
-        was_lost = goal.status is GoalStatus.LOST
+        before = goal.status
         if goal.goal_id in self.live:
             self._heard_at[goal.goal_id] = now.monotonic
         if not goal.advance(status, moment(now.ns)):
             return
         self._publish(status_event, goal, stamp_ns or now.ns)
         self.outputs.append(Store(goal))
-        if was_lost:
+        if before is GoalStatus.PENDING:
+            self.outputs.append(Notify(News.SEEN, goal))
+        elif before is GoalStatus.LOST:
             log.info("goal %s is no longer lost", goal.goal_id, extra=_about(goal))
             self.outputs.append(Notify(News.RETURNED, goal))
 
@@ -307,8 +311,9 @@ class GoalMachine:
 
     def explain(self, goal: Goal, error: GoalError | None) -> None:
         """Set why a goal that has not ended will not succeed; None: it may. It is published with the next change."""
-        if not goal.status.terminal:
+        if not goal.status.terminal and goal.error != error:
             goal.error = error
+            self.outputs.append(Store(goal))  # another gateway, or this one after a restart, cancels it for that
 
     def lose(self, now: Now, goal: Goal, error: GoalError) -> None:
         """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""

@@ -98,7 +98,8 @@ class ActionRegistry:
         self.on_end: list[Callable[[Goal], None]] = []
         self.on_lost: list[Callable[[Goal], None]] = []
         self._fanout = fanout
-        interlock.on_latch.append(self._stop_under)
+        interlock.on_heard.append(self._hear_stop)
+        interlock.on_latch.append(self._cancel_under)
         fanout.on_close.append(self._release_all)
         self._history = history
         self._actions: dict[str, Action] = {}
@@ -282,8 +283,13 @@ class ActionRegistry:
         prefix, shared, place = prefix_of(namespace), self._catalog.shared, self._catalog.place_of
         return [action for action in self.all() if place(action.name).startswith(prefix) or action.name in shared]
 
-    def _stop_under(self, namespace: str) -> None:
+    def _hear_stop(self, namespace: str) -> None:
         for action in self.under(namespace):
+            action.delivery.stop()
+
+    def _cancel_under(self, namespace: str) -> None:
+        for action in self.under(namespace):
+            action.delivery.stop()
             action.canceler.cancel_unwanted()
 
     async def find(self, name: str) -> Action:

@@ -65,8 +65,9 @@ class Delivery:
         self._tasks: set[asyncio.Task[Goal]] = set()
 
     def stop(self) -> None:
-        """Prevent goals that have not been sent yet from being sent."""
+        """Prevent goals that have not been sent yet from being sent, and those on their way from running."""
         self.stops += 1
+        self._canceler.stop()
 
     def require_no_stop_since(self, stops: int, **extra: Any) -> None:
         """Refuse a goal that was requested before a stop.
@@ -135,6 +136,8 @@ class Delivery:
             if claim is not None and (first := await claim.take(goal)):
                 return first
             await self._history.add(goal, claim.key if claim else None)
+        else:
+            self._canceler.allow(goal)
         self._tracker.add(goal)
         try:
             self.require_no_stop_since(stops, goal_id=goal.goal_id)
@@ -170,7 +173,6 @@ class Delivery:
 
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.accept(goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
-        self._canceler.seen_again(goal)
 
     async def _reject(self, goal: Goal) -> None:
         busy_with = self._busy_with()
@@ -191,7 +193,7 @@ class Delivery:
         return next((goal.goal_id for goal in running), None)
 
     def _give_up(self, goal: Goal, call: PendingCall) -> None:
-        if goal.status.final:  # other messages reported the end
+        if goal.status is not GoalStatus.PENDING:  # other messages reported that it runs, or how it ended
             call.forget()
             return
         self._canceler.mark_unwanted(goal, TOO_LATE)

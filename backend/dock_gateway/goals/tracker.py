@@ -137,6 +137,7 @@ class GoalTracker:
 
     def take_up(self, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
+        self._notify(News.RESUMED, goal)
         self._machine.take_up(Now.read(), goal)
         self.carry_out()
 
@@ -158,6 +159,7 @@ class GoalTracker:
     def explain(self, goal: Goal, error: GoalError | None) -> None:
         """Set why a goal that has not ended will not succeed; None: it may. It is published with the next change."""
         self._machine.explain(goal, error)
+        self.carry_out()
 
     def lose(self, goal: Goal, error: GoalError) -> None:
         """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
@@ -211,7 +213,9 @@ class GoalTracker:
                 ready, pause = newcomers.ready(asked, known, time.monotonic())
                 for number, goal_id in enumerate(ready, 1):
                     try:
-                        self._machine.adopt(Now.read(), goal_id, (known or {}).get(goal_id))
+                        if (goal := (known or {}).get(goal_id)) is not None:
+                            self._notify(News.RESUMED, goal)
+                        self._machine.adopt(Now.read(), goal_id, goal)
                         self.carry_out()
                     except Exception:
                         log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})

@@ -66,6 +66,10 @@ class Scene:
             Settings(cancel_timeout=0.7), self.tracker, interlock, GoalLimits(cancel_retry=0.01, unwanted=2)
         )
 
+    async def stop(self) -> list[str]:
+        self.canceler.stop()
+        return await self.canceler.cancel_all()
+
     def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:
         goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
         self.tracker.add(goal)
@@ -194,7 +198,7 @@ async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Sce
     goal = scene.goal(S.LOST)
     scene.port.script = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(Unavailable):
-        await scene.canceler.cancel_all()
+        await scene.stop()
     scene.tracker.move(goal, S.EXECUTING)
     await asyncio.sleep(0.05)
     assert goal.status is S.CANCELING
@@ -205,7 +209,7 @@ async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scen
     goal = scene.goal(S.EXECUTING)
     scene.port.script = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(GatewayError) as refused:
-        await scene.canceler.cancel_all()
+        await scene.stop()
     assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"canceling": []})
     assert A in refused.value.detail
     assert goal.status is S.EXECUTING
@@ -225,7 +229,7 @@ async def test_a_goal_that_has_just_ended_or_is_being_canceled_is_not_refused(sc
             scene.tracker.on_status([StatusReport(A, status, 1)], 1)
 
     scene.port.while_asked = its_status_comes
-    assert await scene.canceler.cancel_all() == ([A] if status is S.CANCELING else [])
+    assert await scene.stop() == ([A] if status is S.CANCELING else [])
     assert scene.port.asked == [None, A, A]
 
 
@@ -243,7 +247,7 @@ async def test_a_server_that_cannot_cancel_a_goal_is_asked_until_its_status_says
 async def test_a_goal_that_a_server_forgot_to_name_is_being_canceled(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
     scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
-    assert await scene.canceler.cancel_all() == [A]
+    assert await scene.stop() == [A]
     assert goal.status is S.CANCELING
 
 
@@ -251,7 +255,7 @@ async def test_a_server_that_falls_silent_after_it_named_no_goal_is_asked_again(
     goal = scene.goal(S.EXECUTING)
     scene.port.script = [CancelAnswer(frozenset(), 0), TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(ServerTimeout):
-        await scene.canceler.cancel_all()
+        await scene.stop()
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error == STOPPED
     assert scene.port.timeouts[:2] == [STOP_TIMEOUT, STOP_TIMEOUT]
@@ -261,7 +265,7 @@ async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> N
     goals = {goal_id: scene.goal(S.EXECUTING, goal_id) for goal_id in (A, "b", "c", "d")}
     scene.port.script = [CancelAnswer(frozenset({"d", "b", "unknown"}), 0)]
     with pytest.raises(Conflict) as refused:
-        await scene.canceler.cancel_all()
+        await scene.stop()
     assert f"{A}, c" in refused.value.detail
     assert refused.value.extra == {"canceling": ["b", "d", "unknown"]}
     assert [goal.status for goal in goals.values()] == [S.EXECUTING, S.CANCELING, S.EXECUTING, S.CANCELING]
@@ -273,7 +277,7 @@ async def test_a_stop_that_is_not_answered_goes_on(scene: Scene) -> None:
     lost = scene.goal(S.LOST, "b")
     scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(ServerTimeout) as refused:
-        await scene.canceler.cancel_all()
+        await scene.stop()
     assert "does not answer" in refused.value.detail
     await until(lambda: goal.status is S.CANCELING)
     assert scene.port.asked == [None, A], "a lost goal is canceled when it is seen"
@@ -315,7 +319,7 @@ async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog:
 
 async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
     scene.port.script = [Unavailable("nobody")]
-    assert await scene.canceler.cancel_all() == []
+    assert await scene.stop() == []
 
 
 async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
@@ -337,7 +341,7 @@ async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(
 
 async def test_a_goal_canceled_by_a_stop_names_who_requested_it(scene: Scene) -> None:
     goal, scene.by = scene.goal(S.EXECUTING), "Ada"
-    await scene.canceler.cancel_all()
+    await scene.stop()
     assert (goal.status, goal.error) == (S.CANCELING, GoalError("stopped", "a stop was requested by Ada"))
 
 
@@ -372,7 +376,7 @@ async def test_a_refusal_is_not_taken_while_a_stop_holds(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
     scene.port.script = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(Conflict):
-        await scene.canceler.cancel_all()
+        await scene.stop()
     await until(lambda: len(scene.port.asked) >= 4)
     assert goal.status is S.EXECUTING
     scene.port.script = [CancelAnswer(frozenset({A}), 0)]
@@ -403,6 +407,6 @@ async def test_what_a_stop_of_another_gateway_left_running_is_canceled(scene: Sc
 
 async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    assert await scene.canceler.cancel_all() == [A]
+    assert await scene.stop() == [A]
     assert goal.error == STOPPED
     assert not scene.canceler.uncanceled

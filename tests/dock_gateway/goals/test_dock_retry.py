@@ -26,7 +26,8 @@ class FakeAction:
         nothing: Any = None
         tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
         interlock: Any = SimpleNamespace(holds=lambda _: False)
-        self.delivery = Delivery(Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=nothing)
+        canceler: Any = SimpleNamespace(stop=lambda: None)
+        self.delivery = Delivery(Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=canceler)
         self.submitter = self
         self.server = server
         self.stopped = stopped
