@@ -23,6 +23,7 @@ from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer, Verifier
 from dock_gateway.sites.messages import Hello, Refusal, Welcome, read_answer
 from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.channel import Timing
 from dock_gateway.sites.tunnel.server import TunnelServer
 from tests.support.waiting import until
 
@@ -87,7 +88,9 @@ async def broker_of(nats: str, site: str) -> AsyncIterator[Broker]:
 
 
 @asynccontextmanager
-async def small_site(nats: str, signer: Signer, folder: Path, name: str = "berlin") -> AsyncIterator[str]:
+async def small_site(
+    nats: str, signer: Signer, folder: Path, name: str = "berlin", timing: Timing | None = None
+) -> AsyncIterator[str]:
     """Serve the hub; the value is the process's id."""
     keys = folder / f"{name}.keys"
     keys.write_bytes(orjson.dumps(signer.public_keys()))
@@ -100,6 +103,7 @@ async def small_site(nats: str, signer: Signer, folder: Path, name: str = "berli
             APP,
             lambda token, method, path, content: verifier.verify(token, instance, method, path, time.time(), content),
             {},
+            timing=timing,
         )
         await server.open()
         try:
@@ -137,6 +141,12 @@ async def _never(_: Request) -> Response:
     return Response()
 
 
+async def _slow(request: Request) -> Response:
+    """Answer after some seconds, as a goal that waits for a person."""
+    await asyncio.sleep(float(request.query_params["seconds"]))
+    return JSONResponse({"waited": True})
+
+
 async def _goals(_: Request) -> Response:
     return JSONResponse({"goals": [], "next_cursor": None})
 
@@ -158,6 +168,7 @@ APP = Starlette(
         Route("/elsewhere", _elsewhere, methods=["POST"]),
         Route(f"/alerts/{ALERT['id']}/acknowledgement", _acknowledge, methods=["PUT"]),
         Route("/never", _never, methods=["POST"]),
+        Route("/slow", _slow, methods=["GET", "POST"]),
         Route("/goals", _goals),
         Route("/healthz", _echo),
         Route("/alerts/{id}/acknowledgement", _echo, methods=["DELETE"]),

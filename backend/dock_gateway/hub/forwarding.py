@@ -17,7 +17,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from dock_gateway.access.logins import Logins, login_ended
 from dock_gateway.audit.trail import Trail, audited
-from dock_gateway.core.errors import InvalidField, MalformedRequest
+from dock_gateway.core.errors import MalformedRequest
 from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http import operation as needs
@@ -25,14 +25,14 @@ from dock_gateway.http.operation import operation, operation_of
 from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.http.requests import read_body, read_wait
+from dock_gateway.http.requests import read_body
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.hub.site_client import DEADLINE, SiteClient
 from dock_gateway.hub.sites import Sites
 from dock_gateway.hub.stop_requests import BODY_WITHIN
 from dock_gateway.settings import Settings
 from dock_gateway.sites.names import site_grant, to_hub
-from dock_gateway.sites.tunnel.failures import SiteTimeout, silent_for
+from dock_gateway.sites.tunnel.failures import SiteTimeout
 from dock_gateway.streams.events import CLOSE_CODES
 
 router = APIRouter(tags=["Sites"])
@@ -56,7 +56,7 @@ async def forward_request(site: str, path: str, request: Request) -> Response:
     body = await _read(request, path)
     parts[Logins].require_valid(principal)  # the body may have taken its time
     token = _sign(client, request.method, f"/{path}", request.scope, body)
-    return Forwarded(Asked(client, f"/{path}", token, _headers(request), body, DEADLINE + _wait(request)))
+    return Forwarded(Asked(client, f"/{path}", token, _headers(request), body))
 
 
 @router.websocket("/sites/{site}/{path:path}", name="forward_websocket")
@@ -67,7 +67,7 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
     client = parts[Sites].client(site, principal.grant)
     scope = {**websocket.scope, "query_string": _without_ticket(websocket.scope["query_string"])}
     token = _sign(client, "GET", f"/{path}", scope)
-    asked = Asked(client, f"/{path}", token, _headers(websocket), b"", DEADLINE)
+    asked = Asked(client, f"/{path}", token, _headers(websocket), b"")
     if path in COMMANDING:
         trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
         trail.fields |= {"robot": None, "subject": f"/sites/{site}/{path}"[:200]}
@@ -86,7 +86,6 @@ class Asked:
         token: Who asks, signed.
         headers: Its headers.
         body: Its body.
-        deadline: Seconds until the answer has to begin.
     """
 
     client: SiteClient
@@ -94,7 +93,6 @@ class Asked:
     token: str
     headers: Pairs
     body: bytes
-    deadline: float
 
     @property
     def site(self) -> str:
@@ -108,7 +106,7 @@ class Asked:
             GatewayError: As `Caller.forward`.
         """
         await self.client.forward(
-            scope, receive, send, path=self.path, token=self.token, headers=self.headers, deadline=self.deadline
+            scope, receive, send, path=self.path, token=self.token, headers=self.headers, deadline=DEADLINE
         )
 
 
@@ -131,33 +129,24 @@ class Forwarded(Response):
         prefix = f"/sites/{asked.site}"
         waiting: list[Message] = [{"type": "http.request", "body": asked.body, "more_body": False}]
 
-        begun = asyncio.Event()
-
         async def receive_all() -> Message:
             return waiting.pop() if waiting else await receive()
 
         async def send_own(message: Message) -> None:
             if message["type"] == "http.response.start":
-                begun.set()
                 message = {**message, "headers": [*_answered(message.get("headers", ()), prefix)]}
             await send_in_time(send, message, timeout)
 
         carrying = asyncio.ensure_future(asked.carry(scope, receive_all, send_own))
-        beginning = asyncio.ensure_future(begun.wait())
         try:
             with (
                 self._counted(connection),
                 parts_of(connection)[Logins].watch(principal_of(connection), carrying.cancel),
             ):
-                await asyncio.wait((carrying, beginning), timeout=asked.deadline, return_when=asyncio.FIRST_COMPLETED)
-                late = not (carrying.done() or begun.is_set())
-                if not late:
-                    await asyncio.wait((carrying,))
+                await asyncio.wait((carrying,))
         finally:
-            await cancel(carrying, beginning)
+            await cancel(carrying)
         try:
-            if late:
-                raise silent_for(asked.site, asked.deadline)
             if carrying.cancelled():
                 raise login_ended()
             carrying.result()
@@ -215,14 +204,6 @@ async def _read(request: Request, path: str) -> bytes:
         return await read_body(request, BODY_WITHIN)
     except MalformedRequest:
         return b""
-
-
-def _wait(request: Request) -> float:
-    """Return the seconds that the client lets the site wait; whether that is allowed is the site's to say."""
-    try:
-        return read_wait(request)
-    except InvalidField:
-        return 0.0
 
 
 def _sign(client: SiteClient, method: str, path: str, scope: Scope, body: bytes = b"") -> str:

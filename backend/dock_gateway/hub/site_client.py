@@ -14,7 +14,8 @@ from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.tunnel.answer import Answer
 from dock_gateway.sites.tunnel.caller import Address, Caller
 
-# Seconds that a site may take to begin its answer, besides those that `Prefer: wait` asks for.
+# Seconds that a site may take to begin with a request, and may show no sign of life until it answers. For a request of
+# the hub itself, the answer has to be complete by then.
 DEADLINE = 10.0
 # What the hub itself needs at a site.
 READER = Grant(Role.VIEWER)

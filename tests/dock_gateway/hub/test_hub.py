@@ -30,6 +30,8 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Refusal, Welcome
 from dock_gateway.sites.names import site_grant
+from dock_gateway.sites.tunnel import channel
+from dock_gateway.sites.tunnel.channel import Timing
 from tests.support.edge import serving
 from tests.support.nats import NatsServer, nats_server
 from tests.support.small_site import ALERT, broker_of, say_hello, small_site
@@ -130,7 +132,28 @@ async def test_what_a_login_does_not_reach_is_not_there(hub: Hub) -> None:
     assert (await hub.http.post("/sites/berlin/echo", headers=foreign)).json()["code"] == "origin_not_allowed"
 
 
-async def test_a_site_that_does_not_answer_in_time(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("prefer", [{}, {"Prefer": "wait=300"}])
+async def test_a_site_that_works_on_a_request_is_waited_for(
+    prefer: dict[str, str], hub: Hub, nats: NatsServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For a person who has to allow a goal, for example: only the site knows for how long."""
+    monkeypatch.setattr(forwarding, "DEADLINE", 0.4)
+    _, header = await hub.token("ada", Role.OPERATOR)
+    signer, timing = Signer.load_or_create(tmp_path / "hub.key"), Timing(alive=0.1, silence=15)
+    async with small_site(nats.url, signer, tmp_path, "turin", timing):
+        await hub.connected("turin")
+        answer = await hub.http.post("/sites/turin/slow?seconds=1.5", headers=prefer | header)
+        assert (answer.status_code, answer.json()) == (200, {"waited": True})
+
+
+async def test_no_site_is_waited_for_without_end(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(channel, "LONGEST_WAIT", 0.2)
+    _, header = await hub.token("ada", Role.OPERATOR)
+    answer = await hub.http.post("/sites/berlin/never", headers=header)
+    assert (answer.status_code, answer.json()["code"]) == (504, "site_timeout")
+
+
+async def test_a_site_that_shows_no_sign_of_life_until_it_answers(hub: Hub, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(forwarding, "DEADLINE", 0.2)
     _, header = await hub.token("ada", Role.OPERATOR)
     answer = await hub.http.post("/sites/berlin/never", headers={"Idempotency-Key": "mine", **header})

@@ -134,7 +134,7 @@ class Caller:
             send: As ASGI has it.
             path: The path at the site, decoded.
             token: Who asks, signed.
-            deadline: Seconds until the site must have begun.
+            deadline: Seconds until the site must have begun, and without a sign of life until its answer begins.
             headers: Those of the request, if others than in the scope.
             own: Whether it is a request of the hub itself.
 
@@ -163,7 +163,7 @@ class Caller:
         channel = await self._open(address, {**fields, "more": more or bool(rest)}, now, deadline, own=own)
         try:
             if scope["type"] == "http":
-                await forward_http(address.site, channel, rest, more=more, receive=receive, send=send)
+                await forward_http(address.site, channel, rest, more=more, receive=receive, send=send, silence=deadline)
             else:
                 await forward_websocket(address.site, channel, scope, receive, send, deadline=deadline)
         finally:

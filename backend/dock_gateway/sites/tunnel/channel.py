@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.tasks import Tasks
+from dock_gateway.core.tasks import Tasks, cancel
 from dock_gateway.sites.messages import Malformed
 from dock_gateway.sites.tunnel.frames import (
     MAX_PIECE,
@@ -26,6 +26,8 @@ from dock_gateway.sites.tunnel.frames import (
 # What a message of a WebSocket may have, in bytes.
 MAX_MESSAGE = 16 * 1024 * 1024
 MAX_NUMBER = 10**15  # of a frame
+# Seconds that a stream waits for the first frame of the other end: as long as the longest wait at a site may be set to.
+LONGEST_WAIT = 3600.0
 FINISHED = "finished"
 
 
@@ -149,6 +151,28 @@ class Channel:
         self._waiting -= cost
         self._taken += cost
         return frame, body
+
+    async def receive_first(self, silence: float) -> tuple[Frame, bytes]:
+        """Wait for the next frame as long as the other end shows that it is there. It may be waiting for a person.
+
+        Args:
+            silence: Seconds without a sign of life after which it counts as gone.
+
+        Raises:
+            ChannelEnded: The stream has ended.
+            TimeoutError: The other end was silent, or has worked for longer than anything takes.
+        """
+        async with asyncio.timeout(LONGEST_WAIT):
+            receiving = asyncio.ensure_future(self.receive())
+            try:
+                while not receiving.done():
+                    left = self._heard + silence - self._clock()
+                    if left <= 0:
+                        raise TimeoutError
+                    await asyncio.wait({receiving}, timeout=left)
+                return receiving.result()
+            finally:
+                await cancel(receiving)
 
     async def _give_credit(self) -> None:
         taken, self._taken = self._taken, 0

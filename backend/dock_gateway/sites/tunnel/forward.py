@@ -31,7 +31,9 @@ CLIENT_GONE = ("client_gone", "the client at the hub has gone")
 BAD_GATEWAY, FORBIDDEN = 1014, 403
 
 
-async def forward_http(site: str, channel: Channel, rest: bytes, *, more: bool, receive: Receive, send: Send) -> None:
+async def forward_http(  # noqa: PLR0917 - both ends of a request
+    site: str, channel: Channel, rest: bytes, *, more: bool, receive: Receive, send: Send, silence: float
+) -> None:
     """Pass the rest of a request on, and the answer back. Returns at once when the client has gone.
 
     If the site is lost within its answer, that ends without being complete.
@@ -43,6 +45,7 @@ async def forward_http(site: str, channel: Channel, rest: bytes, *, more: bool, 
         more: Whether the client has more of it.
         receive: Reads from the client.
         send: Sends to the client.
+        silence: Seconds without a sign of life until the answer begins, after which the site counts as gone.
 
     Raises:
         GatewayError: The site did not answer.
@@ -51,7 +54,10 @@ async def forward_http(site: str, channel: Channel, rest: bytes, *, more: bool, 
     pump.spawn(_pump_body(channel, rest, more=more, receive=receive))
     started = False
     try:
-        frame, _ = await channel.receive()
+        try:
+            frame, _ = await channel.receive_first(silence)
+        except TimeoutError:
+            raise silent_for(site, silence) from None
         if not isinstance(frame, Head):
             await channel.abort("malformed", f"a frame {frame.type!r} in place of the answer")
             raise ended_early(site, channel.ended or ChannelEnded(*CLIENT_GONE))
