@@ -212,7 +212,14 @@ async def _open(
             graph_watch.update,
             recordings.update,
             _following(
-                Departures(robots, actions, interlock, forget_after=settings.forget_robot_after, leave=recordings.leave)
+                Departures(
+                    robots,
+                    actions,
+                    interlock,
+                    last_goals,
+                    forget_after=settings.forget_robot_after,
+                    leave=recordings.leave,
+                )
             ),
         )
     )

@@ -5,7 +5,14 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.support.gateway import CHARGING, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import (
+    CHARGING,
+    RunningGateway,
+    running_dock_server,
+    running_gateway,
+    running_program,
+    running_servers,
+)
 from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
 
@@ -59,3 +66,12 @@ def test_a_robot_leaves_and_comes_back(domain: int) -> None:
                 (robot,) = [robot for robot in event["robots"] if robot["name"] == NAME]
                 assert robot["last_goal"]["goal_id"] == docked["goal_id"]
                 wait_until(lambda: NAME in names(other), "it is back everywhere")
+
+
+def test_an_action_server_in_the_root_leaves_no_robot_behind(domain: int) -> None:
+    """Though the graph is full of nodes and topics in the root."""
+    simulated = running_program(domain, "dock_simulator", "-r", "__ns:=/robot1")
+    with running_gateway(domain, namespace="/robot1", forget_robot_after="2") as gateway, simulated:
+        with running_servers(domain, "--offer", "nav2"):
+            wait_until(lambda: names(gateway) == ["/", "/robot1"], "the robot")
+        wait_until(lambda: names(gateway) == ["/robot1"], "it goes with its server")

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.registry import Robot, RobotRegistry
 from dock_gateway.ros.graph import Scan
 
@@ -13,15 +14,20 @@ log = logging.getLogger(__name__)
 
 # Maximum seconds between two checks.
 INTERVAL = 10.0
+# Seconds of absence, at most, after which a robot without a past is removed. A restart of its server takes less.
+WITHOUT_PAST = 10.0
 
 
 class Departures:
     """Removes robots that are away, except the configured one.
 
+    A robot that has never had a battery, a base or a goal was only an action server or a topic: it goes with that.
+
     Args:
         robots: The robots.
         actions: The actions, with the robots' goals.
         interlock: The latched stops.
+        last_goals: How the robots' goals ended.
         forget_after: Seconds of absence before a robot is removed; 0 means never.
         leave: Called with each robot before it is removed, to leave its topics: afterwards this gateway is not known as
             one there, and its subscriptions would count as the robot's.
@@ -32,6 +38,7 @@ class Departures:
         robots: RobotRegistry,
         actions: ActionRegistry,
         interlock: Interlock,
+        last_goals: LastGoals,
         *,
         forget_after: float,
         leave: Callable[[str], Awaitable[None]],
@@ -40,9 +47,11 @@ class Departures:
         self._robots = robots
         self._actions = actions
         self._interlock = interlock
+        self._last_goals = last_goals
         self._forget_after = forget_after
         self._interval = min(INTERVAL, forget_after / 10)
         self._seen: dict[str, float] = {}  # when each robot was last present, in seconds
+        self._bases: set[str] = set()  # the robots that have had a base
         self._looked_at = float("-inf")
 
     async def look(self, scan: Scan, seconds: float) -> None:
@@ -65,6 +74,7 @@ class Departures:
                 if await self._is_overdue(robot, scan, seconds):
                     log.info("robot %s left the ROS graph", robot.namespace)
                     self._seen.pop(robot.namespace, None)
+                    self._bases.discard(robot.namespace)
                     await self._leave(robot.namespace)
                     self._robots.forget(robot.namespace)
                     self._actions.docking.forget(robot.namespace)
@@ -75,12 +85,25 @@ class Departures:
 
     async def _is_overdue(self, robot: Robot, scan: Scan, seconds: float) -> bool:
         name, age = robot.namespace, robot.battery.age
-        if await self._robots.is_there(name, scan):
+        past = self._has_past(robot)
+        if not past:
+            parts = await self._robots.parts(name, scan)
+            if past := "base" in parts:
+                self._bases.add(name)
+        if await self._robots.is_there(name, scan) if past else parts:
             self._seen[name] = seconds
         elif age is not None:  # a battery that another gateway publishes counts, too
             self._seen[name] = max(self._seen.get(name, seconds - age), seconds - age)
-        away = seconds - self._seen.setdefault(name, seconds) > self._forget_after
+        limit = self._forget_after if past else min(WITHOUT_PAST, self._forget_after)
+        away = seconds - self._seen.setdefault(name, seconds) > limit
         return away and not self._is_needed(robot)
+
+    def _has_past(self, robot: Robot) -> bool:
+        """Return whether it has had a battery, a base or a goal."""
+        names = self._actions.docking.all_names(robot.namespace)
+        return (
+            robot.battery.age is not None or robot.namespace in self._bases or self._last_goals.last(*names) is not None
+        )
 
     def _is_needed(self, robot: Robot) -> bool:
         """Return whether the robot has an unfinished goal, is held by a stop, or has its battery published by us."""

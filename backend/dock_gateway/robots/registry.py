@@ -4,6 +4,7 @@ import logging
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from typing import Literal
 
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
@@ -17,7 +18,7 @@ from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.graph import Scan, find_presence
+from dock_gateway.ros.graph import Presence, Scan, find_presence
 from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.typed_topics import TypedTopics
@@ -29,6 +30,9 @@ log = logging.getLogger(__name__)
 
 
 BATTERY_TYPE = "sensor_msgs/msg/BatteryState"
+
+# What makes a robot of a namespace: a docking action server, a battery that is published, a base that listens.
+RobotPart = Literal["server", "battery", "base"]
 
 Ports = tuple[BatteryPort, VelocityPort, LatchPort]
 
@@ -184,14 +188,29 @@ class RobotRegistry:
             and self._share.covers_robot(namespace)
         ]
 
-    async def is_there(self, namespace: str, scan: Scan) -> bool:
-        """Return whether anything but gateways is in a namespace, not counting the namespaces of robots below.
+    async def parts(self, namespace: str, scan: Scan) -> frozenset[RobotPart]:
+        """Return what a robot has on the graph that makes it one; nodes in its namespace alone do not.
 
         Raises:
             Unavailable: The ROS thread is down.
         """
-        settings = self._settings
+        presence = await self._presence(namespace, [self._settings.battery_of(namespace)])
+        prefix, place, robot_of = prefix_of(namespace), self._catalog.place_of, self._catalog.robot_of
+        inside = (item for item in scan.actions.items() if place(item[0]).startswith(prefix))
+        server = any(robot_of(name, types) == namespace for name, types in inside)
+        parts: dict[RobotPart, bool] = {"server": server, "battery": presence.publishes, "base": presence.base}
+        return frozenset(part for part, present in parts.items() if present)
 
+    async def is_there(self, namespace: str, scan: Scan) -> bool:
+        """Return whether anything but gateways is in a namespace, not counting the namespaces of robots below.
+
+        Of the root, whose names are those of nodes and topics of all robots, only the `parts` count.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        if namespace == "/":
+            return bool(await self.parts(namespace, scan))
         prefix = prefix_of(namespace)
 
         def belongs(name: str) -> bool:
@@ -202,8 +221,12 @@ class RobotRegistry:
 
         if any(belongs(name) for name in scan.actions):
             return True
-        topics = [name for name in scan.topics if belongs(name)]
-        presence = await self._bridge.call(
+        presence = await self._presence(namespace, [name for name in scan.topics if belongs(name)])
+        return presence.publishes or presence.base or any(belongs(name) for name in presence.nodes)
+
+    async def _presence(self, namespace: str, topics: list[str]) -> Presence:
+        settings = self._settings
+        return await self._bridge.call(
             lambda: find_presence(
                 self._bridge.node,
                 topics,
@@ -211,7 +234,6 @@ class RobotRegistry:
                 velocity_topic=settings.resolve(settings.cmd_vel_topic, namespace),
             )
         )
-        return presence.at_topics or any(belongs(name) for name in presence.nodes)
 
     def forget(self, namespace: str) -> None:
         """Leave the topics of a robot that is gone. If it appears again, its past is restored."""

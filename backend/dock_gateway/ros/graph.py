@@ -237,11 +237,13 @@ class Presence:
 
     Attributes:
         nodes: Full names of the nodes on the graph that are not gateways.
-        at_topics: Whether one of them publishes on the robot's topics, or subscribes to its velocity.
+        publishes: Whether one of them publishes on the robot's topics.
+        base: Whether one of them subscribes to its velocity.
     """
 
     nodes: frozenset[str]
-    at_topics: bool
+    publishes: bool
+    base: bool
 
 
 def find_gateways(node: Node, stop_topic: str) -> frozenset[str]:
@@ -272,5 +274,6 @@ def find_presence(node: Node, topics: Iterable[str], *, stop_topic: str, velocit
     nodes = {f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces()}
     talking = (endpoint for topic in topics for endpoint in read_topic(node, topic).publishers)
     listening = read_topic(node, velocity_topic).subscribers
-    at_topics = any(endpoint.node not in gateways for endpoint in (*listening, *talking))
-    return Presence(frozenset(nodes - gateways), at_topics)
+    publishes = any(endpoint.node not in gateways for endpoint in talking)
+    base = any(endpoint.node not in gateways for endpoint in listening)
+    return Presence(frozenset(nodes - gateways), publishes, base)

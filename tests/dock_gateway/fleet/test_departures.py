@@ -6,7 +6,7 @@ from unittest.mock import AsyncMock
 
 import pytest
 
-from dock_gateway.fleet.departures import Departures
+from dock_gateway.fleet.departures import WITHOUT_PAST, Departures
 from dock_gateway.ros.graph import Scan
 
 AFTER = 600.0
@@ -19,6 +19,9 @@ class Parts:
     default_namespace = "/"
 
     def __init__(self) -> None:
+        self.docking = SimpleNamespace(all_names=lambda name: [f"{name}/dock"], forget=lambda _: None)
+        self.parts_there: set[str] = set()
+        self.goals = ["/robot1/dock"]
         self.robots = {name: self.robot(name) for name in ("/", "/robot1")}
         self.there: set[str] = set()
         self.looks = 0
@@ -41,6 +44,12 @@ class Parts:
         self.looks += 1
         return namespace in self.there
 
+    async def parts(self, _: str, __: Scan) -> frozenset[str]:
+        return frozenset(self.parts_there)
+
+    def last(self, *names: str) -> str | None:
+        return next((name for name in names if name in self.goals), None)
+
     def forget(self, namespace: str) -> None:
         del self.robots[namespace]
 
@@ -60,7 +69,7 @@ def parts() -> Parts:
 
 
 def departures_of(parts: Any, forget_after: float = AFTER) -> Departures:
-    return Departures(parts, parts, parts, forget_after=forget_after, leave=AsyncMock())
+    return Departures(parts, parts, parts, parts, forget_after=forget_after, leave=AsyncMock())
 
 
 async def test_a_robot_that_is_away_for_long_is_forgotten_and_the_configured_one_never(parts: Parts) -> None:
@@ -142,3 +151,18 @@ async def test_one_robot_that_cannot_be_looked_at_keeps_no_other_from_being_forg
     await departures.look(SCAN, 1000.0)
     await departures.look(SCAN, 1020.0 + AFTER)
     assert set(parts.robots) == {"/", "/broken"}
+
+
+@pytest.mark.parametrize("part", ["server", "battery", "base"])
+async def test_what_never_had_a_battery_a_base_or_a_goal_goes_with_its_server(parts: Parts, part: str) -> None:
+    departures = departures_of(parts)
+    parts.goals, parts.there, parts.parts_there = [], {"/robot1"}, {part}  # other nodes are there as long as one looks
+    await departures.look(SCAN, 1000.0)
+    parts.parts_there = set()
+    await departures.look(SCAN, 1000.0 + WITHOUT_PAST)
+    assert "/robot1" in parts.robots, "its server may be restarting"
+    await departures.look(SCAN, 1001.0 + 2 * WITHOUT_PAST)
+    assert ("/robot1" in parts.robots) is (part == "base")
+    parts.there = set()
+    await departures.look(SCAN, 1020.0 + 2 * WITHOUT_PAST + AFTER)
+    assert "/robot1" not in parts.robots

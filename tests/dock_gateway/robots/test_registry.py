@@ -65,7 +65,7 @@ class Scene:
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.opened: list[str] = []
         self.closed: list[str] = []
-        self.presence = Presence(frozenset(), at_topics=False)
+        self.presence = Presence(frozenset(), publishes=False, base=False)
         for name in ("BatteryPort", "VelocityPort", "LatchPort"):
             monkeypatch.setattr(module, name, self._port)
         monkeypatch.setattr(module, "find_presence", lambda *_, **__: self.presence)
@@ -114,11 +114,11 @@ async def test_a_robot_that_was_forgotten_is_back_when_it_is_there_itself(scene:
     scene.robots.forget("/robot1")
     await scene.robots.update(BATTERY)  # another gateway is at the topic
     assert not scene.joined
-    scene.presence = Presence(frozenset(), at_topics=True)
+    scene.presence = Presence(frozenset(), publishes=True, base=False)
     await scene.robots.update(BATTERY)
     assert scene.joined == {"/robot1"}
     scene.robots.forget("/robot1")
-    scene.presence = Presence(frozenset(), at_topics=False)
+    scene.presence = Presence(frozenset(), publishes=False, base=False)
     await scene.robots.update(DOCK)
     assert scene.joined == {"/robot1"}
 
@@ -136,8 +136,33 @@ async def test_a_robot_that_was_forgotten_is_back_when_it_is_there_itself(scene:
 async def test_a_node_belongs_to_the_nearest_robot(scene: Scene, node: str, there: bool) -> None:
     for name in ("/", "/robot1", "/robot1/arm"):
         await scene.robots.open(name)
-    scene.presence = Presence(frozenset({node}), at_topics=False)
+    scene.presence = Presence(frozenset({node}), publishes=False, base=False)
     assert await scene.robots.is_there("/robot1", Scan()) is there
     assert await scene.robots.is_there("/robot1", Scan(actions={f"{node}/move": []})) is there
     scene.robots.forget("/robot1")
     assert await scene.robots.is_there("/robot1", Scan()) is there
+
+
+ROOT_DOCK = Scan(actions={"/connect_to_charging_dock": []})
+
+
+@pytest.mark.parametrize(
+    ("scan", "presence", "parts"),
+    [
+        (ROOT_DOCK, Presence(frozenset(), publishes=False, base=False), {"server"}),
+        (Scan(), Presence(frozenset(), publishes=True, base=False), {"battery"}),
+        (Scan(), Presence(frozenset(), publishes=False, base=True), {"base"}),
+        (Scan(actions={"/fibonacci": []}), Presence(frozenset({"/rviz"}), publishes=False, base=False), set()),
+        (DOCK, Presence(frozenset({"/robot1/node"}), publishes=False, base=False), set()),
+    ],
+)
+async def test_the_root_is_a_robot_only_by_its_own_parts(
+    scene: Scene, scan: Scan, presence: Presence, parts: set[str]
+) -> None:
+    await scene.robots.open("/")
+    await scene.robots.open("/robot1")
+    scene.presence = presence
+    topics = {"/rosout": ["rcl_interfaces/msg/Log"], "/parameter_events": ["rcl_interfaces/msg/ParameterEvent"]}
+    scan = Scan(actions=scan.actions, topics=topics)
+    assert await scene.robots.parts("/", scan) == parts
+    assert await scene.robots.is_there("/", scan) is bool(parts)
