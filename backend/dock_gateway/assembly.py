@@ -299,7 +299,6 @@ def _make_fanout(settings: Settings, history: History) -> Fanout:
     """Make the fan-out, which publishes in the order of all gateways that share the history."""
     fanout = Fanout(
         queue_limit=settings.subscriber_queue,
-        max_subscribers=settings.max_subscribers,
         keep=history.record_event,
         newest=history.newest,
     )

@@ -498,11 +498,21 @@ class Settings(SiteSettings):
         ge=65_536,
         description="Maximum number of bytes per second on a WebSocket. Beyond it, the WebSocket is closed with 1008.",
     )
-    max_pending_goals: int = Field(32, ge=1, description="Maximum number of goals that wait for acceptance (429).")
+    max_pending_goals: int = Field(
+        32,
+        ge=1,
+        description="Maximum number of goals of one action that wait for acceptance (429): "
+        "[shares](configuration.md#shares-of-users).",
+    )
     max_goals: int = Field(
         1000, ge=10, description="Maximum number of ended goals in the history `memory:`. The oldest are deleted first."
     )
-    max_subscribers: int = Field(1000, ge=1, description="Maximum number of WebSocket subscribers (429).")
+    max_subscribers: int = Field(
+        1000,
+        ge=1,
+        description="Maximum number of streams of all users together (429): "
+        "[shares](configuration.md#shares-of-users).",
+    )
     max_streams_per_user: int = Field(
         250, ge=1, description="Maximum number of streams of one user (429), with `authentication`."
     )

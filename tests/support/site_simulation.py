@@ -54,7 +54,7 @@ class SimulatedSite:
 
     def __init__(self, name: str, robots: int, journal: Journal, *, change_period: float = 0.0) -> None:
         self.name = name
-        self.fanout = Fanout(queue_limit=1000, max_subscribers=1000)
+        self.fanout = Fanout(queue_limit=1000)
         self.goals: dict[str, Goal] = {}
         self.stops: dict[str, dict[str, Any]] = {}
         self.executed: list[int] = []

@@ -96,7 +96,7 @@ class FakeFleet:
     """
 
     def __init__(self, path: Path, *names: str, timing: StopTiming = TIMING) -> None:
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10)
         self.file = LatchFile(path)
         self.interlock = Interlock(self.fanout, self.file, names[0], echo_after=0.02, retry_after=0.02)
         self.robots = {

@@ -47,7 +47,7 @@ QUICK = GoalLimits(result_wait=0.05, ask_again_after=0.03, end_stamp_wait=0.01)
 
 class Scene:
     def __init__(self, limits: GoalLimits = QUICK, reasons: PendingFacts[GoalError] | None = None) -> None:
-        self.fanout = Fanout(queue_limit=100, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=100)
         self.history = MemoryHistory(100)
         self.returned: list[Goal] = []
         self.port = FakePort()

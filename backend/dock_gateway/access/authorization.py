@@ -8,6 +8,7 @@ from typing import Any
 
 from starlette.requests import HTTPConnection, Request
 
+from dock_gateway.access.login_delays import network_of
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.scopes import require_covered
 from dock_gateway.access.tickets import Tickets
@@ -15,13 +16,13 @@ from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.grant import Role
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.parts import Parts, parts_of
-from dock_gateway.http.principal import TICKET, secret_of
+from dock_gateway.http.principal import TICKET, address_of, secret_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import read_body
 from dock_gateway.settings import Settings
@@ -51,10 +52,9 @@ async def authorize(connection: HTTPConnection) -> None:
     if operation.reads_body or not isinstance(connection, Request):
         return
     await read_body(connection)
-    if principal.credential is not None:
-        if not parts[Logins].is_valid(principal):  # it has ended, or there is another role or limit
-            principal = await _admit(connection, operation)
-        _permit(parts, principal)
+    if not parts[Logins].is_valid(principal):  # it has ended, or there is another role or limit
+        principal = await _admit(connection, operation)
+    _permit(parts, principal)
     if operation.sends_goal:
         parts[Quotas].spend_goal(principal)
 
@@ -92,7 +92,7 @@ async def _identify(connection: HTTPConnection) -> Principal:
     parts = parts_of(connection)
     ticket = connection.query_params.get(TICKET) if connection.scope["type"] == "websocket" else None
     if ticket is None and not parts[Settings].authentication:
-        return ANYBODY
+        return anybody(connection)
     logins = parts[Logins]
     if ticket is None:
         secret = secret_of(connection)
@@ -101,6 +101,16 @@ async def _identify(connection: HTTPConnection) -> Principal:
     principal = parts[Tickets].redeem(ticket)
     logins.require_valid(principal)
     return principal
+
+
+def anybody(connection: HTTPConnection) -> Principal:
+    """Return who makes a request without a login: a client at an address."""
+    return replace(ANYBODY, address=network_of(address_of(connection)))
+
+
+def stranger(connection: HTTPConnection) -> Principal:
+    """Return who is about to log in: a client at an address, who may do nothing yet."""
+    return replace(anybody(connection), grant=Grant(Role.VIEWER))
 
 
 async def authorize_command(
@@ -126,10 +136,18 @@ def _permit(parts: Parts, principal: Principal) -> None:
     Raises:
         NotAuthenticated: It has ended already: the history may have been asked what the request is about.
     """
-    logins = parts[Logins]
+    logins, quotas = parts[Logins], parts[Quotas]
     logins.require_valid(principal)
     approve = partial(parts[Approvals].require, principal) if principal.grant.role is Role.AGENT else None
-    PERMIT.set(Permit(partial(logins.require_valid, principal), partial(logins.watch, principal), approve))
+    PERMIT.set(
+        Permit(
+            partial(logins.require_valid, principal),
+            partial(logins.watch, principal),
+            partial(quotas.hold, principal),
+            partial(quotas.turn, principal),
+            approve,
+        )
+    )
 
 
 def require(principal: Principal, role: Role | None, what: str) -> None:
@@ -149,14 +167,15 @@ def subscribed(parts: Parts, principal: Principal, event_filter: EventFilter) ->
 
     Raises:
         NotAuthenticated: That has happened already, since it was authorized (`invalid_token`).
-        TooManyRequests: There are too many already, or too many of this user (`too_many_streams`).
+        TooManyRequests: The user has too many, or all users together (`too_many_streams`).
         Unavailable: The gateway is shutting down.
     """
     logins, fanout = parts[Logins], parts[Fanout]
     logins.require_valid(principal)
-    subscriber = fanout.subscribe(event_filter)
-    try:
-        with parts[Quotas].hold(principal, "streams"), logins.watch(principal, subscriber.expel):
-            yield subscriber
-    finally:
-        fanout.unsubscribe(subscriber)
+    with parts[Quotas].hold(principal, "streams"):
+        subscriber = fanout.subscribe(event_filter)
+        try:
+            with logins.watch(principal, subscriber.expel):
+                yield subscriber
+        finally:
+            fanout.unsubscribe(subscriber)

@@ -10,13 +10,13 @@ from typing import TypeVar
 from pwdlib import PasswordHash
 from pwdlib.exceptions import PwdlibError
 
-from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.request import hold
 
 T = TypeVar("T")
 
 MIN_PASSWORD, MAX_PASSWORD = 12, 200  # characters
-# How many are hashed at the same time, and how many more may wait.
-AT_ONCE, MAX_WAITING = 2, 100
+# How many are hashed at the same time. How many more may wait, `http.quotas` says.
+AT_ONCE = 2
 
 
 def describe_wrong(value: object, shortest: int = MIN_PASSWORD) -> tuple[str, str] | None:
@@ -36,14 +36,13 @@ class Passwords:
     def __init__(self) -> None:
         self._hasher = PasswordHash.recommended()
         self._slots = asyncio.Semaphore(AT_ONCE)
-        self._waiting = 0
         self._nobodys: str | None = None
 
     async def hash(self, password: str) -> str:
         """Return the hash to store.
 
         Raises:
-            TooManyRequests: Too many others wait (`too_many_logins`).
+            TooManyRequests: Too many of the user wait, or of all users together (`too_many_logins`).
         """
         return await self._run(partial(self._hasher.hash, normalize(password)))
 
@@ -55,7 +54,7 @@ class Passwords:
             hashed: The stored hash; None if there is no such user, which takes as long.
 
         Raises:
-            TooManyRequests: Too many others wait (`too_many_logins`).
+            TooManyRequests: Too many of the user wait, or of all users together (`too_many_logins`).
         """
         if self._nobodys is None:
             self._nobodys = await self.hash(secrets.token_hex())
@@ -70,14 +69,9 @@ class Passwords:
             return False, None
 
     async def _run(self, work: Callable[[], T]) -> T:
-        if self._waiting >= AT_ONCE + MAX_WAITING:
-            raise TooManyRequests("too many logins are in progress; try again", code="too_many_logins")
-        self._waiting += 1
-        try:
+        with hold("logins"):
             async with self._slots:
                 return await asyncio.to_thread(work)
-        finally:
-            self._waiting -= 1
 
 
 def normalize(password: str) -> bytes:

@@ -8,6 +8,7 @@ from urllib.parse import urlencode
 from fastapi import APIRouter, Depends, Path, Query, Request
 from starlette.responses import RedirectResponse, Response
 
+from dock_gateway.access.authorization import stranger
 from dock_gateway.access.login_attempt import LIFETIME, MAX_PAGE, PAGE, LoginAttempt, is_page
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.schema import PersonList
@@ -18,6 +19,7 @@ from dock_gateway.http.operation import Audit, Scope, operation, public_operatio
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import NOT_THROUGH_HUB, address_of, cookie_name, keep_login
 from dock_gateway.http.problems import problems
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import NO_QUERY, json_response, known_query
 
 log = logging.getLogger(__name__)
@@ -71,7 +73,7 @@ async def begin_login(
     dependencies=[NOT_THROUGH_HUB],
 )
 @public_operation(Audit.STORED_FIRST)
-async def finish_login(request: Request, logins: Part[Logins]) -> Response:
+async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quotas]) -> Response:
     """Log in the browser that the identity provider sends back, with `code` and `state`. Only for providers."""
     audited(request, subject=None)  # not the query, which has the code
     attempt = LoginAttempt.read(request.cookies.get(_attempt_cookie(request)))
@@ -82,13 +84,14 @@ async def finish_login(request: Request, logins: Part[Logins]) -> Response:
         audited(request, subject=person)
 
     async def finish() -> Response:
-        request.scope["principal"], secret = await logins.log_in_person(
-            attempt,
-            request.query_params,
-            _redirect_uri(request),
-            address_of(request),
-            note,
-        )
+        with quotas.hold(stranger(request), "provider logins"):
+            request.scope["principal"], secret = await logins.log_in_person(
+                attempt,
+                request.query_params,
+                _redirect_uri(request),
+                address_of(request),
+                note,
+            )
         response = RedirectResponse(page, 303)
         keep_login(response, request, secret, lifetime)
         return response

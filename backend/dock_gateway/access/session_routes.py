@@ -6,7 +6,7 @@ from typing import Any
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from dock_gateway.access.authorization import identify
+from dock_gateway.access.authorization import identify, stranger
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.passwords import MAX_PASSWORD, describe_wrong
 from dock_gateway.access.schema import Session, Ticket
@@ -29,6 +29,7 @@ from dock_gateway.http.principal import (
     secret_of,
 )
 from dock_gateway.http.problems import problems
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import NO_QUERY, json_response, read_json, read_object
 from dock_gateway.settings import Settings
 
@@ -95,7 +96,7 @@ async def get_session(request: Request, settings: Part[Settings], logins: Part[L
     dependencies=[NOT_THROUGH_HUB],
 )
 @public_operation(Audit.STORED_FIRST)
-async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
+async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins], quotas: Part[Quotas]) -> Response:
     """Log a browser in with a name and a password, or with a token.
 
     It keeps a cookie that scripts cannot read, for 30 days at most. After failed logins, the next one has to wait.
@@ -110,7 +111,8 @@ async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins
         request.scope["principal"] = ANYBODY
         return _session(request, settings, logins, ANYBODY)
     browser = browser_of(request)
-    principal, secret = await logins.log_in(name, password, address_of(request), browser)
+    with quotas.hold(stranger(request), "logins"):
+        principal, secret = await logins.log_in(name, password, address_of(request), browser)
     request.scope["principal"] = principal
     response = _session(request, settings, logins, principal)
     keep_login(response, request, secret)

@@ -15,13 +15,11 @@ from dock_gateway.access.jwt import check_claims, read_header, read_unverified, 
 from dock_gateway.access.login_attempt import LIFETIME, LoginAttempt
 from dock_gateway.access.provider import Provider, error_code
 from dock_gateway.core.access import Kind, Principal
-from dock_gateway.core.errors import NotAuthenticated, NotFound, TooManyRequests, Unavailable
+from dock_gateway.core.errors import NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
 from dock_gateway.settings import Settings
 
-# How many logins may wait for the provider at the same time.
-MAX_REDEEMING = 20
 # How many used states are remembered until they expire.
 MAX_USED = 10_000
 MAX_CODE = 4096
@@ -67,7 +65,6 @@ class SingleSignOn:
         self._algorithms = settings.oidc_algorithms
         self._clock = clock
         self._used: OrderedDict[str, float] = OrderedDict()
-        self._redeeming = 0
 
     @property
     def logout_url(self) -> str | None:
@@ -141,17 +138,10 @@ class SingleSignOn:
 
         Raises:
             NotAuthenticated: The code or the provider's answer is not valid (`login_failed`).
-            TooManyRequests: Too many others wait for the provider (`too_many_logins`).
             Unavailable: The provider does not answer (`provider_unavailable`).
         """
         client_id = self._require_client()
-        if self._redeeming >= MAX_REDEEMING:
-            raise TooManyRequests("too many logins are in progress; try again", code="too_many_logins")
-        self._redeeming += 1
-        try:
-            claims = await self._redeem(code, attempt, redirect_uri, client_id)
-        finally:
-            self._redeeming -= 1
+        claims = await self._redeem(code, attempt, redirect_uri, client_id)
         return Person(self.rules.name_of(claims), subject_of(claims), digest_of(attempt.state), claims)
 
     def _require_client(self) -> str:

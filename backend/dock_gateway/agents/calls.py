@@ -24,7 +24,7 @@ from dock_gateway.agents.tools import Tool, answer_approval
 from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import NotFound
-from dock_gateway.goals.approvals import MAX_WAITING, Approval, Approvals
+from dock_gateway.goals.approvals import Approval, Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.parts import Parts, parts_of
@@ -35,6 +35,8 @@ from dock_gateway.streams.commands import Command, Fields
 Context = ServerRequestContext[Any, Request]
 # Characters of the name of an agent's program.
 MAX_CLIENT = 100
+# Calls of one user that have asked back: as many as may wait for an answer, and those that are answered.
+MAX_OPEN = 20
 # The question to the person who uses an agent, and the field of their answer.
 QUESTION, ALLOW = "approval", "allow"
 FORM = {
@@ -58,6 +60,11 @@ class Question:
     arguments: Any
     command: "asyncio.Task[Fields]"
 
+    @property
+    def user(self) -> tuple[str | None, str]:
+        """The user for whom the agent acts."""
+        return self.approval.principal.name, self.approval.principal.address
+
     def is_of(self, principal: Principal, params: CallToolRequestParams) -> bool:
         """Whether a call is the same one again: by the same agent, with the same arguments."""
         same = (self.tool, self.arguments) == (params.name, params.arguments)
@@ -71,9 +78,10 @@ class Questions:
         self._open: dict[str, Question] = {}
 
     def ask(self, question: Question) -> None:
-        """Keep a call until it is repeated. Those that never are make room for later ones."""
-        while len(self._open) >= 2 * MAX_WAITING:
-            del self._open[next(iter(self._open))]
+        """Keep a call until it is repeated. Those that never are make room for later ones of the same user."""
+        own = [identity for identity, each in self._open.items() if each.user == question.user]
+        for oldest in own[: max(0, len(own) + 1 - MAX_OPEN)]:
+            del self._open[oldest]
         self._open[question.approval.approval_id] = question
 
     def take(self, principal: Principal, params: CallToolRequestParams) -> Question:

@@ -7,16 +7,16 @@ from contextlib import asynccontextmanager
 from dock_gateway.cameras.camera import COMPRESSED, IMAGE, Camera, find_cameras
 from dock_gateway.cameras.picture import Picture
 from dock_gateway.cameras.watch import Watch
-from dock_gateway.core.errors import NotFound, TooManyRequests, Unavailable, not_covered
+from dock_gateway.core.errors import NotFound, Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.request import hold
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 
-MAX_WATCHED = 50
 # Seconds that a viewer waits for its first picture, and pictures after which it does not if none can be shown.
 FIRST, UNREADABLE = 5.0, 3
 # Seconds between two looks of a viewer that is not woken up.
@@ -107,7 +107,7 @@ class Cameras:
             max_rate: Pictures per second, likewise.
 
         Raises:
-            TooManyRequests: Too many cameras are being watched.
+            TooManyRequests: The user watches too many cameras, or all users together.
             Unavailable: No picture has come (`no_picture`), or none that can be shown (`unreadable_picture`).
         """
         width = min(max_width or self._settings.camera_max_width, self._settings.camera_max_width)
@@ -135,15 +135,16 @@ class Cameras:
     @asynccontextmanager
     async def _watched(self, camera: Camera, viewer: Subscriber) -> AsyncIterator[Watch]:
         """Watch a camera for a viewer while the block runs."""
-        async with self._changing:
-            watch = self._watches.get(camera.topic) or await self._open(camera)
-            watch.viewers.add(viewer)
-        try:
-            yield watch
-        finally:
-            watch.viewers.discard(viewer)
-            # A viewer that disconnects is canceled at each of its awaits.
-            await asyncio.shield(self._leaving.spawn(self._close_unused(watch)))
+        with hold("cameras", camera.topic):
+            async with self._changing:
+                watch = self._watches.get(camera.topic) or await self._open(camera)
+                watch.viewers.add(viewer)
+            try:
+                yield watch
+            finally:
+                watch.viewers.discard(viewer)
+                # A viewer that disconnects is canceled at each of its awaits.
+                await asyncio.shield(self._leaving.spawn(self._close_unused(watch)))
 
     async def _close_unused(self, watch: Watch) -> None:
         topic = watch.camera.topic
@@ -153,8 +154,6 @@ class Cameras:
                 await self._relays.leave(topic, watch)
 
     async def _open(self, camera: Camera) -> Watch:
-        if len(self._watches) >= MAX_WATCHED:
-            raise TooManyRequests(f"{MAX_WATCHED} cameras are already being watched")
         watch = Watch(camera, self._settings.camera_quality, self._logged)
         await self._relays.join(camera.topic, None, watch)
         self._watches[camera.topic] = watch

@@ -183,6 +183,7 @@ class Principal:
         key: Thumbprint of the provider's key that has signed it.
         client: The agent's program, as it calls itself.
         login: Who has logged in, if an agent acts for them.
+        address: Where no one logs in, the address of the client, by which it has a share of its own (`http.quotas`).
     """
 
     name: str | None
@@ -193,6 +194,7 @@ class Principal:
     key: str | None = None
     client: str | None = None
     login: "Principal | None" = None
+    address: str = ""
 
     def as_agent(self, client: str) -> "Principal":
         """Return an agent that acts for them: with their name and limits, and at most the role `agent`."""

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterator
 from typing import Protocol
 
-from dock_gateway.core.errors import TooManyRequests, Unavailable
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, EventClock
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
@@ -133,7 +133,6 @@ class Fanout:
 
     Args:
         queue_limit: Maximum number of feedback events queued for a slow subscriber.
-        max_subscribers: Maximum number of simultaneous subscribers.
         keep: Called with every event that a reader can resume from, for the history.
         newest: Id of the newest stored event.
         recent: Number of events kept, some seconds of a busy gateway. A reader that was away for longer resumes from
@@ -150,7 +149,6 @@ class Fanout:
         self,
         *,
         queue_limit: int,
-        max_subscribers: int,
         keep: Callable[[Event], None] = lambda _: None,
         newest: str = "",
         recent: int = 4_000,
@@ -163,7 +161,6 @@ class Fanout:
         self._keep = keep
         self._recent = EventBuffer(recent)
         self._queue_limit = queue_limit
-        self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()
         # By topic and robot, and by topic alone: an event of one robot costs nothing for readers of the others.
         self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
@@ -178,13 +175,10 @@ class Fanout:
         """Add a subscriber. It receives every event published from now on that its filter covers.
 
         Raises:
-            TooManyRequests: There are too many already.
             Unavailable: The gateway is shutting down.
         """
         if self.closing:
             raise Unavailable("the gateway is shutting down", code="shutting_down")
-        if len(self._subscribers) >= self._max_subscribers:
-            raise TooManyRequests(f"{self._max_subscribers} subscribers are already connected")
         subscriber = Subscriber(self._queue_limit, event_filter)
         self._subscribers.add(subscriber)
         for key in _keys(event_filter):

@@ -1,8 +1,8 @@
 """The request that is being handled: known to everything that runs for it."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Awaitable, Callable, Coroutine, Hashable, Mapping
+from contextlib import AbstractAsyncContextManager, AbstractContextManager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -28,12 +28,16 @@ class Permit:
     Attributes:
         require: Raises an error if that is no longer true.
         watch: Calls a function as soon as it is no longer true, while a block runs.
+        hold: Takes a place of the user while a block runs (`Quotas.hold`).
+        turn: Waits for the user's turn (`Quotas.turn`).
         approve: Waits until a person has allowed a goal, given its action and its message; None: no approval needed.
         acted_at: When the request acted last.
     """
 
     require: Callable[[], None]
     watch: Watch
+    hold: Callable[[str, Hashable, str], AbstractContextManager[None]]
+    turn: Callable[[str], AbstractAsyncContextManager[None]]
     approve: Callable[[str, bytes], Awaitable[None]] | None = None
     acted_at: datetime = field(default_factory=utc_now)
 
@@ -55,6 +59,31 @@ def act() -> None:
     if permit is not None:
         permit.require()
         permit.acted_at = utc_now()
+
+
+def hold(what: str, key: Hashable = None, of: str = "") -> AbstractContextManager[None]:
+    """Take a place of the request's user while a block runs. What the gateway does by itself needs none.
+
+    Args:
+        what: What is shared, as `http.quotas.limits` names it.
+        key: What the place is for, if others may share it.
+        of: What the limit is of, where each of them has its own.
+
+    Raises:
+        TooManyRequests: The user has their share already, or all places are in use.
+    """
+    permit = PERMIT.get()
+    return nullcontext() if permit is None else permit.hold(what, key, of)
+
+
+def turn(what: str) -> AbstractAsyncContextManager[None]:
+    """Wait for the turn of the request's user: what they ask for at the same time does not keep others waiting.
+
+    Args:
+        what: As `http.quotas.TURNS` names it.
+    """
+    permit = PERMIT.get()
+    return nullcontext() if permit is None else permit.turn(what)
 
 
 async def approve(action_name: str, goal: bytes) -> None:

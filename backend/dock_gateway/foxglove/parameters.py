@@ -11,7 +11,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.foxglove.protocol import MAX_PARAMETERS, Json, ParameterIn
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
-from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
+from dock_gateway.graph.relays import Relays
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.parameter_values import plain_value
@@ -93,7 +93,7 @@ class ClientParameters:
         else:
             self._wanted = None
         if not self._listening:
-            await self._parts[Relays].join(EVENTS, EVENT_TYPE, self, limit=MAX_OF_CLIENTS)
+            await self._parts[Relays].join(EVENTS, EVENT_TYPE, self)
             self._listening = True
 
     async def unsubscribe(self, names: list[str]) -> None:

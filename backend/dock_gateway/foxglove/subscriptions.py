@@ -3,15 +3,17 @@
 import asyncio
 from collections import Counter, deque
 from collections.abc import Awaitable, Callable
+from contextlib import ExitStack
 from typing import NamedTuple
 
 from dock_gateway.core.errors import Conflict, TooManyRequests
 from dock_gateway.core.event import websocket_frame
 from dock_gateway.core.fanout import FrameWriter
+from dock_gateway.core.request import hold
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
 from dock_gateway.graph.received import Received
-from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
+from dock_gateway.graph.relays import Relays
 
 MAX_SUBSCRIPTIONS = 100
 # Messages and bytes that wait for a client that reads slowly.
@@ -119,6 +121,7 @@ class Subscriptions:
         self._relays = relays
         self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
         self._outlets: dict[int, ChannelOutlet] = {}
+        self._places: dict[int, ExitStack] = {}
         self._queue = Queue()
         self._waiting = asyncio.Event()
         self._sending = False  # something waits, or is just being sent
@@ -138,20 +141,25 @@ class Subscriptions:
         Raises:
             Conflict: The id is in use, or the channel has a subscription.
             GatewayError: As `Relays.join`.
+            TooManyRequests: The user has too many topics, or all users together.
         """
         if identity in self._outlets:
             raise Conflict(f"the subscription {identity} already exists", code="subscription_exists")
         if any(each.channel.id == channel.id for each in self._outlets.values()):
             raise Conflict(f"the channel {channel.id} ({channel.topic}) is subscribed to", code="subscription_exists")
         outlet = ChannelOutlet(channel, lambda message: self._put(identity, message))
-        await self._relays.join(channel.topic, channel.type, outlet, limit=MAX_OF_CLIENTS)
+        with ExitStack() as place:
+            place.enter_context(hold("topics", channel.topic))
+            await self._relays.join(channel.topic, channel.type, outlet)
+            self._places[identity] = place.pop_all()
         self._outlets[identity] = outlet
 
     async def unsubscribe(self, identity: int) -> bool:
         """End a subscription; return whether there was one."""
         if (outlet := self._outlets.pop(identity, None)) is None:
             return False
-        await self._relays.leave(outlet.channel.topic, outlet)
+        with self._places.pop(identity):
+            await self._relays.leave(outlet.channel.topic, outlet)
         self._queue.forget(identity)  # its id may be used again
         return True
 

@@ -10,17 +10,15 @@ from typing import Any
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
-from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound, TooManyRequests, Unavailable
+from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound, Unavailable
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.goal import Json, Verb, fragment
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.request import wait_while_permitted
+from dock_gateway.core.request import hold, wait_while_permitted
 from dock_gateway.settings import Settings
 
-# Maximum number of goals that wait, of one agent and of all. Others need places among the goals on their way.
-MAX_OF_AGENT, MAX_WAITING = 3, 10
 # The topic of the fan-out that readers of the overview have.
 TOPIC = "robots"
 
@@ -110,12 +108,13 @@ class Approvals:
         robot = self._robot_of(action_name)
         if self._is_simulated(action_name, robot):
             return
-        approval = self._ask(principal, action_name, robot, goal)
-        try:
-            await wait_while_permitted(self._wait(approval))
-        finally:
-            del self._waiting[approval.approval_id]
-            self._publish()
+        with hold("approvals"):
+            approval = self._ask(principal, action_name, robot, goal)
+            try:
+                await wait_while_permitted(self._wait(approval))
+            finally:
+                del self._waiting[approval.approval_id]
+                self._publish()
         if not approval.refused.done():
             within = f"{self._settings.approval_timeout:g} s"
             raise NotAllowed(
@@ -125,11 +124,6 @@ class Approvals:
             raise refused
 
     def _ask(self, principal: Principal, action_name: str, robot: str, goal: Json) -> Approval:
-        own = [each for each in self._waiting.values() if each.agent == _name_of(principal)]
-        if len(own) >= MAX_OF_AGENT or len(self._waiting) >= MAX_WAITING:
-            who = "this agent" if len(own) >= MAX_OF_AGENT else "agents"
-            count = len(own) if len(own) >= MAX_OF_AGENT else len(self._waiting)
-            raise TooManyRequests(f"{count} goals of {who} already wait for a person", code="too_many_approvals")
         now = utc_now()
         expires = now + timedelta(seconds=self._settings.approval_timeout)
         verb = self._verb_of(action_name)

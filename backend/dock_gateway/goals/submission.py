@@ -3,13 +3,14 @@
 import asyncio
 import uuid
 from collections.abc import Awaitable, Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
-from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
-from dock_gateway.core.request import act, approve
+from dock_gateway.core.request import act, approve, hold
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import News
@@ -110,15 +111,17 @@ class Delivery:
             Unavailable: There is no action server; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
                 is canceled at once.
-            TooManyRequests: Too many goals are waiting for an answer.
+            TooManyRequests: Too many goals of the user wait for an answer, or of all users together.
         """
-        if len(self._tasks) >= self._settings.max_pending_goals:
-            raise TooManyRequests(f"{len(self._tasks)} goals already wait for the action server's answer")
-        self._interlock.require_released(self._tracker.port.action_name)
+        action_name = self._tracker.port.action_name
+        self._interlock.require_released(action_name)
         stops = self.stops if stops is None else stops
+        place = ExitStack()
+        place.enter_context(hold("goals", of=action_name))
         task = asyncio.create_task(self._deliver(message, claim, stops, again, origin))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(lambda _: place.close())
         return task
 
     # ------------------------------------------------------------------ sending

@@ -5,15 +5,12 @@ import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echo import TICK, Echo, Viewer
 from dock_gateway.ros.bridge import Bridge
 
 log = logging.getLogger(__name__)
-
-MAX_TOPICS = 20
 
 
 class EchoRegistry:
@@ -38,7 +35,6 @@ class EchoRegistry:
 
         Raises:
             NotFound: There is no such topic.
-            TooManyRequests: Too many other topics are watched.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
         viewer = Viewer(subscriber, 1 / max_rate)
@@ -57,8 +53,6 @@ class EchoRegistry:
 
     async def _open(self, topic: str) -> Echo:
         found = await self._graph.topic(topic)
-        if len(self._echoes) >= MAX_TOPICS:
-            raise TooManyRequests(f"{MAX_TOPICS} topics are already being watched")
         echo = Echo(self._bridge, self._graph, found, self._tick)
         await echo.open()
         self._echoes[topic] = echo

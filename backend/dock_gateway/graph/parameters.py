@@ -15,9 +15,9 @@ from dock_gateway.core.errors import (
     InvalidField,
     NotFound,
     ServerTimeout,
-    TooManyRequests,
 )
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.request import hold, turn
 from dock_gateway.graph.names import not_found
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import node_names, read_service
@@ -25,9 +25,8 @@ from dock_gateway.ros.parameter_port import ParameterPort
 from dock_gateway.ros.parameter_values import Parameter, unknown, value_document
 from dock_gateway.settings import Settings
 
-# Nodes whose parameters are read or set at the same time.
-MAX_NODES = 8
-# Nodes that are read at the same time for all who read many: not all of those above, so that others are not refused.
+# Nodes that are read at the same time for all who read many: not all that `quotas` allows, so that others are not
+# refused.
 MANY_AT_ONCE = 4
 # Nodes whose services are kept for the next request: more than are in use.
 MAX_PORTS = 16
@@ -63,7 +62,6 @@ class Parameters:
         self._bridge = bridge
         self._listed = AllowList("set_parameters", settings.set_parameters, "the gateway sets no parameters of")
         self._within = settings.accept_timeout
-        self._busy = 0
         self._many = asyncio.Semaphore(MANY_AT_ONCE)
         self._ports: OrderedDict[str, ParameterPort] = OrderedDict()
 
@@ -101,7 +99,7 @@ class Parameters:
 
         async def read(node: str) -> tuple[str, list[Parameter]]:
             try:
-                async with self._many:
+                async with turn("parameters of many"), self._many:
                     return node, await self.read(node, grant)
             except GatewayError:
                 return node, []
@@ -148,17 +146,12 @@ class Parameters:
     @asynccontextmanager
     async def _port(self, node: str, grant: Grant) -> AsyncIterator[ParameterPort]:
         """Ask a node while the block runs."""
-        if self._busy >= MAX_NODES:
-            raise TooManyRequests("the parameters of too many nodes are in use", code="too_many_calls")
-        self._busy += 1
-        try:
+        with hold("parameters"):
             await self._require_node(node, grant)
             try:
                 yield self._keep(node)
             except TimeoutError:
                 raise ServerTimeout(f"{node} does not answer for its parameters", code="parameters_timeout") from None
-        finally:
-            self._busy -= 1
 
     def _keep(self, node: str) -> ParameterPort:
         """Return the port of a node, kept from an earlier request or new: making one takes a second."""

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 
-from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound, TooManyRequests
+from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.graph import Topic
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relay import Outlet, Relay
@@ -12,9 +12,6 @@ from dock_gateway.ros.graph import TOPIC_NAME
 from dock_gateway.setting_types import LONGEST_NAME
 
 log = logging.getLogger(__name__)
-
-# Topics that clients may have subscribed to, all of them together.
-MAX_OF_CLIENTS = 200
 
 
 class Relays:
@@ -29,29 +26,26 @@ class Relays:
         self._bridge = bridge
         self._graph = graph
         self._relays: dict[str, Relay] = {}
-        self._of_clients: set[str] = set()
         self._changing = asyncio.Lock()
 
-    async def join(self, topic: str, type_name: str | None, outlet: Outlet, *, limit: int | None = None) -> None:
+    async def join(self, topic: str, type_name: str | None, outlet: Outlet) -> None:
         """Pass a topic on to a reader until it leaves.
 
         Args:
             topic: Absolute name.
             type_name: Its type, as the reader knows it. Needed if nobody has the topic yet.
             outlet: Receives the messages.
-            limit: The maximum number of topics that are relayed because of clients; None if the gateway itself reads.
 
         Raises:
             Conflict: The topic has another type (`type_conflict`).
             InvalidField: The name is none, or nobody has the topic, and the reader does not know its type.
             NotFound: Its messages cannot be read here (`interface_not_found`).
-            TooManyRequests: Too many topics are relayed.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
         if not TOPIC_NAME.fullmatch(topic) or len(topic) > LONGEST_NAME:
             raise InvalidField([FieldError("topic", "a name on the ROS graph", f"got {topic[:60]!r}")])
         async with self._changing:
-            relay = self._relays.get(topic) or await self._open(topic, type_name, limit)
+            relay = self._relays.get(topic) or await self._open(topic, type_name)
             if type_name not in (None, relay.kind):
                 await self._close_unused(topic)
                 raise Conflict(f"the topic {topic} has the type {relay.kind}", code="type_conflict")
@@ -63,7 +57,7 @@ class Relays:
             self._relays[topic].outlets.discard(outlet)
             await self._close_unused(topic)
 
-    async def _open(self, topic: str, type_name: str | None, limit: int | None) -> Relay:
+    async def _open(self, topic: str, type_name: str | None) -> Relay:
         try:
             found = await self._graph.topic(topic)
         except NotFound:
@@ -71,8 +65,6 @@ class Relays:
                 unknown = "nobody has this topic yet, so its type has to be given"
                 raise InvalidField([FieldError("type", "the type of the topic", unknown)]) from None
             found = Topic(topic, [], [])
-        if limit is not None and len(self._of_clients) >= limit:
-            raise TooManyRequests(f"{limit} topics are already subscribed to")
         relay = Relay(self._bridge, self._graph, found)
         try:
             await relay.open(type_name)
@@ -80,8 +72,6 @@ class Relays:
             await relay.close()
             raise
         self._relays[topic] = relay
-        if limit is not None:
-            self._of_clients.add(topic)
         log.debug("subscribed to %s", topic)
         return relay
 
@@ -89,7 +79,6 @@ class Relays:
         relay = self._relays[topic]
         if not relay.outlets:
             del self._relays[topic]
-            self._of_clients.discard(topic)
             await relay.close()
             log.debug("unsubscribed from %s", topic)
 

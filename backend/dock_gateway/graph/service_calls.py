@@ -13,11 +13,11 @@ from http import HTTPStatus
 from typing import Any
 
 from dock_gateway.core.allow_list import AllowList
-from dock_gateway.core.errors import GatewayError, NotAllowed, ServerTimeout, TooManyRequests
+from dock_gateway.core.errors import GatewayError, NotAllowed, ServerTimeout
 from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.graph import ACTION_PART
-from dock_gateway.core.request import act
+from dock_gateway.core.request import act, hold
 from dock_gateway.graph.names import choose_type, not_found, not_installed
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.bridge import Bridge
@@ -28,8 +28,6 @@ from dock_gateway.ros.service_client import ServiceClient
 from dock_gateway.setting_types import LONGEST_NAME
 from dock_gateway.settings import Settings
 
-# Calls in progress, of all services and of one: a service that never answers takes no more than its own.
-MAX_CALLS, MAX_CALLS_OF_ONE = 32, 8
 # Clients that are kept for the next call.
 MAX_CLIENTS = 50
 # Seconds between two looks for a service that is not there yet.
@@ -214,7 +212,7 @@ class ServiceCalls:
             act()
             self._require_released(service)
 
-        with self._counted(name):
+        with hold("calls"), hold("calls of one", of=name), self._counted(name):
             client = self._client(service, kind)
             try:
                 response = await client.ask(request, timeout, before)
@@ -250,8 +248,6 @@ class ServiceCalls:
     @contextmanager
     def _counted(self, name: str) -> Iterator[None]:
         """Count a call while the block runs."""
-        if self._running.total() >= MAX_CALLS or self._running[name] >= MAX_CALLS_OF_ONE:
-            raise TooManyRequests("too many calls of services are in progress", code="too_many_calls")
         self._running[name] += 1
         try:
             yield

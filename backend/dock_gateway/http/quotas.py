@@ -1,23 +1,113 @@
-"""Quotas of each user, so that a runaway script does not use up the gateway."""
+"""Quotas: each user has a share of what all users share, so that a runaway script does not use up the gateway.
 
+`LIMITS` is the one list of what is shared. What a layer below needs of it, it takes by `core.request.hold` and `turn`.
+"""
+
+import asyncio
+import math
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections import Counter, defaultdict, deque
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
 
 from dock_gateway.core.access import HUB, Principal
 from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.grant import Role
 from dock_gateway.settings import Settings
 
 MINUTE = 60.0
-# Names that many share, and the hub itself, which follows its site.
-NOBODY = (None, HUB)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """How much there is of something that users share.
+
+    Attributes:
+        noun: What it is called in errors.
+        most: The number of places of all users together.
+        share: Places of one user.
+        reserve: Those of the places that are for users with the role `reserved_for` and above: others leave them free.
+        code: Code of the error.
+        reserved_for: The lowest role that may use the reserve.
+        of_address: Places of one address, where no one logs in; default: all but the reserve.
+    """
+
+    noun: str
+    most: float
+    share: float
+    reserve: int = 0
+    code: str = TooManyRequests.code
+    reserved_for: Role = Role.OPERATOR
+    of_address: float | None = None
+
+    def share_of(self, principal: Principal) -> float:
+        """Return the number of places that a user may have."""
+        if principal.name == HUB:  # the hub itself, which follows its site, and its users where it asks for no login
+            return self.most
+        if principal.name is not None:
+            return self.share
+        return self.most - self.reserve if self.of_address is None else self.of_address
+
+    def open_to(self, principal: Principal) -> float:
+        """Return the number of places that are not reserved for others."""
+        return self.most if principal.grant.role.includes(self.reserved_for) else self.most - self.reserve
+
+
+def limits(settings: Settings) -> dict[str, Limit]:
+    """Return everything that users share, by name: docs/configuration.md shows it.
+
+    `streams` are WebSockets, event streams and subscriptions of `/ws`; `goals` are those of one action that wait for
+    its server; `requests` are those that a hub carries to its sites.
+    """
+    subscribers, pending, streams = settings.max_subscribers, settings.max_pending_goals, settings.max_streams_per_user
+    return {
+        "streams": Limit("streams", subscribers, streams, min(100, subscribers // 8), "too_many_streams"),
+        "exports": Limit("exports", math.inf, settings.max_exports_per_user, code="too_many_exports"),
+        "topics": Limit("topics subscribed to", 200, 75, 50),
+        "views": Limit("topics being watched", 28, 8, 8),
+        "cameras": Limit("cameras being watched", 50, 20, 10),
+        "goals": Limit("goals waiting for the answer of", pending, max(1, pending // 4), pending // 4),
+        "approvals": Limit("goals waiting for a person", 10, 3, code="too_many_approvals", of_address=8),
+        "calls": Limit("calls of services in progress", 32, 8, 8, "too_many_calls", Role.SUPERVISOR),
+        "calls of one": Limit("calls in progress of", 8, 4, 2, "too_many_calls", Role.SUPERVISOR),
+        "parameters": Limit("requests for parameters in progress", 8, 3, 2, "too_many_calls"),
+        "logins": Limit("logins in progress", 100, 10, 10, "too_many_logins", of_address=20),
+        "provider logins": Limit("logins in progress", 20, 5, code="too_many_logins", of_address=5),
+        "requests": Limit("requests to sites in progress", 5000, streams, 500, "too_many_streams"),
+        "requests of one": Limit("requests in progress to", 450, min(150, streams), 50, "too_many_streams"),
+    }
+
+
+# How many of something that takes long a user may do at the same time; the others wait, without being refused.
+TURNS = {"large reads": 1, "parameters of many": 2}
+
+
+@dataclass
+class _Places:
+    """The places that are in use, by user and by what they are for. What several use takes one place of all."""
+
+    own: dict[str, Counter[Hashable]] = field(default_factory=lambda: defaultdict(Counter))
+    all: Counter[Hashable] = field(default_factory=Counter)
+
+    def take(self, user: str, key: Hashable) -> None:
+        self.own[user][key] += 1
+        self.all[key] += 1
+
+    def give(self, user: str, key: Hashable) -> None:
+        for held in (self.own[user], self.all):
+            held[key] -= 1
+            if not held[key]:
+                del held[key]
+        if not self.own[user]:
+            del self.own[user]
 
 
 class Quotas:
-    """Counts the goals, streams and exports of each user. There are no limits where a gateway or its hub asks nobody.
+    """Counts what each user has of what all users share, and their goals per minute.
 
-    A stop is never counted.
+    A user is who has logged in. Where no login is required, it is an address: it may have all but the reserve, which is
+    left for the others. A stop is never counted.
 
     Args:
         settings: The limits.
@@ -26,18 +116,19 @@ class Quotas:
 
     def __init__(self, settings: Settings, clock: Callable[[], float] = time.monotonic) -> None:
         self._goals_per_minute = settings.max_goals_per_minute
-        self._most = {"streams": settings.max_streams_per_user, "exports": settings.max_exports_per_user}
+        self._limits = limits(settings)
         self._clock = clock
         self._sent: dict[str, deque[float]] = {}
-        self._held: Counter[tuple[str, str]] = Counter()
+        self._places: dict[tuple[str, str], _Places] = {}
+        self._turns: dict[tuple[str, str], tuple[asyncio.Semaphore, list[None]]] = {}
 
     def spend_goal(self, principal: Principal) -> None:
-        """Count a goal.
+        """Count a goal. Where no login is required there is no limit.
 
         Raises:
             TooManyRequests: The user has sent too many in the last minute (`too_many_goals`).
         """
-        if principal.name in NOBODY:
+        if principal.name in (None, HUB):
             return
         now = self._clock()
         self._forget(now)
@@ -55,22 +146,67 @@ class Quotas:
                 del self._sent[name]
 
     @contextmanager
-    def hold(self, principal: Principal, what: str) -> Iterator[None]:
-        """Count a stream or an export (`streams`, `exports`) while the block runs.
+    def hold(self, principal: Principal, what: str, key: Hashable = None, of: str = "") -> Iterator[None]:
+        """Take a place while the block runs.
+
+        Args:
+            principal: The user.
+            what: What is shared, as `limits` names it.
+            key: What the place is for, such as a topic: a user needs one place for it, and so do all together. Default:
+                something of its own.
+            of: What the limit is of, such as a service, where each of them has its own.
 
         Raises:
-            TooManyRequests: The user has too many (`too_many_streams`, `too_many_exports`).
+            TooManyRequests: The user has their share already, or all places are in use.
         """
-        if principal.name in NOBODY:
-            yield
-            return
-        key = principal.name, what
-        if self._held[key] >= self._most[what]:
-            raise TooManyRequests(f"{principal.name} already has {self._most[what]} {what}", code=f"too_many_{what}")
-        self._held[key] += 1
+        key = object() if key is None else key
+        places, user = self._places.setdefault((what, of), _Places()), _user(principal)
         try:
-            yield
+            self._require_room(principal, what, key, of)
+            places.take(user, key)
+            try:
+                yield
+            finally:
+                places.give(user, key)
         finally:
-            self._held[key] -= 1
-            if not self._held[key]:
-                del self._held[key]
+            if not places.all:
+                self._places.pop((what, of), None)
+
+    def _require_room(self, principal: Principal, what: str, key: Hashable, of: str) -> None:
+        limit, places = self._limits[what], self._places[what, of]
+        own = places.own.get(_user(principal), ())
+        if key in own:
+            return
+        noun, most = f"{limit.noun} {of}".rstrip(), limit.open_to(principal)
+        if len(own) >= limit.share_of(principal):
+            kind = "address" if principal.name is None else "user"
+            detail = f"{_described(principal)} {len(own)} {noun}: that is the share of one {kind}"
+            raise TooManyRequests(detail, code=limit.code)
+        if key not in places.all and len(places.all) >= most:
+            reserved = f"; the other {limit.reserve} are reserved" if most < limit.most else ""
+            detail = f"all users together have {len(places.all)} {noun}: that is the limit of all{reserved}"
+            raise TooManyRequests(detail, code=limit.code)
+
+    @asynccontextmanager
+    async def turn(self, principal: Principal, what: str) -> AsyncIterator[None]:
+        """Wait until less than `TURNS[what]` blocks of the user run, so that they do not queue up before others."""
+        key = what, _user(principal)
+        semaphore, waiting = self._turns.setdefault(key, (asyncio.Semaphore(TURNS[what]), []))
+        waiting.append(None)
+        try:
+            async with semaphore:
+                yield
+        finally:
+            waiting.pop()
+            if not waiting:
+                self._turns.pop(key, None)
+
+
+def _user(principal: Principal) -> str:
+    return principal.address if principal.name is None else principal.name
+
+
+def _described(principal: Principal) -> str:
+    if principal.name is None:
+        return f"clients at {principal.address or 'this address'} already have"
+    return f"{principal.name} already has"

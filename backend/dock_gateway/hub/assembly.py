@@ -78,9 +78,7 @@ async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
 async def _open(
     settings: Settings, history: SqlHistory, audit: AuditLog, broker: Broker, stack: AsyncExitStack
 ) -> Parts:
-    fanout = Fanout(
-        queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers, newest=history.newest
-    )
+    fanout = Fanout(queue_limit=settings.subscriber_queue, newest=history.newest)
     signer = Signer.load_or_create(settings.hub_key_file)
     caller = Caller(broker)
     await caller.open()

@@ -2,8 +2,8 @@
 
 import asyncio
 import uuid
-from collections.abc import Iterable
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from http import HTTPStatus
 from urllib.parse import parse_qsl, urlencode
@@ -72,7 +72,7 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
         trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
         trail.fields |= {"robot": None, "subject": f"/sites/{site}/{path}"[:200]}
         await trail.record(HTTPStatus.SWITCHING_PROTOCOLS)
-    with parts[Quotas].hold(principal, "streams"):
+    with _places(websocket, site):
         await Stream(websocket).run(asked, scope)
 
 
@@ -157,7 +157,7 @@ class Forwarded(Response):
     def _counted(self, connection: HTTPConnection) -> AbstractContextManager[None]:
         if self._asked.path == "/stop":
             return nullcontext()
-        return parts_of(connection)[Quotas].hold(principal_of(connection), "streams")
+        return _places(connection, self._asked.site)
 
 
 class Stream:
@@ -194,6 +194,14 @@ class Stream:
 
     async def _send(self, message: Message) -> None:
         await send_in_time(self._websocket.send, message, self._timeout)
+
+
+@contextmanager
+def _places(connection: HTTPConnection, site: str) -> Iterator[None]:
+    """Take a place among the requests to all sites, and among those to one, while the block runs."""
+    quotas, principal = parts_of(connection)[Quotas], principal_of(connection)
+    with quotas.hold(principal, "requests"), quotas.hold(principal, "requests of one", of=site):
+        yield
 
 
 async def _read(request: Request, path: str) -> bytes:

@@ -3,12 +3,14 @@
 import asyncio
 from collections import deque
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any
 
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.fanout import FrameWriter
+from dock_gateway.core.request import hold
 from dock_gateway.graph.received import Received
-from dock_gateway.graph.relays import MAX_OF_CLIENTS, Relays
+from dock_gateway.graph.relays import Relays
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
 from dock_gateway.rosbridge.published import Payload, Published
 
@@ -92,13 +94,15 @@ class Subscriptions:
         self._relays = relays
         self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
         self._outlets: dict[str, TopicOutlet] = {}
+        self._places: dict[str, ExitStack] = {}
         self._changed = asyncio.Event()
 
     async def subscribe(self, topic: str, type_name: str | None, identity: Identity, request: Subscribe) -> None:
         """Send the messages of a topic.
 
         Raises:
-            GatewayError: As `Relays.join`; the client has too many topics or subscriptions already.
+            GatewayError: As `Relays.join`; the client has too many topics or subscriptions already, its user has too
+                many topics, or all users together.
         """
         outlet = self._outlets.get(topic)
         if outlet is None and len(self._outlets) >= MAX_TOPICS:
@@ -110,7 +114,10 @@ class Subscriptions:
         joined.requests[identity] = request
         joined.configure()
         if outlet is None:
-            await self._relays.join(topic, type_name, joined, limit=MAX_OF_CLIENTS)
+            with ExitStack() as place:
+                place.enter_context(hold("topics", topic))
+                await self._relays.join(topic, type_name, joined)
+                self._places[topic] = place.pop_all()
             self._outlets[topic] = joined
 
     async def unsubscribe(self, topic: str, identity: Identity) -> None:
@@ -125,7 +132,8 @@ class Subscriptions:
             outlet.configure()
         else:
             del self._outlets[topic]
-            await self._relays.leave(topic, outlet)
+            with self._places.pop(topic):
+                await self._relays.leave(topic, outlet)
 
     async def send_all(self, send: Callable[[Payload, int | None], Any]) -> None:
         """Send what waits, when it is due and in pieces of its size, for as long as the client is connected."""

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.request import turn
 from dock_gateway.storage.database import DATABASE_ERRORS, Database, T, Ts
 from dock_gateway.storage.writer import Writer
 
@@ -46,10 +47,12 @@ class Reader:
     async def read_much(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """Run a query that may take seconds; one at a time, so that other reads find a free connection.
 
+        The queries of one user wait for one another first, so that those of the others have their turn.
+
         Raises:
             Unavailable: The database does not answer, or takes too long (`history_unavailable`).
         """
-        async with self._much:
+        async with turn("large reads"), self._much:
             if not self._answers:
                 raise Unavailable(AWAY, code="history_unavailable")
             try:

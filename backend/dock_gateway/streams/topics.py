@@ -10,6 +10,7 @@ from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import known_query
 from dock_gateway.settings import Settings
 from dock_gateway.streams.events import ignore_input, until_one_ends, write_events
@@ -32,8 +33,12 @@ async def echo_topic(websocket: WebSocket, parts: AllParts) -> None:
     if not (name := query.get("topic", "")):
         raise InvalidField([FieldError("query.topic", "the name of a topic", "got none")])
     max_rate = read_max_rate(query, MIN_RATE, MAX_RATE) or USUAL_RATE
-    with subscribed(parts, principal_of(websocket), EventFilter(topics=frozenset())) as subscriber:
-        async with parts[EchoRegistry].watch(parts[Settings].resolve(name, ""), subscriber, max_rate):
+    principal, topic = principal_of(websocket), parts[Settings].resolve(name, "")
+    with (
+        subscribed(parts, principal, EventFilter(topics=frozenset())) as subscriber,
+        parts[Quotas].hold(principal, "views", topic),
+    ):
+        async with parts[EchoRegistry].watch(topic, subscriber, max_rate):
             await websocket.accept()
             events = write_events(websocket, parts, subscriber, follow(parts, subscriber))
             await until_one_ends(events, ignore_input(websocket))

@@ -90,7 +90,7 @@ class Site:
         self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[Decision]()
         self.gateways: list[AutomaticDocking] = []
         self.history = MemoryHistory(100)
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10)
 
     def activity(self) -> Activity:
         activity = Activity(cast("RobotRegistry", SimpleNamespace(owner=lambda _: None)))

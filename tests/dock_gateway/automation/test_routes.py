@@ -40,9 +40,7 @@ class Client:
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
         docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots
         docking._rules = SharedBook(self.history.documents("rule", RuleEntry), "rule", 2)
-        docking.decisions = DecisionLog(
-            Fanout(queue_limit=1, max_subscribers=1), self.history.documents("decision", Decision)
-        )
+        docking.decisions = DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", Decision))
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)
         docking._waits = {}

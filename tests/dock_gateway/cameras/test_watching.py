@@ -75,7 +75,7 @@ class Bench:
 
     def __init__(self, stack: AsyncExitStack) -> None:
         self._stack = stack
-        self.fanout = Fanout(queue_limit=1, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=1)
         self.relays = FakeRelays()
         quality = Quality("reliable", "volatile", "keep_last", 1, None, None, "automatic")
         topic = Topic(FRONT.topic, [Endpoint("/c", COMPRESSED, quality)], [])

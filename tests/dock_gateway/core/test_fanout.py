@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from dock_gateway.core.errors import TooManyRequests, Unavailable
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, event_id
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
@@ -20,8 +20,8 @@ def status(text: str, goal_id: str = A) -> Event:
     return Event(text.encode(), "goals", goal_id, "/dock")
 
 
-def make(limit: int = 3, subscribers: int = 2) -> Fanout:
-    return Fanout(queue_limit=limit, max_subscribers=subscribers)
+def make(limit: int = 3) -> Fanout:
+    return Fanout(queue_limit=limit)
 
 
 async def texts(subscriber: Subscriber) -> tuple[list[str], int]:
@@ -30,7 +30,7 @@ async def texts(subscriber: Subscriber) -> tuple[list[str], int]:
 
 
 async def test_everyone_gets_what_was_asked_for() -> None:
-    fanout = make(subscribers=4)
+    fanout = make()
     everything = fanout.subscribe(EventFilter(frozenset({"goals", "battery"})))
     of_b = fanout.subscribe(EventFilter(goal_id=B))
     of_fibonacci = fanout.subscribe(EventFilter(action_name="/fibonacci"))
@@ -101,11 +101,9 @@ async def test_after_clear_only_what_is_new_arrives() -> None:
     assert await texts(subscriber) == (["f2"], 0)
 
 
-async def test_too_many_subscribers_and_a_closing_hub() -> None:
-    fanout = make(subscribers=1)
+async def test_a_closing_fanout() -> None:
+    fanout = make()
     subscriber = fanout.subscribe(EventFilter())
-    with pytest.raises(TooManyRequests):
-        fanout.subscribe(EventFilter())
     fanout.unsubscribe(subscriber)
     fanout.unsubscribe(subscriber)
     waiting = fanout.subscribe(EventFilter())
@@ -118,7 +116,7 @@ async def test_too_many_subscribers_and_a_closing_hub() -> None:
 
 async def test_what_was_published_since_an_event() -> None:
     kept: list[Event] = []
-    fanout = Fanout(queue_limit=3, max_subscribers=2, keep=kept.append)
+    fanout = Fanout(queue_limit=3, keep=kept.append)
     events = [Event(b"", "goals", goal_id, "/dock", id=f"{number}") for number, goal_id in enumerate([A, B, A, A])]
     for event in (*events, events[1]):
         fanout.publish(event)
@@ -130,7 +128,7 @@ async def test_what_was_published_since_an_event() -> None:
 
 
 async def test_the_past_is_bounded() -> None:
-    fanout = Fanout(queue_limit=3, max_subscribers=2, recent=5)
+    fanout = Fanout(queue_limit=3, recent=5)
     for number in range(10):
         fanout.publish(Event(b"", "goals", A, "/dock", id=f"{number}"))
     assert fanout.since("4", EventFilter()) is None
@@ -195,7 +193,7 @@ async def test_a_reader_that_resumes_is_not_sent_what_it_has_had_elsewhere() -> 
 async def test_an_event_of_one_robot_is_offered_only_to_those_who_want_that_robot(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    fanout = make(subscribers=10)
+    fanout = make()
     one, two = (fanout.subscribe(EventFilter(frozenset({"system"}), robot=robot)) for robot in ("/robot1", "/robot2"))
     asked: list[str] = []
     covers = EventFilter.covers

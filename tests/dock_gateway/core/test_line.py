@@ -32,7 +32,7 @@ def allowed(number: int) -> str:
 
 
 def test_what_comes_later_waits_behind_what_is_being_stored() -> None:
-    fanout = Fanout(queue_limit=3, max_subscribers=1)
+    fanout = Fanout(queue_limit=3)
     line, published = fanout.line, fanout.published
     fanout.publish(event(1))
     first, second = line.hold(2), line.hold(3)

@@ -24,7 +24,7 @@ ID = alert_id(AlertKind.LOW_BATTERY, "/robot1")
 
 class Scene:
     def __init__(self) -> None:
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10)
         self.store = MemoryEntries[Acknowledgement]()
         self.boards: list[AlertBoard] = []
         self.reader = self.fanout.subscribe(EventFilter(frozenset({"robots"})))

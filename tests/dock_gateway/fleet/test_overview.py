@@ -35,7 +35,7 @@ class Parts:
     """What a fleet is put together from; `outcome` holds the last goal that ended and the last that succeeded."""
 
     def __init__(self, *names: str) -> None:
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10)
         self.robots = {name: self.robot(name) for name in names}
         self.default_namespace = names[0]
         self.goals: list[Goal] = []

@@ -24,7 +24,7 @@ class Fixture:
         self.now = 100.0
         self.changes: list[set[str]] = []
         self.robots = list(ROBOTS)
-        self.fanout = Fanout(queue_limit=10, max_subscribers=4)
+        self.fanout = Fanout(queue_limit=10)
         self.board = SceneBoard(self.fanout, lambda: self.robots)
         self.board.on_watch("poses", lambda: self.changes.append(self.board.watched("poses")))
 

@@ -9,9 +9,11 @@ import pytest
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotAuthenticated, NotFound, TooManyRequests
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.request import PERMIT, Permit, approve
-from dock_gateway.goals.approvals import MAX_OF_AGENT, MAX_WAITING, Approvals
+from dock_gateway.core.request import PERMIT, approve
+from dock_gateway.goals.approvals import Approvals
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
+from tests.support.permits import acting, permit
 
 ROBOT, ACTION = "/robot1", "/robot1/dock"
 
@@ -118,7 +120,7 @@ async def test_the_end_of_the_gateway_or_of_the_login_drops_it() -> None:
 
         def __exit__(self, *_: object) -> None: ...
 
-    PERMIT.set(Permit(require, Watch))  # type: ignore[arg-type]
+    PERMIT.set(permit(require=require, watch=Watch))
     asking = site.ask()
     await site.waiting()
     ended = True
@@ -130,14 +132,20 @@ async def test_the_end_of_the_gateway_or_of_the_login_drops_it() -> None:
 
 async def test_few_wait() -> None:
     site = Site()
-    asking = [site.ask() for _ in range(MAX_OF_AGENT)]
-    await site.waiting(MAX_OF_AGENT)
-    with pytest.raises(TooManyRequests, match="3 goals of this agent"):
-        await site.ask()
-    asking += [site.ask(f"bot{number}") for number in range(MAX_WAITING - MAX_OF_AGENT)]
-    await site.waiting(MAX_WAITING)
-    with pytest.raises(TooManyRequests, match="10 goals of agents"):
-        await site.ask("another")
+    quotas = Quotas(Settings())
+
+    def ask(name: str) -> "asyncio.Task[None]":
+        with acting(quotas, agent(name)):
+            return site.ask(name)
+
+    asking = [ask("bot") for _ in range(3)]
+    await site.waiting(3)
+    with pytest.raises(TooManyRequests, match="bot already has 3 goals waiting for a person: that is the share"):
+        await ask("bot")
+    asking += [ask(f"bot{number}") for number in range(7)]
+    await site.waiting(10)
+    with pytest.raises(TooManyRequests, match="all users together have 10 goals waiting for a person"):
+        await ask("another")
     for each in asking:
         each.cancel()
 
@@ -156,5 +164,5 @@ async def test_only_what_is_surely_simulated_waits_for_nobody() -> None:
 async def test_requests_of_others_wait_for_nobody() -> None:
     PERMIT.set(None)
     await approve(ACTION, b"{}")
-    PERMIT.set(Permit(lambda: None, None))  # type: ignore[arg-type]
+    PERMIT.set(permit())
     await approve(ACTION, b"{}")

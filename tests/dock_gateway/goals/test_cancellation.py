@@ -55,7 +55,7 @@ class FakePort:
 class Scene:
     def __init__(self) -> None:
         self.port = FakePort()
-        fanout = Fanout(queue_limit=10, max_subscribers=10)
+        fanout = Fanout(queue_limit=10)
         self.tracker = GoalTracker(self.port, fanout, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
         self.by: str | None = None

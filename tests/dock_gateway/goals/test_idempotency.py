@@ -99,7 +99,7 @@ class Scene:
     def __init__(self) -> None:
         self.port = FakePort()
         self.history = GatedHistory()
-        fanout = Fanout(queue_limit=100, max_subscribers=10)
+        fanout = Fanout(queue_limit=100)
         self.tracker = GoalTracker(self.port, fanout, self.history, PendingFacts(0.01))  # type: ignore[arg-type]
         settings = self.settings = Settings(accept_timeout=5.0)
         self.interlock = Interlock(fanout, LatchFile(settings.stop_file), "/")

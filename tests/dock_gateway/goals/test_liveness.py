@@ -52,9 +52,7 @@ class FakePort:
 class Scene:
     def __init__(self, **settings: Any) -> None:
         self.port = FakePort()
-        self.tracker = GoalTracker(
-            self.port, Fanout(queue_limit=10, max_subscribers=10), MemoryHistory(10), PendingFacts(0.01)
-        )  # type: ignore[arg-type]
+        self.tracker = GoalTracker(self.port, Fanout(queue_limit=10), MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
         self.states: list[ServerState] = []
         self.watch = ServerWatch(
             self.tracker,

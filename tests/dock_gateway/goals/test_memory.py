@@ -80,7 +80,7 @@ class FakePort:
 class Scene:
     def __init__(self, history: SqlHistory) -> None:
         self.port = FakePort()
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10, keep=history.record_event, recent=10)
+        self.fanout = Fanout(queue_limit=10, keep=history.record_event, recent=10)
         self.history = history
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01, limit=10)
         settings = Settings(accept_timeout=0.01, ping_interval=0.1, max_pending_goals=1000)

@@ -7,11 +7,13 @@ from typing import Any, Self
 import pytest
 from starlette.testclient import TestClient
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History, MemoryHistory
 from tests.support.audit import audit_parts
@@ -32,7 +34,8 @@ class Client:
         settings = Settings(database_url="memory:")
         live: Any = SimpleNamespace(goal=lambda _: None)
         goals = Goals(live, DockingActions(DockingCatalog(Settings()), {}), self.history)
-        parts = Parts({**audit_parts(), Settings: settings, History: self.history, Goals: goals})
+        access = {Logins: Logins(self.history), Quotas: Quotas(settings)}
+        parts = Parts({**audit_parts(), **access, Settings: settings, History: self.history, Goals: goals})
         self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:

@@ -16,10 +16,12 @@ from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, Claim, Delivery, outcome
 from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, MemoryHistory
 from tests.support.calls import FakeCall
+from tests.support.permits import acting, user
 from tests.support.tracking import A, B, S
 from tests.support.waiting import until
 
@@ -102,7 +104,7 @@ class Scene:
         self.history = SealingHistory()
         self.interlock: Any = FakeInterlock()
         self.watch: Any = FakeWatch()
-        fanout = Fanout(queue_limit=100, max_subscribers=10)
+        fanout = Fanout(queue_limit=100)
         self.subscriber = fanout.subscribe(EventFilter())
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.05)
         self.tracker = GoalTracker(self.port, fanout, self.history, self.reasons)
@@ -226,13 +228,14 @@ async def test_a_goal_that_is_sent_again_keeps_its_id_and_is_not_stored_anew(sce
 
 
 async def test_only_so_many_goals_wait_for_an_answer(scene: Scene) -> None:
-    for _ in range(2):
+    with acting(Quotas(scene.settings), user(None, address="192.0.2.1")):
+        for _ in range(2):
+            await scene.send()
+        with pytest.raises(TooManyRequests, match="2 goals waiting for the answer of /dock: that is the share"):
+            scene.delivery.start("{}")
+        scene.answer(ACCEPTED)
+        await until(lambda: len(scene.delivery._tasks) == 1)
         await scene.send()
-    with pytest.raises(TooManyRequests, match="2 goals"):
-        scene.delivery.start("{}")
-    scene.answer(ACCEPTED)
-    await until(lambda: len(scene.delivery._tasks) == 1)
-    await scene.send()
 
 
 async def test_a_goal_is_not_sent_without_a_server(scene: Scene) -> None:

@@ -43,7 +43,7 @@ class World:
 
     def start(self) -> None:
         newest = max((event.id or "" for event in self.told), default="")
-        fanout = Fanout(queue_limit=10, max_subscribers=1, keep=self.keep, newest=newest)
+        fanout = Fanout(queue_limit=10, keep=self.keep, newest=newest)
         self.port = FakePort()
         port: Any = self.port
         self.tracker = GoalTracker(port, fanout, self.history, PendingFacts(0.001), limits=LIMITS)

@@ -9,12 +9,12 @@ from typing import Any, ClassVar
 import orjson
 import pytest
 
-from dock_gateway.core.errors import NotFound, TooManyRequests
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.graph import Endpoint, Quality, Topic
 from dock_gateway.graph import subscription as module
-from dock_gateway.graph.echoes import MAX_TOPICS, EchoRegistry
+from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.graph.subscription import Listening, listening_for
 from dock_gateway.ros.raw_port import Heard, Reading
 
@@ -96,7 +96,7 @@ class FakeBridge:
 
 class FakeGraph:
     def __init__(self) -> None:
-        self.topics = {f"/t{number}": [publisher()] for number in range(MAX_TOPICS + 1)}
+        self.topics = {f"/t{number}": [publisher()] for number in range(21)}
 
     async def topic(self, name: str) -> Topic:
         if name not in self.topics:
@@ -261,17 +261,6 @@ async def test_other_publishers_are_heard_as_they_need_it_and_counting_goes_on(
         gone = await viewing.next("topic")
         assert (gone["message_type"], gone["topic"]["publishers"]) == (INT, [])
         assert len(FakePort.ports) == 3
-
-
-async def test_topics_have_a_limit(echoes: EchoRegistry) -> None:
-    async with AsyncExitStack() as stack:
-        for number in range(MAX_TOPICS):
-            await stack.enter_async_context(echoes.watch(f"/t{number}", Viewing().subscriber, 5))
-        await stack.enter_async_context(echoes.watch("/t0", Viewing().subscriber, 5))
-        with pytest.raises(TooManyRequests):
-            await stack.enter_async_context(echoes.watch(f"/t{MAX_TOPICS}", Viewing().subscriber, 5))
-    async with echoes.watch(f"/t{MAX_TOPICS}", Viewing().subscriber, 5):
-        pass
 
 
 async def test_no_such_topic(echoes: EchoRegistry) -> None:

@@ -93,7 +93,7 @@ class Hub:
     def __init__(self, history: SqlHistory, site: FakeSite) -> None:
         self.history = history
         self.told: list[Event] = []
-        self.store = HubStore(history.mirror, Fanout(queue_limit=10, max_subscribers=10, keep=self.told.append))
+        self.store = HubStore(history.mirror, Fanout(queue_limit=10, keep=self.told.append))
         self.view = SiteView("berlin")
         self.follower = Follower(site, self.view, self.store, history, history.mirror)  # type: ignore[arg-type]
 

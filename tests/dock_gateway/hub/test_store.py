@@ -44,7 +44,7 @@ async def opened(url: str, folder: Path) -> AsyncIterator[tuple[SqlHistory, HubS
     async with open_at(url, folder) as history:
         await until(lambda: history.stats().database_reachable)
         told: list[Event] = []
-        store = HubStore(history.mirror, Fanout(queue_limit=10, max_subscribers=10, keep=told.append))
+        store = HubStore(history.mirror, Fanout(queue_limit=10, keep=told.append))
         try:
             yield history, store, told
         finally:
@@ -98,7 +98,7 @@ async def test_what_was_written_although_no_answer_came_is_told_all_the_same(tmp
 
     async with open_at(f"sqlite:///{tmp_path / 'hub.db'}", tmp_path) as history:
         await until(lambda: history.stats().database_reachable)
-        fanout = Fanout(queue_limit=10, max_subscribers=10)
+        fanout = Fanout(queue_limit=10)
         subscriber = fanout.subscribe(EventFilter())
         store = HubStore(Forgetful(history), fanout)  # type: ignore[arg-type]
         await store.keep(ended())

@@ -45,7 +45,7 @@ class SlowTopic:
 class Gateway:
     def __init__(self, path: Path) -> None:
         self.path, self.topic = path, SlowTopic()
-        self.interlock = Interlock(Fanout(queue_limit=10, max_subscribers=10), LatchFile(path), "/", echo_after=ECHO)
+        self.interlock = Interlock(Fanout(queue_limit=10), LatchFile(path), "/", echo_after=ECHO)
         self.interlock.join("/", self.topic)
         self.releases: set[asyncio.Task[Any]] = set()
 

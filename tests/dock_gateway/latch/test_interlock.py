@@ -57,7 +57,7 @@ class Gateway:
     def __init__(self, path: Path, **timing: float) -> None:
         self.all.append(self)
         self.file = LatchFile(path)
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10)
         self.reader = self.fanout.subscribe(EventFilter(frozenset({"system"})))
         self.interlock = Interlock(self.fanout, self.file, "/", **{"echo_after": 0.02} | timing)
         self.topic = FakeTopic()

@@ -39,9 +39,7 @@ async def simulators(
     Port.closed = []
     monkeypatch.setattr(module, "SimulatorPort", Port)
     bridge: Any = None
-    simulators = Simulators(
-        Settings(), bridge, Fanout(queue_limit=10, max_subscribers=10), robots, **getattr(request, "param", {})
-    )
+    simulators = Simulators(Settings(), bridge, Fanout(queue_limit=10), robots, **getattr(request, "param", {}))
     yield simulators
     await simulators.close()
 

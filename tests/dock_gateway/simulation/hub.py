@@ -54,7 +54,7 @@ class Hub(Process):
         with patch.object(sql, "open_database", lambda _: database):
             history = SqlHistory("", spool, max_waiting=1000, limits=FOREVER)
         await history.open()
-        self.fanout = Fanout(queue_limit=1000, max_subscribers=10, newest=history.newest)
+        self.fanout = Fanout(queue_limit=1000, newest=history.newest)
         settings = SimpleNamespace(heartbeat_interval=3600.0)
         self.parts = Parts({Fanout: self.fanout, History: history, Settings: settings, Present: GoalsOnly(history)})
         broker = Broker(options_of(HUB))

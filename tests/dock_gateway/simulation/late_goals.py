@@ -269,7 +269,7 @@ class LateGoals:
 
     async def run(self) -> None:
         port, settings = self._port, Settings(accept_timeout=self._troubles.accept_timeout, cancel_timeout=1.0)
-        fanout, history = Fanout(queue_limit=10, max_subscribers=1), MemoryHistory(100)
+        fanout, history = Fanout(queue_limit=10), MemoryHistory(100)
         with patch.object(latching, "LatchWriter", Stored):
             file: Any = SimpleNamespace(read=lambda _: {}, path=Path("/"))
             self.interlock = interlock = latching.Interlock(fanout, file, "/")

@@ -88,7 +88,7 @@ class Lookups(Parts):
     """A gateway that takes its time to look up a goal."""
 
     def __init__(self) -> None:
-        self.fanout = Fanout(queue_limit=10, max_subscribers=10)
+        self.fanout = Fanout(queue_limit=10)
         settings = Settings(subscriber_timeout=1.0)
         super().__init__(
             {
@@ -171,6 +171,7 @@ async def test_stops_are_never_refused(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
         fleet.parts.add(Logins, Logins(MemoryHistory(1)))
+        fleet.parts.add(Quotas, Quotas(Settings()))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
         session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY, max_commands=1, max_stops=1)
@@ -185,6 +186,7 @@ async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
         fleet.parts.add(Logins, Logins(MemoryHistory(1)))
+        fleet.parts.add(Quotas, Quotas(Settings()))
         websocket = FakeWebSocket()
         session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY)
         await session.handle({"text": None, "bytes": b'{"op": "ping"}'})

@@ -137,7 +137,7 @@ async def test_the_beginning_and_the_end_of_each_alert_are_sent_and_signed(site:
 
 
 async def test_an_alert_that_lasts_for_a_moment_is_sent(site: Site, receiver: Receiver) -> None:
-    board = AlertBoard(Fanout(queue_limit=1, max_subscribers=1), SharedEntries(SharedStore()), low_battery=0.2)
+    board = AlertBoard(Fanout(queue_limit=1), SharedEntries(SharedStore()), low_battery=0.2)
     gateway = site.gateway(board=board)
     await gateway.replace("hook", site.hook())
     board.look([robot(percentage=0.1)], [])

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Protocol, cast
@@ -16,9 +17,9 @@ log = logging.getLogger(__name__)
 LINGER_BYTES = 64_000_000
 # Bytes that wait in a connection until its protocol stops writing. TLS would hold eight times as many.
 WRITE_BUFFER = 65_536
-# Incomplete input of all clients together, in bodies of the maximum size. Beyond this limit, a client that has sent
-# more than SHARE bytes is refused; small requests still pass.
-UNFINISHED_BODIES = 8
+# Incomplete input of all clients together, in bodies of the maximum size, and of those at one address. Beyond these
+# limits, a client that has sent more than SHARE bytes is refused; small requests still pass.
+UNFINISHED_BODIES, UNFINISHED_OF_ADDRESS = 8, 6
 SHARE = 16_384
 # Seconds that a reserve connection has for its answer, in addition to the timeout of the request head.
 ANSWER_WITHIN = 2.0
@@ -29,13 +30,13 @@ class Edge:
     """State shared by all connections.
 
     Attributes:
-        unfinished: Bytes received of incomplete requests and messages.
+        unfinished: Bytes received of incomplete requests and messages, by the addresses of their clients.
     """
 
     settings: Settings
     limits: ConnectionLimits
     scheduler: InputScheduler = field(default_factory=InputScheduler)
-    unfinished: int = 0
+    unfinished: Counter[str] = field(default_factory=Counter)
 
 
 class InnerProtocol(Protocol):
@@ -226,13 +227,17 @@ class Connection(asyncio.BufferedProtocol):
     def _limit_unfinished(self, size: int) -> None:
         receiving = self.protocol.receiving and not self.closing
         self._count_unfinished(size if receiving else -self._unfinished)
-        most = UNFINISHED_BODIES * self.edge.settings.max_body_bytes
-        if self._unfinished > SHARE and self.edge.unfinished > most:
+        body, unfinished = self.edge.settings.max_body_bytes, self.edge.unfinished
+        if self._unfinished > SHARE and (
+            unfinished[self.address] > UNFINISHED_OF_ADDRESS * body or unfinished.total() > UNFINISHED_BODIES * body
+        ):
             self.protocol.refuse_input()
 
     def _count_unfinished(self, size: int) -> None:
         self._unfinished += size
-        self.edge.unfinished += size
+        self.edge.unfinished[self.address] += size
+        if not self.edge.unfinished[self.address]:
+            del self.edge.unfinished[self.address]
 
     def pause_reading(self) -> None:
         """Stop reading until the protocol wants more."""

@@ -50,6 +50,11 @@ app = Starlette(
 )
 
 
+def code_of(answer: bytes) -> int:
+    """Status of an answer."""
+    return int(answer.split(b" ", 2)[1])
+
+
 def code(answer: bytes) -> tuple[int, str]:
     """Status and code of a refusal, which has all headers that it needs."""
     head, _, body = answer.partition(b"\r\n\r\n")
@@ -259,8 +264,8 @@ async def test_who_does_not_read_the_answer_is_let_go() -> None:
 async def test_all_clients_together_send_too_much() -> None:
     head = b"POST /echo HTTP/1.1\r\nConnection: close\r\nContent-Length: %d\r\n" + HOST + b"\r\n"
     async with serving(app, max_body_bytes=125_000) as edge, AsyncExitStack() as stack:
-        for _ in range(10):
-            _, writer = await stack.enter_async_context(edge.connect())
+        for number in range(10):
+            _, writer = await stack.enter_async_context(edge.connect(f"127.0.0.{2 + number % 2}"))
             writer.write(head % 1_000_000 + b"x" * 99_000)
         while b" 503 " not in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
             assert answer.endswith(b"200000")  # what the others sent has not been read yet
@@ -270,6 +275,22 @@ async def test_all_clients_together_send_too_much() -> None:
         while b" 503 " in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
             pass
         assert answer.endswith(b"200000")
+
+
+async def test_what_clients_at_one_address_send_leaves_room_for_others() -> None:
+    head = b"POST /echo HTTP/1.1\r\nConnection: close\r\nContent-Length: %d\r\n" + HOST + b"\r\n"
+    body = head % 200_000 + b"x" * 200_000
+    async with serving(app, max_body_bytes=125_000) as edge, AsyncExitStack() as stack:
+        for _ in range(20):
+            _, writer = await stack.enter_async_context(edge.connect("127.0.0.2"))
+            writer.write(head % 1_000_000 + b"x" * 99_000)
+        refused = False
+        for _ in range(50):  # what was sent is read in turns
+            async with edge.connect("127.0.0.2") as (reader, writer):
+                writer.write(body)
+                refused = refused or code_of(await asyncio.wait_for(reader.read(), 10)) == 503
+            assert (await edge.ask(body)).endswith(b"200000")
+        assert refused
 
 
 async def test_a_connection_of_the_reserve_has_one_request_and_no_websocket() -> None:
