@@ -4,8 +4,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from dock_gateway.cameras.camera import COMPRESSED, IMAGE
+from dock_gateway.cameras.depth import read_depth
+from dock_gateway.cameras.jpeg import find_jpeg, read_jpeg
 from dock_gateway.cameras.pixels import Unreadable, encode
+from dock_gateway.cameras.png import START, read_png
 from dock_gateway.graph.received import Received
 
 # The largest message that is read, in bytes, and the most pixels of a picture: 4K in colour fits.
@@ -13,8 +18,6 @@ MOST_BYTES, MOST_PIXELS = 32_000_000, 33_000_000
 # A JPEG can be decoded at so many eighths of its size, which takes less time than at its whole size.
 WHOLE = 8
 JPEG, PNG = "image/jpeg", "image/png"
-JPEG_START, JPEG_END = b"\xff\xd8\xff", b"\xff\xd9"
-PNG_START, PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
 # Between the pictures of a stream.
 BOUNDARY = "picture"
 
@@ -64,9 +67,13 @@ class Picture:
 
         width, height = (-(-size * eighths // WHOLE) for size in (self.width, self.height))
         try:
-            gray = simplejpeg.decode_jpeg_header(self.data)[2] == "Gray"
+            gray = read_jpeg(self.data).is_gray
             colors = "GRAY" if gray else "RGB"
-            pixels = simplejpeg.decode_jpeg(self.data, colors, min_width=width, min_height=height, strict=False)
+            # What the decoder does not reach of a damaged picture is black, and not what the memory held before.
+            room = np.zeros(self.width * self.height * (1 if gray else 3), np.uint8)
+            pixels = simplejpeg.decode_jpeg(
+                self.data, colors, min_width=width, min_height=height, buffer=room, strict=False
+            )
         except ValueError as error:
             raise Unreadable(f"the JPEG is damaged: {error}") from None
         data = simplejpeg.encode_jpeg(pixels, quality, colors, "Gray" if gray else "420")
@@ -91,38 +98,31 @@ def read_picture(message: Received, quality: int) -> Picture:
         decoded = message.kind.decode(message.data)
     except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
         raise Unreadable(f"its messages cannot be read as {message.kind.name}: {error}") from None
-    if message.kind.name == COMPRESSED:
-        return _as_it_is(bytes(decoded.data), decoded.format, message.received_ns)
-    _check_size(decoded.width, decoded.height)
-    data, width, height = encode(decoded, quality)
-    return Picture(data, JPEG, width, height, message.received_ns)
+    if message.kind.name == IMAGE:
+        return _encoded(decoded, quality, message.received_ns)
+    data = bytes(decoded.data)
+    if (depth := read_depth(data, decoded.format)) is not None:
+        return _encoded(depth, quality, message.received_ns)
+    return _as_it_is(data, decoded.format, message.received_ns)
+
+
+def _encoded(image: Any, quality: int, received_ns: int) -> Picture:
+    _check_size(image.width, image.height)
+    data, width, height = encode(image, quality)
+    return Picture(data, JPEG, width, height, received_ns)
 
 
 def _as_it_is(data: bytes, name: str, received_ns: int) -> Picture:
-    if data.startswith(JPEG_START):
-        width, height = _size_of_jpeg(data)
-        if not data.rstrip(b"\0").endswith(JPEG_END):
-            raise Unreadable("a JPEG is cut off")
-        kind = JPEG
-    elif data.startswith(PNG_START):
-        width, height = (int.from_bytes(data[at : at + 4]) for at in (16, 20))
-        if PNG_END not in data[-64:]:
-            raise Unreadable("a PNG is cut off")
-        kind = PNG
+    if data.startswith(START):
+        png = read_png(data)
+        data, kind, width, height = png.data, PNG, png.width, png.height
+    elif (start := find_jpeg(data)) >= 0:
+        jpeg = read_jpeg(data[start:])
+        data, kind, width, height = jpeg.data, JPEG, jpeg.width, jpeg.height
     else:
         raise Unreadable(f"the format {name[:60]!r} is neither jpeg nor png")
     _check_size(width, height)
     return Picture(data, kind, width, height, received_ns)
-
-
-def _size_of_jpeg(data: bytes) -> tuple[int, int]:
-    import simplejpeg  # noqa: PLC0415 - only if someone watches
-
-    try:
-        height, width, *_ = simplejpeg.decode_jpeg_header(data)
-    except ValueError as error:
-        raise Unreadable(f"a JPEG is damaged: {error}") from None
-    return width, height
 
 
 def _check_size(width: Any, height: Any) -> None:

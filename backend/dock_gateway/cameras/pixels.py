@@ -61,10 +61,6 @@ def _gray(rows: Pixels, quality: int) -> tuple[bytes, int, int]:
     return _jpeg(rows[:, :, None], quality, "GRAY")
 
 
-def _gray16(rows: Pixels, quality: int) -> tuple[bytes, int, int]:
-    return _gray((rows >> 8).astype(np.uint8), quality)
-
-
 def _depth(rows: Pixels, quality: int, *, unit: float) -> tuple[bytes, int, int]:
     metres = np.nan_to_num(rows.astype(np.float32) * unit, nan=0.0, posinf=0.0, neginf=0.0).clip(0.0, FARTHEST_M)
     near = np.where(metres > 0.0, 255.0 * (1.0 - metres / FARTHEST_M), 0.0)
@@ -90,18 +86,25 @@ def _bayer(rows: Pixels, quality: int, *, pattern: str) -> tuple[bytes, int, int
     sensors = [rows[at // 2 :: 2, at % 2 :: 2] for at in range(4)]
     red, blue = (sensors[pattern.index(color)] for color in "rb")
     greens = [sensors[at] for at in range(4) if pattern[at] == "g"]
-    green = (greens[0] >> 1) + (greens[1] >> 1)
+    green = greens[0] // 2 + greens[1] // 2
     return _jpeg(np.dstack((red, green, blue)), quality, "RGB")
 
 
 def _jpeg(pixels: Pixels, quality: int, order: str) -> tuple[bytes, int, int]:
     import simplejpeg  # noqa: PLC0415 - only if someone watches
 
+    if pixels.dtype.itemsize > 1:
+        pixels = (pixels >> 8).astype(np.uint8)
     subsampling = "Gray" if order == "GRAY" else "420"
     data = simplejpeg.encode_jpeg(np.ascontiguousarray(pixels), quality, order, subsampling)
     return data, pixels.shape[1], pixels.shape[0]
 
 
+_BAYER: dict[str, tuple[int, str, Convert]] = {
+    f"bayer_{pattern}{8 * size}": (size, f"u{size}", partial(_bayer, pattern=pattern))
+    for pattern in ("rggb", "bggr", "gbrg", "grbg")
+    for size in (1, 2)
+}
 # By the name in `encoding`: bytes of a pixel, the type of its numbers, and what encodes rows of them.
 ENCODINGS: dict[str, tuple[int, str, Convert]] = {
     "rgb8": (3, "u1", partial(_colors, order="RGB")),
@@ -110,17 +113,18 @@ ENCODINGS: dict[str, tuple[int, str, Convert]] = {
     "rgba8": (4, "u1", partial(_colors, order="RGBA")),
     "bgra8": (4, "u1", partial(_colors, order="BGRA")),
     "8UC4": (4, "u1", partial(_colors, order="BGRA")),
+    "rgb16": (6, "u2", partial(_colors, order="RGB")),
+    "bgr16": (6, "u2", partial(_colors, order="BGR")),
+    "rgba16": (8, "u2", partial(_colors, order="RGBA")),
+    "bgra16": (8, "u2", partial(_colors, order="BGRA")),
     "mono8": (1, "u1", _gray),
     "8UC1": (1, "u1", _gray),
-    "mono16": (2, "u2", _gray16),
+    "mono16": (2, "u2", _gray),
     "16UC1": (2, "u2", partial(_depth, unit=0.001)),
     "32FC1": (4, "f4", partial(_depth, unit=1.0)),
     "yuv422": (2, "u1", partial(_yuv422, first="u")),
     "uyvy": (2, "u1", partial(_yuv422, first="u")),
     "yuv422_yuy2": (2, "u1", partial(_yuv422, first="y")),
     "yuyv": (2, "u1", partial(_yuv422, first="y")),
-    "bayer_rggb8": (1, "u1", partial(_bayer, pattern="rggb")),
-    "bayer_bggr8": (1, "u1", partial(_bayer, pattern="bggr")),
-    "bayer_gbrg8": (1, "u1", partial(_bayer, pattern="gbrg")),
-    "bayer_grbg8": (1, "u1", partial(_bayer, pattern="grbg")),
+    **_BAYER,
 }
