@@ -5,7 +5,7 @@ It needs neither ROS nor a server.
 
 from dock_gateway.client.aio import AsyncClient, AsyncGoal
 from dock_gateway.client.documents import Battery, Event, GoalState, Robot, StopReport
-from dock_gateway.client.errors import ClientError, GatewayRefused, GatewayUnreachable, GoalFailed
+from dock_gateway.client.errors import ClientError, ClientTimeout, GatewayRefused, GatewayUnreachable, GoalFailed
 from dock_gateway.client.sync import Client, Goal
 from dock_gateway.core.goal import GoalStatus
 
@@ -15,6 +15,7 @@ __all__ = [
     "Battery",
     "Client",
     "ClientError",
+    "ClientTimeout",
     "Event",
     "GatewayRefused",
     "GatewayUnreachable",

@@ -10,7 +10,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
 from dock_gateway.client import calls
-from dock_gateway.client.connection import Connection, Reading, Retry
+from dock_gateway.client.connection import Attempts, Connection, Reading
 from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
 from dock_gateway.client.errors import succeeded
 
@@ -32,8 +32,8 @@ class AsyncClient:
         timeout: float = 15.0,
         patience: float = 60.0,
     ) -> None:
-        self.connection = Connection(url, token, certificate, patience)
-        self._http = httpx2.AsyncClient(timeout=timeout, **self.connection.http_options)
+        self.connection = Connection(url, token, certificate, timeout, patience)
+        self._http = httpx2.AsyncClient(**self.connection.http_options)
 
     async def __aenter__(self) -> Self:
         return self
@@ -103,20 +103,20 @@ class AsyncClient:
         """Yield events as they happen, first a snapshot; forever."""
         return self.read(Reading(self.connection, query, after))
 
-    async def request(self, method: str, path: str, body: object = None, *, params: calls.Params | None = None) -> Any:
+    async def request(
+        self, method: str, path: str, body: object = None, *, params: calls.Params | None = None, wait: int = 0
+    ) -> Any:
         """Send any other request of docs/api.md and return the decoded answer."""
-        return await self.call(calls.Call(method, path, lambda answer: answer, body, params or {}))
+        return await self.call(calls.request(method, path, body, params, wait))
 
     async def call(self, call: calls.Call[T]) -> T:
         """Send a request. Repeat it if the connection was lost and that does no harm."""
-        retry = Retry(self.connection)
+        attempts = Attempts(self.connection, call)
         while True:
             try:
-                response = await self._http.request(call.method, call.path, **call.options)
+                response = await self._http.request(call.method, call.path, timeout=attempts.timeout, **call.options)
             except httpx2.TransportError as error:
-                if not call.repeatable:
-                    raise self.connection.unreachable(error) from error
-                await asyncio.sleep(retry.failed(error))
+                await asyncio.sleep(attempts.failed(error))
             else:
                 return self.connection.read(response, call.read)
 
@@ -124,7 +124,7 @@ class AsyncClient:
         """Yield the events of a stream, over any number of connections."""
         while True:
             try:
-                async with connect(reading.url, **self.connection.stream_options) as stream:
+                async with connect(reading.url, **reading.options) as stream:
                     while True:
                         if (event := reading.read(await stream.recv())) is not None:
                             yield event

@@ -11,6 +11,8 @@ import orjson
 from dock_gateway.client.documents import Battery, Document, GoalState, Robot, StopReport
 
 T = TypeVar("T")
+# Seconds that an agent's goal waits for a person, and that a slow node may take to show its parameters, or to set them.
+APPROVAL, PARAMETERS, SET_PARAMETERS = 60.0, 15.0, 25.0
 Params = Mapping[str, str | int | float | bool | list[str]]
 
 
@@ -20,6 +22,8 @@ class Call(Generic[T]):
 
     Attributes:
         repeatable: Whether it may be sent again if the connection was lost before the answer came.
+        wait: Seconds that the gateway may wait before it answers, as it was asked to or until it gives up.
+        rejoins: Seconds that an answer may take in addition, where a repeated request goes on with the first one.
     """
 
     method: str
@@ -29,6 +33,8 @@ class Call(Generic[T]):
     params: Params = field(default_factory=dict)
     headers: Mapping[str, str] = field(default_factory=dict)
     repeatable: bool = False
+    wait: float = 0.0
+    rejoins: float = 0.0
 
     @property
     def options(self) -> dict[str, Any]:
@@ -42,7 +48,7 @@ class Call(Generic[T]):
 def send(path: str, goal: Mapping[str, Any] | None, robot: str | None, key: str | None) -> Call[GoalState]:
     """Send a goal. The key makes sure that it is sent once, however often the request is repeated."""
     headers = {"Idempotency-Key": key or str(uuid.uuid4())}
-    return Call("POST", path, GoalState.read, goal, _of(robot), headers, repeatable=True)
+    return Call("POST", path, GoalState.read, goal, _of(robot), headers, repeatable=True, rejoins=APPROVAL)
 
 
 def goals_of(action: str) -> str:
@@ -73,7 +79,7 @@ def battery(robot: str | None) -> Call[Battery]:
 def stop(robots: tuple[str, ...], by: str | None, *, latch: bool) -> Call[StopReport]:
     """Stop robots. Not repeated: who asks for it must know at once that it was not delivered."""
     params: Params = {"robot": list(robots)} if robots else {}
-    return Call("POST", "/stop", StopReport.read, {"latch": latch, "by": by}, params, {"Prefer": "wait=2"})
+    return Call("POST", "/stop", StopReport.read, {"latch": latch, "by": by}, params, _prefer(2), wait=2)
 
 
 def release(robot: str | None) -> Call[Document]:
@@ -89,6 +95,7 @@ def call_service(name: str, request: Mapping[str, Any] | None, timeout: float) -
         lambda answer: answer["response"],
         request or {},
         {"timeout": timeout},
+        wait=timeout,
     )
 
 
@@ -100,12 +107,21 @@ def publish(topic: str, message: Mapping[str, Any], type_name: str | None) -> Ca
 
 def parameters(node: str) -> Call[Document]:
     """Ask for the values of a node's parameters."""
-    return Call("GET", _parameters(node), _read_values, repeatable=True)
+    return Call("GET", _parameters(node), _read_values, repeatable=True, wait=PARAMETERS)
 
 
 def set_parameters(node: str, values: Mapping[str, Any]) -> Call[Document]:
     """Set parameters of a node."""
-    return Call("PATCH", _parameters(node), _read_values, values)
+    return Call("PATCH", _parameters(node), _read_values, values, wait=SET_PARAMETERS)
+
+
+def request(method: str, path: str, body: object, params: Params | None, wait: int) -> Call[Any]:
+    """Send any other request."""
+    return Call(method, path, lambda answer: answer, body, params or {}, _prefer(wait) if wait else {}, wait=wait)
+
+
+def _prefer(wait: int) -> Mapping[str, str]:
+    return {"Prefer": f"wait={wait}"}
 
 
 def _parameters(node: str) -> str:

@@ -1,5 +1,6 @@
 """Where a gateway is, how it is reached, and what its answers mean: what both clients have in common. No I/O."""
 
+import math
 import os
 import ssl
 import time
@@ -13,8 +14,9 @@ import httpx2
 import orjson
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from dock_gateway.client.calls import Call
 from dock_gateway.client.documents import Event
-from dock_gateway.client.errors import ClientError, GatewayRefused, GatewayUnreachable
+from dock_gateway.client.errors import ClientError, ClientTimeout, GatewayRefused, GatewayUnreachable
 
 T = TypeVar("T")
 URL = "http://127.0.0.1:8000"
@@ -22,6 +24,10 @@ FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0
 BUSY = (429, 502, 503, 504)
 """Statuses of a gateway that starts, ends or has too many clients: a stream tries again."""
 LOGIN_ENDED = 4401
+OPEN_WITHIN = 10.0
+"""Seconds in which a stream has to open."""
+CLOSE = 0.01
+"""Seconds before a deadline that are not worth another attempt."""
 REMEMBERED = 1000
 """Events that a stream recognizes if they come again."""
 
@@ -57,12 +63,16 @@ class Connection:
 
     Attributes:
         url: The base URL.
+        timeout: Seconds that an answer may take, in addition to what the gateway was asked to wait.
         patience: Seconds without the gateway after which a client gives up.
         reached: Whether the gateway has answered before. If not, an attempt that fails is not repeated.
     """
 
-    def __init__(self, url: str | None, token: str | None, certificate: str | None, patience: float) -> None:
+    def __init__(
+        self, url: str | None, token: str | None, certificate: str | None, timeout: float, patience: float
+    ) -> None:
         self.url = (url or os.environ.get("DOCK_GATEWAY_URL") or URL).rstrip("/")
+        self.timeout = timeout
         self.patience = patience
         self.reached = False
         self._token = token or os.environ.get("DOCK_GATEWAY_TOKEN")
@@ -86,15 +96,16 @@ class Connection:
         return {
             "base_url": self.url,
             "headers": self._headers,
+            "timeout": self.timeout,
             "trust_env": not self._local,
             "verify": self._tls or True,
         }
 
     @property
     def stream_options(self) -> dict[str, Any]:
-        """Arguments of a WebSocket. A connection that is dead without a word is noticed by pings."""
+        """Arguments of a WebSocket. A dead connection is noticed by pings; its end is not waited for."""
         tls = {"ssl": self._tls} if self._tls else {}
-        keepalive = {"ping_interval": 5, "ping_timeout": 10}
+        keepalive = {"ping_interval": 5, "ping_timeout": 10, "close_timeout": 1}
         proxy = None if self._local else True
         return {"additional_headers": self._headers, "max_size": None, "proxy": proxy, **tls, **keepalive}
 
@@ -130,16 +141,26 @@ class Connection:
 
 
 class Retry:
-    """How long to wait after attempts that failed, and when to give up."""
+    """How long to wait after attempts that failed, and when to give up.
 
-    def __init__(self, connection: Connection) -> None:
+    Args:
+        connection: To the gateway.
+        deadline: When to give up in any case, on the monotonic clock.
+    """
+
+    def __init__(self, connection: Connection, deadline: float | None = None) -> None:
         self._connection = connection
+        self._deadline = deadline
         self.succeeded()
 
     def succeeded(self) -> None:
         """The gateway is there: the next failure is the first one."""
         self._delay = FIRST_DELAY
         self._failing_since: float | None = None
+
+    def left(self, most: float) -> float:
+        """Return the seconds until the deadline, at most this many."""
+        return most if self._deadline is None else max(0.0, min(most, self._deadline - time.monotonic()))
 
     def failed(self, error: Exception) -> float:
         """Return the seconds to wait before the next attempt.
@@ -150,16 +171,65 @@ class Retry:
         if isinstance(error, ConnectionClosed) and error.rcvd is not None and error.rcvd.code == LOGIN_ENDED:
             raise GatewayRefused(401, {"code": error.rcvd.reason, "detail": "the login of this stream has ended"})
         now = time.monotonic()
+        if self.left(math.inf) <= CLOSE:
+            raise ClientTimeout("the goal has not ended in time") from error
         self._failing_since = self._failing_since or now
-        over = not self._connection.reached or now - self._failing_since >= self._connection.patience
+        over = self._is_over(error, now)
         if isinstance(error, InvalidStatus):
             if over or error.response.status_code not in BUSY:
                 raise refusal(error.response.status_code, error.response.body)
         elif over:
-            raise self._connection.unreachable(error)
+            raise self._failure(error) from error
         delay = self._delay * uniform(0.5, 1.0)  # noqa: S311 - so that many clients do not come back at once
         self._delay = min(2 * self._delay, LONGEST_DELAY)
-        return delay
+        return self.left(delay)
+
+    def _is_over(self, _: Exception, now: float) -> bool:
+        assert self._failing_since is not None
+        return not self._connection.reached or now - self._failing_since >= self._connection.patience
+
+    def _failure(self, error: Exception) -> ClientError:
+        return self._connection.unreachable(error)
+
+
+class Attempts(Retry):
+    """The attempts of a request.
+
+    Args:
+        connection: To the gateway.
+        call: The request.
+        deadline: When to give up in any case, on the monotonic clock.
+    """
+
+    def __init__(self, connection: Connection, call: Call[Any], deadline: float | None = None) -> None:
+        super().__init__(connection, deadline)
+        self._call = call
+        self._begun = time.monotonic()
+
+    @property
+    def timeout(self) -> httpx2.Timeout:
+        """How long the next attempt may take."""
+        most = self._connection.timeout
+        return httpx2.Timeout(self.left(most + self._call.wait), connect=self.left(most))
+
+    def _is_over(self, error: Exception, now: float) -> bool:
+        if not self._call.repeatable:
+            return True
+        if _timed_out(error) and now - self._begun < self._connection.timeout + self._call.rejoins:
+            return False
+        return super()._is_over(error, now)
+
+    def _failure(self, error: Exception) -> ClientError:
+        if not _timed_out(error):
+            return super()._failure(error)
+        waited = time.monotonic() - self._begun
+        text = f"{self._connection.url} has not answered within {waited:.3g} s; what was asked for may be carried out"
+        return ClientTimeout(text)
+
+
+def _timed_out(error: Exception) -> bool:
+    """Whether the gateway was there, and did not answer in time."""
+    return isinstance(error, httpx2.ReadTimeout | httpx2.WriteTimeout)
 
 
 def refusal(status: int, body: bytes | bytearray | None) -> GatewayRefused:
@@ -171,15 +241,18 @@ def refusal(status: int, body: bytes | bytearray | None) -> GatewayRefused:
 
 
 class Reading:
-    """How far a stream was read, so that the next connection resumes there."""
+    """How far a stream was read, so that the next connection resumes there; and until when it is read."""
 
-    def __init__(self, connection: Connection, query: dict[str, Any], after: str | None) -> None:
+    def __init__(
+        self, connection: Connection, query: dict[str, Any], after: str | None, deadline: float | None = None
+    ) -> None:
         self._resumed = False
         self._connection = connection
         self._query = query
         self._after = after
         self._seen: dict[str, None] = {}
-        self._retry = Retry(connection)
+        self._retry = Retry(connection, deadline)
+        self._deadline = deadline
 
     @property
     def url(self) -> str:
@@ -187,6 +260,16 @@ class Reading:
         query = {**self._query, "after": self._after}
         params = httpx2.QueryParams({name: value for name, value in query.items() if value is not None})
         return f"{self._connection.url.replace('http', 'ws', 1)}/ws/feedback?{params}"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Arguments of the next connection."""
+        return {**self._connection.stream_options, "open_timeout": self._retry.left(OPEN_WITHIN)}
+
+    @property
+    def left(self) -> float | None:
+        """Seconds until the deadline, if there is one."""
+        return None if self._deadline is None else self._retry.left(math.inf)
 
     def read(self, message: str | bytes) -> Event | None:
         """Return an event; None if it has come before."""

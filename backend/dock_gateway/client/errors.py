@@ -11,7 +11,14 @@ class ClientError(Exception):
 
 
 class GatewayUnreachable(ClientError):
-    """No gateway answers, or not again within the client's patience."""
+    """There is no gateway, or the connection was lost and not again possible within the client's patience."""
+
+
+class ClientTimeout(ClientError, TimeoutError):
+    """What was waited for did not come in the time that the caller gave: an answer, or the end of a goal.
+
+    The gateway may have carried out what it was asked for, and may be doing so still.
+    """
 
 
 class GatewayRefused(ClientError):

@@ -9,7 +9,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from dock_gateway.client import calls
-from dock_gateway.client.connection import Connection, Reading, Retry
+from dock_gateway.client.connection import Attempts, Connection, Reading
 from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
 from dock_gateway.client.errors import succeeded
 
@@ -19,14 +19,15 @@ T = TypeVar("T")
 class Client:
     """A client of a gateway. Close it, or use it in a `with` statement. Threads may share it.
 
-    Every method raises `GatewayRefused` if the gateway refuses, and `GatewayUnreachable` if it does not answer. If the
-    connection is lost, what can be repeated without harm is repeated until the client's patience ends.
+    Every method raises `GatewayRefused` if the gateway refuses, `ClientTimeout` if it does not answer in time, and
+    `GatewayUnreachable` if there is none. If the connection is lost, what can be repeated without harm is repeated
+    until the client's patience ends.
 
     Args:
         url: Base URL of the gateway; by default that in DOCK_GATEWAY_URL, else http://127.0.0.1:8000.
         token: The token of a login; by default that in DOCK_GATEWAY_TOKEN, if any.
         certificate: A file with a client certificate and its key; by default that in DOCK_GATEWAY_CLIENT_CERT, if any.
-        timeout: Seconds that an answer may take.
+        timeout: Seconds that an answer may take, in addition to the time that the gateway was asked to wait.
         patience: Seconds without the gateway after which a lost connection is given up.
 
     Raises:
@@ -42,8 +43,8 @@ class Client:
         timeout: float = 15.0,
         patience: float = 60.0,
     ) -> None:
-        self.connection = Connection(url, token, certificate, patience)
-        self._http = httpx2.Client(timeout=timeout, **self.connection.http_options)
+        self.connection = Connection(url, token, certificate, timeout, patience)
+        self._http = httpx2.Client(**self.connection.http_options)
 
     def __enter__(self) -> Self:
         return self
@@ -113,7 +114,7 @@ class Client:
         Args:
             name: Name on the ROS graph, such as /robot1/reset.
             request: Fields of the request; those that are left out have their default.
-            timeout: Seconds to wait for the response, fewer than those of the client.
+            timeout: Seconds to wait for the response.
         """
         return self.call(calls.call_service(name, request, timeout))
 
@@ -144,39 +145,44 @@ class Client:
         """
         return self.read(Reading(self.connection, query, after))
 
-    def request(self, method: str, path: str, body: object = None, *, params: calls.Params | None = None) -> Any:
-        """Send any other request of docs/api.md and return the decoded answer."""
-        return self.call(calls.Call(method, path, lambda answer: answer, body, params or {}))
+    def request(
+        self, method: str, path: str, body: object = None, *, params: calls.Params | None = None, wait: int = 0
+    ) -> Any:
+        """Send any other request of docs/api.md and return the decoded answer.
 
-    def call(self, call: calls.Call[T]) -> T:
-        """Send a request. Repeat it if the connection was lost and that does no harm."""
-        retry = Retry(self.connection)
+        Args:
+            method: The HTTP method.
+            path: The path, such as `/statistics`.
+            body: The body, if there is one.
+            params: The query.
+            wait: Seconds that the gateway may wait before it answers, such as for the end of a goal (`Prefer: wait=…`).
+        """
+        return self.call(calls.request(method, path, body, params, wait))
+
+    def call(self, call: calls.Call[T], deadline: float | None = None) -> T:
+        """Send a request. Repeat it if the connection was lost and that does no harm, until the deadline."""
+        attempts = Attempts(self.connection, call, deadline)
         while True:
             try:
-                response = self._http.request(call.method, call.path, **call.options)
+                response = self._http.request(call.method, call.path, timeout=attempts.timeout, **call.options)
             except httpx2.TransportError as error:
-                if not call.repeatable:
-                    raise self.connection.unreachable(error) from error
-                time.sleep(retry.failed(error))
+                time.sleep(attempts.failed(error))
             else:
                 return self.connection.read(response, call.read)
 
-    def read(self, reading: Reading, deadline: float | None = None) -> Iterator[Event]:
+    def read(self, reading: Reading) -> Iterator[Event]:
         """Yield the events of a stream, over any number of connections.
 
         Raises:
-            TimeoutError: The deadline (of the monotonic clock) has passed.
+            ClientTimeout: Its deadline has passed.
         """
         while True:
             try:
-                with connect(reading.url, **self.connection.stream_options) as stream:
+                with connect(reading.url, **reading.options) as stream:
                     while True:
-                        left = None if deadline is None else max(0.0, deadline - time.monotonic())
-                        if (event := reading.read(stream.recv(left))) is not None:
+                        if (event := reading.read(stream.recv(reading.left))) is not None:
                             yield event
             except (WebSocketException, OSError) as error:
-                if deadline is not None and time.monotonic() >= deadline:
-                    raise TimeoutError("the goal has not ended in time") from None
                 time.sleep(reading.lost(error))
 
 
@@ -208,25 +214,28 @@ class Goal:
         """Yield events until the goal ends, first a snapshot. The arguments are those of `Client.events`.
 
         Raises:
-            TimeoutError: It did not end within `timeout` seconds.
+            ClientTimeout: It did not end within `timeout` seconds.
         """
-        deadline = None if timeout is None else time.monotonic() + timeout
-        reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after)
-        for event in self._client.read(reading, deadline):
+        return self._events(after, query, _deadline(timeout))
+
+    def _events(self, after: str | None, query: dict[str, Any], deadline: float | None) -> Iterator[Event]:
+        reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after, deadline)
+        for event in self._client.read(reading):
             yield event
-            if event.ends_goal or (reading.to_be_checked(event) and self.refresh().status.terminal):
+            if event.ends_goal or (reading.to_be_checked(event) and self._refresh(deadline).status.terminal):
                 return
 
     def wait(self, timeout: float | None = None) -> GoalState:
         """Wait until the goal ends, and return how.
 
         Raises:
-            TimeoutError: It did not end within `timeout` seconds.
+            ClientTimeout: It did not end within `timeout` seconds.
         """
+        deadline = _deadline(timeout)
         if not self.state.status.terminal:
-            for _ in self.events(timeout=timeout, feedback=False):
+            for _ in self._events(None, {"feedback": False}, deadline):
                 pass
-            self.refresh()
+            self._refresh(deadline)
         return self.state
 
     def result(self, timeout: float | None = None) -> GoalState:
@@ -234,7 +243,7 @@ class Goal:
 
         Raises:
             GoalFailed: It ended otherwise.
-            TimeoutError: It did not end within `timeout` seconds.
+            ClientTimeout: It did not end within `timeout` seconds.
         """
         return succeeded(self.wait(timeout))
 
@@ -245,5 +254,12 @@ class Goal:
 
     def refresh(self) -> GoalState:
         """Ask the gateway for the state."""
-        self.state = self._client.call(calls.goal(self.id))
+        return self._refresh(None)
+
+    def _refresh(self, deadline: float | None) -> GoalState:
+        self.state = self._client.call(calls.goal(self.id), deadline)
         return self.state
+
+
+def _deadline(timeout: float | None) -> float | None:
+    return None if timeout is None else time.monotonic() + timeout

@@ -1,6 +1,6 @@
 import { ClientError, unreachable } from "./errors.ts";
 import { GoalHandle } from "./goal.ts";
-import { actionPath, createHttp, deadline, type Http, newKey, settle } from "./http.ts";
+import { actionPath, createHttp, deadline, type Http, newKey, settle, TIMEOUT_MS } from "./http.ts";
 import type { paths } from "./schema.gen.ts";
 import { EventStream } from "./stream.ts";
 import type { AnyGoal, Battery, GatewayEvent, Robot, StopReport } from "./types.ts";
@@ -42,6 +42,8 @@ const REMEMBERED = 1000;
 /** Attempts in a row after which a stream that never began is given up: a handshake's answer is not told. */
 const MAX_REFUSED = 3;
 const RETRY_MS = 500;
+/** An agent's goal waits that long for a person. */
+const APPROVAL_MS = 60_000;
 
 const environment = (globalThis as { process?: { env?: Record<string, string> } }).process?.env ?? {};
 
@@ -70,18 +72,18 @@ export class Client {
   /** Sends a robot to its charging dock. */
   dock(goal?: Body<"/dock">, { robot, key = newKey() }: SendOptions = {}): Promise<GoalHandle> {
     const params = { query: { robot }, header: { "Idempotency-Key": key } };
-    return this.#goal(() => this.http.POST("/dock", { body: goal, params, signal: deadline() }));
+    return this.#send(() => this.http.POST("/dock", { body: goal, params, signal: deadline() }));
   }
 
   /** Drives a robot off its charging dock. */
   undock(goal?: Body<"/undock">, { robot, key = newKey() }: SendOptions = {}): Promise<GoalHandle> {
     const params = { query: { robot }, header: { "Idempotency-Key": key } };
-    return this.#goal(() => this.http.POST("/undock", { body: goal, params, signal: deadline() }));
+    return this.#send(() => this.http.POST("/undock", { body: goal, params, signal: deadline() }));
   }
 
   /** Sends a goal to any action, such as /fibonacci. `goal` has fields of its goal message. */
   send(action: string, goal: Record<string, unknown>, key = newKey()): Promise<GoalHandle> {
-    return this.#goal(() =>
+    return this.#send(() =>
       this.http.POST("/actions/{name}/goals", {
         params: { path: { name: action }, header: { "Idempotency-Key": key } },
         pathSerializer: (path) => path.replace("{name}", actionPath(action)),
@@ -92,9 +94,10 @@ export class Client {
   }
 
   /** A goal that was sent by any client. */
-  goal(goalId: string): Promise<GoalHandle> {
+  async goal(goalId: string): Promise<GoalHandle> {
     const path = { goal_id: goalId };
-    return this.#goal(() => this.http.GET("/goals/{goal_id}", { params: { path }, signal: deadline() }));
+    const asked = () => settle(this.http.GET("/goals/{goal_id}", { params: { path }, signal: deadline() }));
+    return new GoalHandle(this, await this.repeat(asked));
   }
 
   /** All robots on the ROS graph, by name. */
@@ -227,8 +230,12 @@ export class Client {
     }
   }
 
-  /** Sends a request, and again if the connection was lost: only for what does no harm then. */
-  async repeat<T>(send: () => Promise<T>): Promise<T> {
+  /**
+   * Sends a request, and again if the connection was lost: only for what does no harm then.
+   *
+   * @param rejoinsMs Milliseconds that an answer may take in addition, where a repeated request goes on with the first.
+   */
+  async repeat<T>(send: () => Promise<T>, rejoinsMs = 0): Promise<T> {
     const begin = performance.now();
     while (true) {
       try {
@@ -236,14 +243,16 @@ export class Client {
         this.#reached = true;
         return answer;
       } catch (error) {
-        if (!this.#isWorthRepeating(error, begin)) throw error;
+        const late = error instanceof ClientError && error.code === "gateway_timeout";
+        const rejoins = late && performance.now() - begin < TIMEOUT_MS + rejoinsMs;
+        if (!rejoins && !this.#isWorthRepeating(error, begin)) throw error;
         await new Promise((resolve) => setTimeout(resolve, RETRY_MS * (0.5 + Math.random())));
       }
     }
   }
 
-  async #goal(send: () => Parameters<typeof settle<AnyGoal>>[0]): Promise<GoalHandle> {
-    return new GoalHandle(this, await this.repeat(() => settle<AnyGoal>(send())));
+  async #send(send: () => Parameters<typeof settle<AnyGoal>>[0]): Promise<GoalHandle> {
+    return new GoalHandle(this, await this.repeat(() => settle<AnyGoal>(send()), APPROVAL_MS));
   }
 
   /** Opens a stream without a header, which a browser cannot send. Says why if the gateway would refuse the stream. */

@@ -3,7 +3,7 @@ import { ClientError, fromProblem, unreachable } from "./errors.ts";
 import type { paths } from "./schema.gen.ts";
 
 /** The gateway needs at most 1.5 s to miss an action server and 5 s to wait for its answer. */
-const TIMEOUT_MS = 12_000;
+export const TIMEOUT_MS = 12_000;
 
 /** Typed requests, each sent once: a command that arrives late is worse than one that fails. */
 export type Http = Client<paths>;

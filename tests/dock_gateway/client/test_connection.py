@@ -20,7 +20,7 @@ URL = "http://robot.example:8000"
 @pytest.fixture
 def connection() -> Connection:
     """Of a client that a gateway has answered before."""
-    connection = Connection(URL, "dgw_secret", None, patience=3600.0)
+    connection = Connection(URL, "dgw_secret", None, timeout=15.0, patience=3600.0)
     connection.reached = True
     return connection
 
@@ -48,7 +48,7 @@ def after(reading: Reading) -> str | None:
     ],
 )
 def test_no_proxy_stands_before_this_machine(url: str, direct: bool) -> None:
-    connection = Connection(url, None, None, 60.0)
+    connection = Connection(url, None, None, 15.0, 60.0)
     assert connection.http_options["trust_env"] is not direct
     assert connection.stream_options["proxy"] is (None if direct else True)
 
@@ -56,7 +56,7 @@ def test_no_proxy_stands_before_this_machine(url: str, direct: bool) -> None:
 @pytest.mark.parametrize("url", ["localhost:8000", "http://", "http://[::1", "http://localhost:99999", "ws://robot"])
 def test_what_is_no_address_is_said_in_a_sentence(url: str) -> None:
     with pytest.raises(ClientError, match="is not the address of a gateway"):
-        Connection(url, None, None, 60.0)
+        Connection(url, None, None, 15.0, 60.0)
 
 
 def test_the_token_is_sent_over_both_protocols(connection: Connection) -> None:
