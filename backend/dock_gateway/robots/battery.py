@@ -3,7 +3,8 @@
 import asyncio
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Awaitable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
@@ -23,6 +24,8 @@ log = logging.getLogger(__name__)
 
 # Minimum seconds between two events with the count of published messages.
 COUNT_INTERVAL = 1.0
+# Maximum seconds to wait for a message that was published to come back over ROS.
+BACK_WITHIN = 0.2
 NOTHING: Mapping[str, Any] = {}
 
 
@@ -66,6 +69,21 @@ class Battery:
         self._reading = Reading()
         self._heard_at = 0.0
         self._received_at: datetime | None = None
+        self._awaiting: set[asyncio.Queue[Json]] = set()
+
+    async def published(self, publishing: Awaitable[Json]) -> Json:
+        """Publish a message and wait until it has come back, so that it is the latest; return it as published."""
+        heard: asyncio.Queue[Json] = asyncio.Queue()
+        self._awaiting.add(heard)
+        try:
+            state = await publishing
+            with suppress(TimeoutError):
+                async with asyncio.timeout(BACK_WITHIN):
+                    while await heard.get() != state:
+                        pass
+        finally:
+            self._awaiting.discard(heard)
+        return state
 
     def on_battery(self, state: Json, stamp_ns: int, infinite: Mapping[str, Any] = NOTHING) -> None:
         """Handle a message of the battery topic.
@@ -76,6 +94,8 @@ class Battery:
             infinite: Its fields that are infinite, as texts: in `state` they are null.
         """
         self._state = state
+        for heard in self._awaiting:
+            heard.put_nowait(state)
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
         fields = {**orjson.loads(state), **infinite}
@@ -127,8 +147,9 @@ class Battery:
 class BatteryPublisher:
     """Publishes battery states, once or at a rate, as `ros2 topic pub` does."""
 
-    def __init__(self, port: BatteryPort, fanout: Fanout, robot: str) -> None:
+    def __init__(self, port: BatteryPort, battery: Battery, fanout: Fanout, robot: str) -> None:
         self._robot = robot
+        self._battery = battery
         self._port = port
         self._fanout = fanout
         self._publisher = Publisher()
@@ -152,7 +173,7 @@ class BatteryPublisher:
             InvalidField: It is not a BatteryState.
         """
         message = self._port.codec.parse(value, path)
-        return await self._port.publish(message, stamp=_unstamped(message))
+        return await self._battery.published(self._port.publish(message, stamp=_unstamped(message)))
 
     async def start(self, value: object, rate_hz: float) -> None:
         """Publish a partial BatteryState `rate_hz` times a second, replacing the state published before.

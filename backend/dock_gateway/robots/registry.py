@@ -122,7 +122,7 @@ class RobotRegistry:
 
         ports = await self._bridge.call(make, undo=_leave)
         battery_port, velocity, latch = ports
-        robot = Robot(namespace, battery, BatteryPublisher(battery_port, fanout, namespace), velocity, ports)
+        robot = Robot(namespace, battery, BatteryPublisher(battery_port, battery, fanout, namespace), velocity, ports)
         self._robots[namespace] = robot
         self._forgotten.discard(namespace)
         self._interlock.join(namespace, latch)

@@ -41,8 +41,8 @@ FAULTS: tuple[Fault, ...] = get_args(Fault)
 
 # Seconds without a report after which a simulator is gone; it reports once a second.
 GONE_AFTER = 3.5
-# Maximum seconds to wait for a switched fault to show in the report.
-REPORT_WAIT = 1.0
+# Maximum seconds to wait for a report that shows what a command has done.
+REPORT_WAIT = 2.0
 
 Values = Mapping[str, str]
 
@@ -165,9 +165,7 @@ class Simulators:
             ServerTimeout: `simulator_timeout`.
         """
         simulator = self.get(namespace)
-        await self._do(simulator.port.reset)
-        await self._until(simulator, lambda: not any(simulator.document()["faults"].values()))
-        return simulator.document()
+        return await self._do(simulator, simulator.port.reset, lambda faults: not any(faults.values()))
 
     async def place(self, namespace: str, pose: Pose) -> dict[str, Any]:
         """Place the robot at a pose in the frame `world`; return the simulator.
@@ -177,8 +175,7 @@ class Simulators:
             ServerTimeout: `simulator_timeout`.
         """
         simulator = self.get(namespace)
-        await self._do(lambda: simulator.port.place(pose))
-        return simulator.document()
+        return await self._do(simulator, lambda: simulator.port.place(pose))
 
     async def switch(self, namespace: str, fault: str, *, active: bool) -> dict[str, Any]:
         """Switch a fault on or off; return the simulator.
@@ -188,25 +185,42 @@ class Simulators:
             ServerTimeout: `simulator_timeout`.
         """
         simulator = self.get(namespace)
-        await self._do(lambda: simulator.port.switch(fault, active=active))
-        await self._until(simulator, lambda: simulator.document()["faults"].get(fault) is active)
-        return simulator.document()
+        return await self._do(
+            simulator,
+            lambda: simulator.port.switch(fault, active=active),
+            lambda faults: faults.get(fault) is active,
+        )
 
-    async def _do(self, what: Callable[[], Awaitable[None]]) -> None:
+    async def _do(
+        self,
+        simulator: Simulator,
+        command: Callable[[], Awaitable[None]],
+        expected: Callable[[dict[str, bool]], bool] = lambda _: True,
+    ) -> dict[str, Any]:
+        """Carry out a command; return the first report that shows what it has done, which comes by a topic.
+
+        Args:
+            simulator: The simulator.
+            command: The command.
+            expected: Whether these faults are those after it.
+
+        Raises:
+            ServerTimeout: `simulator_timeout`: it does not answer, or does not report what was done.
+        """
+        before = simulator.values.get("commands")
         try:
-            await what()
+            await command()
         except TimeoutError:
             raise ServerTimeout("the simulator does not answer", code="simulator_timeout") from None
-
-    async def _until(self, simulator: Simulator, holds: Callable[[], bool]) -> None:
-        """Wait until a report meets a condition. Reports arrive separately from answers."""
         try:
             async with asyncio.timeout(REPORT_WAIT):
-                while not holds():
+                while simulator.values.get("commands") == before or not expected(simulator.document()["faults"]):
                     simulator.changed.clear()
                     await simulator.changed.wait()
         except TimeoutError:
-            log.warning("the simulator has not confirmed the change")
+            detail = "the simulator has not reported yet that it has carried out the command"
+            raise ServerTimeout(detail, code="simulator_timeout") from None
+        return simulator.document()
 
     async def close(self) -> None:
         """Stop watching."""

@@ -88,6 +88,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._ticks = 0
         self._ticked_at = time.monotonic()
         self._reported: Status | None = None
+        self._commands = self._commands_shown = 0
         self._make_publishers()
         self._make_subscriptions()
         self.create_service(Trigger, "dock_simulator/reset", self._reset)
@@ -182,7 +183,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             return
         self._on_map.interrupt("the robot was lifted")
         self._simulation.place(pose)
-        self._report_change()
+        self._commands += 1
 
     def _hear_battery(self, message: bytes) -> None:
         self._courtesy.heard(message, time.monotonic())
@@ -193,7 +194,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._simulation = self._make_simulation()
         self._simulation.halted = halted
         self._make_messages()
-        self._report_change()
+        self._commands += 1
         response.success = True
         response.message = "the robot is at its start pose"
         self.get_logger().info("Reset: the robot is at its start pose")
@@ -201,7 +202,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _switch(self, fault: Fault, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self._simulation.set_fault(fault, request.data)
-        self._report_change()
+        self._commands += 1
         response.success = True
         response.message = f"{fault} is {'on' if request.data else 'off'}"
         self.get_logger().info(f"Fault {response.message}")
@@ -223,6 +224,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._simulation.scanning = self._scan.get_subscription_count() > 0
         self._on_map.drive()
         self._simulation.run(lapse * self._settings.real_time_factor)
+        self._commands_shown = self._commands  # not before: what touches and charges is known once time has passed
         self._publish()
         if self._ticks % TICKS_PER_BATTERY_MESSAGE == 0:
             self._publish_battery(now)
@@ -288,6 +290,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._simulation,
             battery_publisher="other" if others else "self",
             real_time_factor=self._settings.real_time_factor,
+            commands=self._commands_shown,
         )
 
     def _report_change(self) -> None:

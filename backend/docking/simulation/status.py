@@ -17,6 +17,7 @@ class Status:
         halted: Whether a stop is latched.
         battery_publisher: `self`, or `other` while someone else publishes the battery's state.
         real_time_factor: Simulated seconds in each second.
+        commands: How many times the robot was placed, the simulator reset or a fault switched: what this shows follows.
     """
 
     faults: frozenset[Fault]
@@ -25,6 +26,7 @@ class Status:
     halted: bool
     battery_publisher: str
     real_time_factor: float
+    commands: int
 
     @property
     def message(self) -> str:
@@ -44,10 +46,11 @@ class Status:
             "halted": _word(self.halted),
             "battery_publisher": self.battery_publisher,
             "real_time_factor": f"{self.real_time_factor:g}",
+            "commands": str(self.commands),
         }
 
 
-def status_of(simulation: Simulation, *, battery_publisher: str, real_time_factor: float) -> Status:
+def status_of(simulation: Simulation, *, battery_publisher: str, real_time_factor: float, commands: int) -> Status:
     """The status of a simulation and of the node around it."""
     return Status(
         faults=simulation.faults,
@@ -56,6 +59,7 @@ def status_of(simulation: Simulation, *, battery_publisher: str, real_time_facto
         halted=simulation.halted,
         battery_publisher=battery_publisher,
         real_time_factor=real_time_factor,
+        commands=commands,
     )
 
 

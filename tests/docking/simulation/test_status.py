@@ -6,7 +6,7 @@ from docking.simulation.status import status_of
 
 
 def values(simulation: Simulation) -> dict[str, str]:
-    return status_of(simulation, battery_publisher="self", real_time_factor=2.5).values()
+    return status_of(simulation, battery_publisher="self", real_time_factor=2.5, commands=3).values()
 
 
 def test_it_tells_each_fault_and_where_the_robot_is() -> None:
@@ -31,6 +31,7 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
         "halted": "false",
         "battery_publisher": "self",
         "real_time_factor": "2.5",
+        "commands": "3",
     }
 
 
@@ -40,4 +41,4 @@ def test_a_fault_is_told_by_its_name(fault: Fault) -> None:
     simulation.set_fault(fault, True)
     told = values(simulation)
     assert [name for name, value in told.items() if value == "true"] == [fault.value]
-    assert fault.value in status_of(simulation, battery_publisher="other", real_time_factor=1.0).message
+    assert fault.value in status_of(simulation, battery_publisher="other", real_time_factor=1.0, commands=0).message
