@@ -1,5 +1,7 @@
 """Pictures of cameras: real gateway, real publishers, real DDS."""
 
+import os
+import signal
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -12,7 +14,7 @@ import simplejpeg
 from tests.support.access import Site, bearer
 from tests.support.camera_node import HEIGHT, WIDTH
 from tests.support.gateway import RunningGateway
-from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -37,20 +39,29 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
         gateway = stack.enter_context(site.gateway(domain))
         http = gateway.http
         http.headers.update(bearer(viewer))
-        films = ForkedProcess("-m", "tests.support.camera_node", env=ros_environment(domain))
-        stack.enter_context(films).wait_for("filming")
+        films = stack.enter_context(ForkedProcess("-m", "tests.support.camera_node", env=ros_environment(domain)))
+        films.wait_for("filming")
 
         def cameras(robot: str, **options: Any) -> dict[str, str | None]:
             found = http.get("/robots/cameras", params={"robot": robot}, **options)
             return {each["name"]: each["type"] for each in found.json().get("cameras", ())}
 
         image, compressed = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-        everything = {"back/image_raw": compressed, "odd": image}
+        everything = {
+            "back/image_raw": compressed,
+            "depth/image_raw": compressed,
+            "esp": compressed,
+            "odd": image,
+            "png": compressed,
+        }
         wait_until(lambda: cameras("/robot1") == everything, "the cameras of /robot1")
         wait_until(lambda: cameras("/") == {"front": image}, "the camera of /")
         assert cameras("/robot1", headers=bearer(limited)) == {"back/image_raw": compressed}
 
         look_at_pictures(gateway)
+        look_at_depths(http, films)
+        picture = http.get("/robots/cameras/esp/image?robot=/robot1").raise_for_status()
+        assert picture.content.endswith(b"\xff\xd9")
         refused = http.get("/robots/cameras/odd/image?robot=/robot1", headers=bearer(limited))
         assert refused.json()["code"] == "not_covered"
         unreadable = http.get("/robots/cameras/odd/stream?robot=/robot1")
@@ -87,5 +98,26 @@ def look_at_pictures(gateway: RunningGateway) -> None:
     wait_until(lambda: not readers(http), "it is left")
 
 
-def readers(http: Any) -> list[str]:
-    return [each["node"] for each in http.get(f"/graph/topics{COMPRESSED}").json()["subscribers"]]
+def look_at_depths(http: httpx2.Client, films: Process) -> None:
+    """The form that speaks is shown, and no other one is subscribed to, also when it falls silent later."""
+    raw, compressed = "/robot1/depth/image_raw", "/robot1/depth/image_raw/compressed"
+    with http.stream("GET", "/robots/cameras/depth/image_raw/stream?robot=/robot1") as stream:
+        assert stream.status_code == 200
+        pictures = parts(stream)
+        for silent, speaking in ((compressed, raw), (raw, compressed)):
+            wait_until(lambda silent=silent: next(pictures) and not readers(http, silent), "one subscription")
+            assert readers(http, speaking) == ["/dock_gateway"]
+            check_depth(next(pictures))
+            os.kill(films.pid, signal.SIGUSR1)
+    check_depth(http.get("/robots/cameras/png/image?robot=/robot1").raise_for_status().content)
+
+
+def check_depth(jpeg: bytes) -> None:
+    """1 m on the left, 4 m on the right."""
+    pixels = simplejpeg.decode_jpeg(jpeg)
+    assert pixels.shape == (HEIGHT, WIDTH, 3)
+    assert (int(pixels[9, 9, 0]), int(pixels[9, -9, 0])) == (pytest.approx(229, abs=3), pytest.approx(153, abs=3))
+
+
+def readers(http: Any, topic: str = COMPRESSED) -> list[str]:
+    return [each["node"] for each in http.get(f"/graph/topics{topic}").json()["subscribers"]]

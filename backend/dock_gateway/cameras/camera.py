@@ -3,15 +3,24 @@
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
 from dock_gateway.core.graph import Topic
 
 IMAGE, COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-# `image_raw/compressed` is the camera `image_raw`, by the convention of image_transport.
-COMPRESSED_PART = "/compressed"
-# Other forms of a camera's pictures, which image_transport publishes beside it and browsers do not show.
-OTHER_PARTS = ("/compressedDepth", "/zstd")
+# Forms of the camera `image_raw` by the convention of image_transport, the best first: `image_raw/compressed` costs the
+# least, and `image_raw/compressedDepth` takes the most time to read.
+PARTS = ("/compressed", "", "/compressedDepth")
+# A form that is not shown.
+OTHER_PARTS = ("/zstd",)
+
+
+class Form(NamedTuple):
+    """A topic of a camera's pictures, and its type."""
+
+    topic: str
+    type: str
 
 
 @dataclass(frozen=True)
@@ -19,14 +28,17 @@ class Camera:
     """A camera of a robot.
 
     Attributes:
-        name: Its topic relative to the robot's namespace, without `/compressed`.
-        topic: The topic of its pictures, compressed ones if there are any.
-        type: The type of that topic.
+        name: Its topic relative to the robot's namespace, without what image_transport appends.
+        forms: The topics of its pictures, the best first.
     """
 
     name: str
-    topic: str
-    type: str
+    forms: tuple[Form, ...]
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """The topics of its pictures, the best first."""
+        return tuple(form.topic for form in self.forms)
 
 
 def find_cameras(robot: str, topics: Iterable[Topic], belongs: Callable[[str], bool]) -> list[Camera]:
@@ -37,17 +49,19 @@ def find_cameras(robot: str, topics: Iterable[Topic], belongs: Callable[[str], b
         topics: The topics with pictures.
         belongs: Whether a topic is the robot's and may be read.
     """
-    found: defaultdict[str, dict[str, str]] = defaultdict(dict)
+    found: defaultdict[str, list[tuple[int, Form]]] = defaultdict(list)
     for topic in topics:
         if not is_under(topic.name, robot) or is_hidden(topic.name, robot) or not belongs(topic.name):
             continue
         if topic.name.endswith(OTHER_PARTS):
             continue
-        for kind in {endpoint.type for endpoint in topic.publishers} & {IMAGE, COMPRESSED}:
-            base = topic.name.removesuffix(COMPRESSED_PART) if kind == COMPRESSED else topic.name
-            found[base][kind] = topic.name
-    cameras = []
-    for base, forms in sorted(found.items()):
-        kind = COMPRESSED if COMPRESSED in forms else IMAGE
-        cameras.append(Camera(base.removeprefix(prefix_of(robot)), forms[kind], kind))
-    return cameras
+        types = {endpoint.type for endpoint in topic.publishers} & {IMAGE, COMPRESSED}
+        if types:
+            kind = min(types)  # of two, which is a mistake, that which is compressed
+            parts = (part for part in PARTS if part and kind == COMPRESSED and topic.name.endswith(part))
+            part = next(parts, "")
+            found[topic.name.removesuffix(part)].append((PARTS.index(part), Form(topic.name, kind)))
+    return [
+        Camera(base.removeprefix(prefix_of(robot)), tuple(form for _, form in sorted(forms)))
+        for base, forms in sorted(found.items())
+    ]

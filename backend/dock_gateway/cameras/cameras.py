@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import asynccontextmanager
 
-from dock_gateway.cameras.camera import COMPRESSED, IMAGE, Camera, find_cameras
+from dock_gateway.cameras.camera import COMPRESSED, IMAGE, Camera, Form, find_cameras
 from dock_gateway.cameras.picture import Picture
 from dock_gateway.cameras.watch import Watch
 from dock_gateway.core.errors import NotFound, Unavailable, not_covered
@@ -51,7 +51,7 @@ class Cameras:
         self._graph = graph
         self._relays = relays
         self._first = first
-        self._watches: dict[str, Watch] = {}
+        self._watches: dict[tuple[str, ...], Watch] = {}
         self._logged: dict[str, str] = {}
         self._changing = asyncio.Lock()
         self._leaving = Tasks("leaving a camera")
@@ -92,8 +92,14 @@ class Cameras:
 
     def hint(self, camera: Camera) -> str | None:
         """Return why the pictures of a camera that is being watched cannot be shown; None if they can."""
-        watch = self._watches.get(camera.topic)
+        watch = self._watches.get(camera.topics)
         return None if watch is None else watch.hint
+
+    def form(self, camera: Camera) -> Form:
+        """Return the form that a camera's pictures come in now; without viewers, the one that is tried first."""
+        watch = self._watches.get(camera.topics)
+        topic = camera.topics[0] if watch is None else watch.forms.topic
+        return next(form for form in camera.forms if form.topic == topic)
 
     async def pictures(
         self, camera: Camera, viewer: Subscriber, max_width: int | None, max_rate: float | None
@@ -118,7 +124,7 @@ class Cameras:
             shown, failed, due, until = False, 0, 0.0, loop.time() + self._first
             while not (self._fanout.closing or viewer.expelled):
                 now = loop.time()
-                if not shown and (failed >= UNREADABLE or now >= until):
+                if not shown and (now >= until or (failed >= UNREADABLE and len(camera.forms) == 1)):
                     raise _nothing_to_show(watch, self._first)
                 if watch.count == seen:
                     await viewer.take(LONG if shown else until - now)
@@ -135,9 +141,9 @@ class Cameras:
     @asynccontextmanager
     async def _watched(self, camera: Camera, viewer: Subscriber) -> AsyncIterator[Watch]:
         """Watch a camera for a viewer while the block runs."""
-        with hold("cameras", camera.topic):
+        with hold("cameras", camera.topics[0]):
             async with self._changing:
-                watch = self._watches.get(camera.topic) or await self._open(camera)
+                watch = self._watches.get(camera.topics) or await self._open(camera)
                 watch.viewers.add(viewer)
             try:
                 yield watch
@@ -147,16 +153,16 @@ class Cameras:
                 await asyncio.shield(self._leaving.spawn(self._close_unused(watch)))
 
     async def _close_unused(self, watch: Watch) -> None:
-        topic = watch.camera.topic
+        topics = watch.camera.topics
         async with self._changing:
-            if not watch.viewers and self._watches.get(topic) is watch:
-                del self._watches[topic]
-                await self._relays.leave(topic, watch)
+            if not watch.viewers and self._watches.get(topics) is watch:
+                del self._watches[topics]
+                await watch.forms.close()
 
     async def _open(self, camera: Camera) -> Watch:
-        watch = Watch(camera, self._settings.camera_quality, self._logged)
-        await self._relays.join(camera.topic, None, watch)
-        self._watches[camera.topic] = watch
+        watch = Watch(camera, self._relays, self._settings.camera_quality, self._logged)
+        await watch.forms.open()
+        self._watches[camera.topics] = watch
         return watch
 
     async def close(self) -> None:
@@ -165,7 +171,7 @@ class Cameras:
 
 
 def _nothing_to_show(watch: Watch, waited: float) -> Unavailable:
-    topic = watch.camera.topic
     if watch.hint is not None:
-        return Unavailable(f"{topic} cannot be shown: {watch.hint}", code="unreadable_picture")
-    return Unavailable(f"no picture has come on {topic} within {waited:g} s", code="no_picture")
+        return Unavailable(f"{watch.forms.topic} cannot be shown: {watch.hint}", code="unreadable_picture")
+    topics = " or ".join(watch.camera.topics)
+    return Unavailable(f"no picture has come on {topics} within {waited:g} s", code="no_picture")

@@ -43,7 +43,10 @@ RateQuery = Annotated[float | None, Query(ge=0.1, le=60, description="Maximum nu
 async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List the cameras of a robot: topics of CompressedImage and Image in its namespace that have a publisher."""
     found = await cameras.all(robot, grant)
-    return json_response({"cameras": [{**vars(camera), "hint": cameras.hint(camera)} for camera in found]})
+    documents = [
+        {"name": camera.name, **cameras.form(camera)._asdict(), "hint": cameras.hint(camera)} for camera in found
+    ]
+    return json_response({"cameras": documents})
 
 
 @router.get(

@@ -4,7 +4,11 @@ from dock_gateway.http.schema import Schema
 
 
 class CameraInfo(Schema):
-    """A camera. `hint` says why its pictures cannot be shown, if someone watches it and they cannot."""
+    """A camera.
+
+    `topic` and `type` are those of the pictures that come; if nobody watches it, those of the form that is tried first.
+    `hint` says why its pictures cannot be shown, if someone watches it and they cannot.
+    """
 
     name: str
     topic: str

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from functools import partial
 
 from dock_gateway.cameras.camera import Camera
+from dock_gateway.cameras.forms import Forms
 from dock_gateway.cameras.picture import WHOLE, Picture, read_picture
 from dock_gateway.cameras.pixels import Unreadable
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.graph.received import Received
+from dock_gateway.graph.relays import Relays
 
 log = logging.getLogger(__name__)
 
@@ -31,6 +33,11 @@ class Shot:
         self._message = message
         self._quality = quality
         self._encoded: dict[int, Task[Picture]] = {}
+
+    @property
+    def topic(self) -> str:
+        """The topic that it came on."""
+        return self._message.topic
 
     @property
     def stale(self) -> bool:
@@ -60,19 +67,22 @@ class Watch:
 
     Args:
         camera: The camera.
+        relays: Reads the topics.
         quality: Of the JPEGs that are encoded.
         logged: By topic, why its pictures cannot be shown, as the log has it.
 
     Attributes:
         camera: The camera.
+        forms: Reads its pictures.
         viewers: Woken up by each message.
         count: Number of messages so far.
         newest: The newest one.
         hint: Why the last picture cannot be shown; None if it can.
     """
 
-    def __init__(self, camera: Camera, quality: int, logged: dict[str, str]) -> None:
+    def __init__(self, camera: Camera, relays: Relays, quality: int, logged: dict[str, str]) -> None:
         self.camera = camera
+        self.forms = Forms(relays, camera.topics, self)
         self.viewers: set[Subscriber] = set()
         self.count = 0
         self.newest: Shot | None = None
@@ -91,15 +101,17 @@ class Watch:
         """Return the newest picture, at most so wide; None if it cannot be shown, as `hint` says."""
         if self.newest is None:
             return None
-        topic = self.camera.topic
+        topic = self.newest.topic
         try:
             picture = await self.newest.picture(max_width)
         except Unreadable as error:
             self.hint = str(error)
+            self.forms.judge(topic, readable=False)
             if self._logged.get(topic) != self.hint:  # once, however often viewers come again
                 self._logged[topic] = self.hint
                 log.warning("%s cannot be shown: %s", topic, self.hint)
             return None
         self.hint = None
+        self.forms.judge(topic, readable=True)
         self._logged.pop(topic, None)
         return picture

@@ -2662,7 +2662,10 @@ export interface components {
         };
         /**
          * CameraInfo
-         * @description A camera. `hint` says why its pictures cannot be shown, if someone watches it and they cannot.
+         * @description A camera.
+         *
+         *     `topic` and `type` are those of the pictures that come; if nobody watches it, those of the form that is tried first.
+         *     `hint` says why its pictures cannot be shown, if someone watches it and they cannot.
          */
         CameraInfo: {
             /** Name */

@@ -10,7 +10,7 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.cameras import watch as module
-from dock_gateway.cameras.camera import COMPRESSED, Camera
+from dock_gateway.cameras.camera import COMPRESSED, Camera, Form
 from dock_gateway.cameras.cameras import Cameras
 from dock_gateway.cameras.picture import JPEG, Picture
 from dock_gateway.cameras.pixels import Unreadable
@@ -22,7 +22,8 @@ from dock_gateway.core.graph import Endpoint, Quality, Topic
 from dock_gateway.settings import Settings
 from tests.support.waiting import PATIENCE, until
 
-FRONT = Camera("front", "/robot1/front/compressed", COMPRESSED)
+TOPIC = "/robot1/front/compressed"
+FRONT = Camera("front", (Form(TOPIC, COMPRESSED),))
 RATE = 60.0
 
 
@@ -41,7 +42,7 @@ class FakeRelays:
 
     async def publish(self, data: bytes, ago: float = 0.0) -> None:
         received_ns = int((time.time() - ago) * 1e9)
-        await self.joined[FRONT.topic].offer(SimpleNamespace(data=data, received_ns=received_ns))
+        await self.joined[TOPIC].offer(SimpleNamespace(topic=TOPIC, data=data, received_ns=received_ns))
 
 
 class FakePicture(Picture):
@@ -78,7 +79,7 @@ class Bench:
         self.fanout = Fanout(queue_limit=1)
         self.relays = FakeRelays()
         quality = Quality("reliable", "volatile", "keep_last", 1, None, None, "automatic")
-        topic = Topic(FRONT.topic, [Endpoint("/c", COMPRESSED, quality)], [])
+        topic = Topic(TOPIC, [Endpoint("/c", COMPRESSED, quality)], [])
 
         async def topics_of(_: object, __: str) -> list[Topic]:
             return [topic]
@@ -113,7 +114,7 @@ async def bench() -> AsyncIterator[Bench]:
 async def take(bench: Bench, pictures: AsyncGenerator[Picture], data: bytes) -> bytes:
     """What a viewer gets that waits for a picture when one comes."""
     taken = asyncio.ensure_future(anext(pictures))
-    await until(lambda: any(watch.viewers for watch in bench.relays.joined.values()))
+    await until(lambda: any(watch.viewers for watch in bench.cameras._watches.values()))
     await bench.relays.publish(data)
     return (await taken).data
 
@@ -157,12 +158,12 @@ async def test_without_a_picture_there_is_a_reason(bench: Bench) -> None:
 async def test_a_hint_while_pictures_cannot_be_shown(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     pictures, _ = await bench.viewer()
     await take(bench, pictures, b"a")
-    watch = bench.relays.joined[FRONT.topic]
+    watch = bench.cameras._watches[FRONT.topics]
     for _ in range(3):
         await bench.relays.publish(b"!")
         assert await watch.picture(80) is None
     assert bench.cameras.hint(FRONT) == "it is odd"
-    assert [record.message for record in caplog.records] == [f"{FRONT.topic} cannot be shown: it is odd"]
+    assert [record.message for record in caplog.records] == [f"{TOPIC} cannot be shown: it is odd"]
     other, _ = await bench.viewer()
     refused = asyncio.ensure_future(anext(other))
     while not refused.done():
