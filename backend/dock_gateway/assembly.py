@@ -26,7 +26,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalError, Json
-from dock_gateway.core.namespace import normalize_namespace
+from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import PendingFacts, Tasks, closed_by
 from dock_gateway.fleet.alerts import AlertBoard
@@ -113,7 +113,7 @@ async def _open(
     share, gateways = await _claim_robots(settings, history, stack)  # before anything of a robot is touched
     fanout = _make_fanout(settings, history)
     reasons: PendingFacts[GoalError] = PendingFacts(REASON_WAIT)
-    bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
+    bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes, own_topics=OwnTopics(settings))
     bridge.start()
     stack.push_async_callback(asyncio.to_thread, bridge.close)
     interlock = closed_by(stack, _make_interlock(settings, fanout))
@@ -307,8 +307,8 @@ def _make_fanout(settings: Settings, history: History) -> Fanout:
 
 
 def _make_interlock(settings: Settings, fanout: Fanout) -> Interlock:
-    catalog, default = DockingCatalog(settings), normalize_namespace(settings.namespace)
-    return Interlock(fanout, LatchFile(settings.stop_file), default, catalog.shared, catalog.homes)
+    catalog = DockingCatalog(settings)
+    return Interlock(fanout, LatchFile(settings.stop_file), catalog.shared, catalog.homes)
 
 
 def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, stopper: Stopper) -> Publishing:

@@ -4,7 +4,7 @@ import asyncio
 import logging
 
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
-from dock_gateway.core.graph import Topic
+from dock_gateway.core.graph import ACTION_PART, Topic
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relay import Outlet, Relay
 from dock_gateway.ros.bridge import Bridge
@@ -61,8 +61,11 @@ class Relays:
         try:
             found = await self._graph.topic(topic)
         except NotFound:
+            if ACTION_PART in topic:
+                expected, unknown = "an action that has a server", "no server tells the type of the topic yet"
+                raise InvalidField([FieldError("topic", expected, unknown)]) from None
             if type_name is None:
-                unknown = "nobody has this topic yet, so its type has to be given"
+                unknown = "no node has this topic yet, so its type has to be given"
                 raise InvalidField([FieldError("type", "the type of the topic", unknown)]) from None
             found = Topic(topic, [], [])
         relay = Relay(self._bridge, self._graph, found)

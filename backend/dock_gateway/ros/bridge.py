@@ -21,6 +21,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future as RosFuture
 
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.ros.inbox import Inbox, Inboxes
 from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
 from dock_gateway.ros.threads import RosThread
@@ -111,6 +112,7 @@ class Bridge:
         namespace: Namespace of the node.
         max_message_bytes: The largest message that is read, in bytes.
         loop: The event loop, if this is a branch of another bridge.
+        own_topics: The topics whose type follows from their name.
 
     Raises:
         Unavailable: ROS does not start (`ros_unavailable`).
@@ -127,12 +129,14 @@ class Bridge:
         namespace: str,
         max_message_bytes: int,
         loop: asyncio.AbstractEventLoop | None = None,
+        own_topics: OwnTopics | None = None,
     ) -> None:
         self._loop = loop or asyncio.get_running_loop()
         self.joined_at = time.monotonic()
         self.branches: list[Bridge] = []
         self.users = 0
         self._names = node_name, namespace
+        self._own_topics = own_topics
         self._joining = asyncio.Lock()
         self._closing = threading.Lock()
         self._closed = False
@@ -143,7 +147,15 @@ class Bridge:
             self._context = create_context()
             self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
             self._answers = AnswerListener("ros-answers", self._context)
-            self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers, **own)
+            self.node = ListeningNode(
+                node_name,
+                namespace or None,
+                self._context,
+                self._messages,
+                self._answers,
+                own_topics=own_topics,
+                **own,
+            )
         always_answer(self.node, log.exception)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
@@ -203,7 +215,7 @@ class Bridge:
 
     async def _make_branch(self) -> "Bridge":
         def make() -> Bridge:
-            branch = Bridge(*self._names, self.max_message_bytes, self._loop)
+            branch = Bridge(*self._names, self.max_message_bytes, self._loop, self._own_topics)
             branch.start()
             return branch
 

@@ -24,6 +24,10 @@ from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
+from dock_gateway.core.errors import Conflict
+from dock_gateway.core.own_topics import OwnTopics
+from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.messages.types import type_name
 from dock_gateway.ros.threads import RosThread
 from robot_io.rclpy_private import Buffer, NotForExecutors, Waiter, take_response
 
@@ -218,19 +222,32 @@ class ListeningNode(Node):  # type: ignore[misc]
         context: Context,
         messages: MessageListener,
         answers: AnswerListener,
+        *,
+        own_topics: OwnTopics | None = None,
         **options: Any,
     ) -> None:
         self.answers = answers
+        self._own_topics = own_topics
         self._messages = messages
         super().__init__(name, namespace=namespace, context=context, **options)
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **options: Any) -> Publisher:
-        """Like rclpy's, but without event callbacks, which the executor would check for each message."""
+        """Like rclpy's, but without event callbacks, which the executor would check for each message.
+
+        Raises:
+            Conflict: `topic_in_use`: it is a topic of the gateway, which has another type.
+        """
+        self._require_own_type(msg_type, topic)
         options["event_callbacks"] = PublisherEventCallbacks(use_default_callbacks=False)
         return super().create_publisher(msg_type, topic, *args, **options)
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **options: Any) -> Subscription:
-        """Like rclpy's, but a listener takes the messages if the callback is guarded."""
+        """Like rclpy's, but a listener takes the messages if the callback is guarded.
+
+        Raises:
+            Conflict: `topic_in_use`: it is a topic of the gateway, which has another type.
+        """
+        self._require_own_type(msg_type, topic)
         if not getattr(callback, "guarded", False):
             return super().create_subscription(msg_type, topic, callback, *args, **options)
         # An executor that waits for a subscription's events also wakes up for each of its messages.
@@ -239,6 +256,14 @@ class ListeningNode(Node):  # type: ignore[misc]
         subscription = super().create_subscription(msg_type, topic, callback, *args, **options)
         self._messages.add(subscription)
         return subscription
+
+    def _require_own_type(self, msg_type: Any, topic: str) -> None:
+        own = None if self._own_topics is None else self._own_topics.find(topic)
+        if own is None or (kind := type_name(msg_type)) in own.types:
+            return
+        if own.fixed or kind not in read_topic(self, topic).types_but_of({self.get_fully_qualified_name()}):
+            types = " or ".join(sorted(own.types))
+            raise Conflict(f"the gateway uses {topic} as {types}, not as {kind}", code="topic_in_use")
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
         """Like rclpy's, but removes it from its listener first."""

@@ -1,0 +1,56 @@
+"""Topics whose type follows from their name, because the gateway itself uses them: whoever asks for them first.
+
+A DDS participant has one type for each topic. If a client could choose that of a robot's stop before the robot is
+there, the gateway could not publish the stop.
+"""
+
+from dataclasses import dataclass
+
+from dock_gateway.settings import Settings
+from robot_io.velocity_types import TYPES as VELOCITY
+
+TRANSFORMS = frozenset({"tf2_msgs/msg/TFMessage"})
+
+
+@dataclass(frozen=True)
+class OwnTopic:
+    """A topic of the gateway, or one of each robot.
+
+    Attributes:
+        name: Its name; a relative one is that of each robot.
+        types: Its types.
+        fixed: Whether it is never used with another type. Otherwise one that a node has there can be read: PX4 has a
+            `battery_status` of its own.
+    """
+
+    name: str
+    types: frozenset[str]
+    fixed: bool = False
+
+    def is_at(self, topic: str) -> bool:
+        """Return whether an absolute name is this topic."""
+        return topic == self.name or (self.name[0] != "/" and topic.endswith(f"/{self.name}"))
+
+
+class OwnTopics:
+    """The gateway's own topics.
+
+    Args:
+        settings: Their names.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        stops = dict.fromkeys((settings.stop_topic, *settings.stop_topics))
+        self._topics = (
+            *(OwnTopic(name, frozenset({"std_msgs/msg/Bool"}), fixed=True) for name in stops),
+            OwnTopic(settings.cmd_vel_topic, frozenset(VELOCITY), fixed=True),
+            OwnTopic("initialpose", frozenset({"geometry_msgs/msg/PoseWithCovarianceStamped"}), fixed=True),
+            OwnTopic(settings.battery_topic, frozenset({"sensor_msgs/msg/BatteryState"})),
+            OwnTopic(settings.diagnostics_topic, frozenset({"diagnostic_msgs/msg/DiagnosticArray"})),
+            OwnTopic("/tf", TRANSFORMS),
+            OwnTopic("/tf_static", TRANSFORMS),
+        )
+
+    def find(self, topic: str) -> OwnTopic | None:
+        """Return the gateway's own topic of an absolute name, if it is one."""
+        return next((own for own in self._topics if own.is_at(topic)), None)
