@@ -76,6 +76,8 @@ export function latched(by: string | null, seconds = 0): StopState {
 
 export function stopReport(change: Partial<StopReport> = {}): StopReport {
   return {
+    stopped: ["/"],
+    not_stopped: [],
     canceling: [],
     failed: [],
     unconfirmed: [],

@@ -305,22 +305,22 @@ describe("the Stop of one robot of several", () => {
 });
 
 describe("Stop", () => {
-  it("stops those too that are not below the configured robot", async () => {
+  it("names no robot to stop all, also those that are not below the configured one", async () => {
     const gateway = fakeGateway();
     const robots = [robot("/a", { default: true }), robot("/a/arm"), robot("/b"), robot("/b/arm")];
     const { user } = renderPage(gateway, { robots }, "/ui/robot");
     await user.click(button("Stop"));
-    expect(vi.mocked(gateway.stop).mock.calls.map(([, names]) => names)).toEqual([[], ["/b", "/b/arm"]]);
-    expect(await screen.findByText(/2 goals are being canceled/)).toBeDefined();
+    expect(vi.mocked(gateway.stop).mock.calls.map(([, names]) => names)).toEqual([[]]);
+    expect(await screen.findByText("Stopped")).toBeDefined();
   });
 
   it("says which robot it did not reach", async () => {
-    const gone = new ClientError("robot_not_found", "No such robot", "it has gone");
-    const stop = vi.fn().mockResolvedValueOnce(stopReport()).mockRejectedValue(gone);
+    const failed = [{ action_name: null, robot: "/b", code: "publish_failed", detail: "no base listens" }];
+    const stop = vi.fn().mockResolvedValue(stopReport({ stopped: ["/a"], not_stopped: ["/b"], failed }));
     const robots = [robot("/a", { default: true }), robot("/b")];
     const { user } = renderPage(fakeGateway({ stop }), { robots }, "/ui/robot");
     await user.click(button("Stop"));
-    expect(await screen.findByText(/\/b: it has gone \(robot_not_found\)/)).toBeDefined();
+    expect(await screen.findByText(/\/b: no base listens \(publish_failed\)/)).toBeDefined();
   });
 
   it("is answered on the page at once, and says who has not answered yet", async () => {

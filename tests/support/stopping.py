@@ -11,7 +11,7 @@ from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
-from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
@@ -85,7 +85,7 @@ class FakeGoals:
 
 
 class FakeFleet:
-    """Robots of some namespaces, each with an action, and what stops them; the first is the configured one.
+    """Robots of some namespaces, each with an action, and what stops them.
 
     Attributes:
         robots: Their `velocity` and `topic`, by namespace.
@@ -98,7 +98,7 @@ class FakeFleet:
     def __init__(self, path: Path, *names: str, timing: StopTiming = TIMING) -> None:
         self.fanout = Fanout(queue_limit=10)
         self.file = LatchFile(path)
-        self.interlock = Interlock(self.fanout, self.file, names[0], echo_after=0.02, retry_after=0.02)
+        self.interlock = Interlock(self.fanout, self.file, echo_after=0.02, retry_after=0.02)
         self.robots = {
             name: SimpleNamespace(namespace=name, velocity=FakeVelocity(), topic=FakeTopic()) for name in names
         }
@@ -106,17 +106,17 @@ class FakeFleet:
             self.interlock.join(name, robot.topic)
         self.goals = {name: FakeGoals() for name in names}
         actions: Any = SimpleNamespace(under=self._actions_under)
-        registry: Any = SimpleNamespace(place=lambda name=None: self._get(name).namespace, under=self._robots_under)
+        registry: Any = SimpleNamespace(place=self._place, under=self._robots_under)
         self.actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock, timing)
         self.audit = AuditList()
         self.parts = Parts({**audit_parts(), AuditLog: self.audit, Stopper: self.stopper, Settings: Settings()})
 
-    def _get(self, namespace: str | None = None) -> Any:
-        name = next(iter(self.robots)) if namespace is None else read_namespace(namespace)
-        if name not in self.robots:
+    def _place(self, namespace: str | None = None) -> str:
+        name = ALL_ROBOTS if namespace is None else read_namespace(namespace)
+        if name not in self.robots and name != ALL_ROBOTS:
             raise NotFound(f"there is no robot {name}", code="robot_not_found")
-        return self.robots[name]
+        return name
 
     def _robots_under(self, namespace: str) -> list[Any]:
         return [robot for name, robot in self.robots.items() if is_under(name, namespace)]

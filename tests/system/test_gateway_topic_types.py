@@ -88,7 +88,9 @@ def test_the_gateway_leaves_topics_of_another_type_and_returns(
     assert "no zero velocity" in alert["detail"]
     stopped = gateway.http.post("/stop", json={"by": "Ada"})
     assert (stopped.status_code, stopped.json()["code"]) == (503, "ros_unavailable")
-    assert "geometry_msgs/msg/Wrench" in stopped.json()["failed"][0]["detail"]
+    failed = {failure["code"]: failure["detail"] for failure in stopped.json()["failed"]}
+    assert "geometry_msgs/msg/Wrench" in failed["publish_failed"]
+    assert f"{STOP} is of another type" in failed["latch_not_published"]
 
     with ros_observer(domain, "driver") as driver:
         latched = driver.record(Bool, STOP)

@@ -6,7 +6,7 @@ from typing import Any
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.errors import NotAllowed, not_covered
 from dock_gateway.core.grant import Grant
-from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
@@ -56,7 +56,7 @@ async def _require_served(parts: Parts, grant: Grant, scope: Scope, names: Names
     """Refuse what is about robots beyond this gateway's share. What only reads the ROS graph is not."""
     share = parts[Share]
     match scope:
-        case Scope.ROBOTS if _namespace(parts, names) == "/":
+        case Scope.ROBOTS if _all_or_one(names) == ALL_ROBOTS:
             return  # all of the share
         case Scope.ROBOT | Scope.ROBOTS | Scope.DOCK | Scope.UNDOCK:
             share.require_robot(_namespace(parts, names))
@@ -83,8 +83,8 @@ async def _robot(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
 
 
 async def _robots(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    if _namespace(parts, names) == "/":  # a limit to `/` is only the robot without a namespace
-        return not grant.robots, "every robot; name one of yours with `robot`"
+    if _all_or_one(names) == ALL_ROBOTS:  # a limit to `/` is only the robot without a namespace
+        return grant.covers_every_robot, "every robot; name one of yours with `robot`"
     return await _robot(parts, grant, names)
 
 
@@ -166,6 +166,11 @@ _CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]
 def _namespace(parts: Parts, names: Names) -> str:
     robot = names.get("robot")
     return parts[Robots].default_namespace if robot is None else read_namespace(str(robot))
+
+
+def _all_or_one(names: Names) -> str:
+    robot = names.get("robot")
+    return ALL_ROBOTS if robot is None else read_namespace(str(robot))
 
 
 def _describe_robot(robot: str, names: Names) -> str:

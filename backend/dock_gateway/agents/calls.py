@@ -17,22 +17,21 @@ from mcp_types import (
 from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from starlette.requests import Request
 
-from dock_gateway.access.authorization import authorize_command
+from dock_gateway.access.carry_out import Command, Fields, carry_out
 from dock_gateway.agents.reading import follow, goal_document
 from dock_gateway.agents.schema import GoalAnswer
-from dock_gateway.agents.tools import Tool, answer_approval
-from dock_gateway.audit.trail import audited_command
+from dock_gateway.agents.tools import STOP_TOOL, Tool, answer_approval
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import NotFound
 from dock_gateway.goals.approvals import Approval, Approvals
 from dock_gateway.goals.goals import Goals
-from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.parts import Parts, parts_of
 from dock_gateway.http.principal import principal_of
 from dock_gateway.settings import Settings
-from dock_gateway.streams.commands import Command, Fields
 
 Context = ServerRequestContext[Any, Request]
+# Where the scope of a request has the stop that it asks for.
+STOPPING = "stopping"
 # Characters of the name of an agent's program.
 MAX_CLIENT = 100
 # Calls of one user that have asked back: as many as may wait for an answer, and those that are answered.
@@ -127,6 +126,8 @@ class Call:
         Raises:
             GatewayError: It was refused or failed.
         """
+        if self._tool.name == STOP_TOOL:
+            return await self._stopped()
         fields = self._tool.read(self._params.arguments)
         wait = fields.pop("wait_seconds", 0.0)
         if self._params.request_state is not None:
@@ -134,21 +135,20 @@ class Call:
         else:
             fields = await self._tool.prepare(self._parts, self._principal, fields)
             tool = self._tool
-            command = asyncio.create_task(self._audited(tool.command, tool.operation, fields, self._client))
+            command = asyncio.create_task(self._carry_out(tool.command, fields, self._client))
             command.add_done_callback(_retrieve)
             if (approval := await self._asked(command)) is not None:
                 return self._ask(approval, command)
         answer = await asyncio.shield(command)
         return answer if self._tool.returns is not GoalAnswer else await self._end_of(answer["goal"]["goal_id"], wait)
 
-    async def _audited(self, command: Command, operation: Operation, fields: Fields, subject: str) -> Fields:
-        what = command.__name__
+    async def _stopped(self) -> Fields:
+        """Return the answer of a stop, which was carried out when the message came."""
+        stopping: asyncio.Task[Fields] = self._scope[STOPPING]
+        return await asyncio.shield(stopping)
 
-        async def do() -> Fields:
-            await authorize_command(self._parts, self._principal, what, operation, fields)
-            return await command(self._parts, self._principal, dict(fields))
-
-        return await audited_command(self._scope, what, operation, fields, do, subject=subject)
+    async def _carry_out(self, command: Command, fields: Fields, subject: str) -> Fields:
+        return await carry_out(self._parts, self._principal, command, fields, self._scope, subject=subject)
 
     async def _end_of(self, goal_id: str, seconds: float) -> Fields:
         """Return a goal; before that, wait for its end."""
@@ -205,7 +205,7 @@ class Call:
             fields = {"approval_id": approval.approval_id, "action": approval.action_name, "allow": allow}
             subject = f"{'allowed' if allow else 'refused'} in {self._client}"
             with suppress(NotFound):  # it was answered elsewhere meanwhile, which counts
-                await self._audited(answer_approval, operation_of(answer_approval), fields, subject)
+                await self._carry_out(answer_approval, fields, subject)
         return question.command
 
 
@@ -220,6 +220,14 @@ def _client_of(context: Context, request: Request) -> str:
     params = context.session.client_params
     if params is not None:
         name = f"{params.client_info.name} {params.client_info.version}"
-    else:
-        name = request.headers.get("user-agent", "a program without a name")
+        return _one_line(name)
+    return client_name(request)
+
+
+def client_name(request: Request) -> str:
+    """Return what the program that sends a request calls itself in its headers."""
+    return _one_line(request.headers.get("user-agent", "a program without a name"))
+
+
+def _one_line(name: str) -> str:
     return " ".join(name.split())[:MAX_CLIENT]

@@ -6,6 +6,7 @@ from typing import Any
 import orjson
 
 from dock_gateway.access.authorization import subscribed
+from dock_gateway.access.carry_out import Fields
 from dock_gateway.core.access import Principal
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
@@ -23,7 +24,6 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import read_goal_id
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
-from dock_gateway.streams.commands import Fields
 from dock_gateway.streams.feed import feed
 from dock_gateway.streams.queries import read_event_filter
 

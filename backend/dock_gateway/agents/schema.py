@@ -213,11 +213,15 @@ class AlertList(Schema):
 
 
 class StopAnswer(Schema):
-    """What became of a stop. `canceling` and `unconfirmed` name goals, `failed` robots that were not reached.
+    """What became of a stop. `stopped` and `not_stopped` name robots, `canceling` and `unconfirmed` goals.
+
+    `failed` names what could not be reached.
 
     `others` are gateways that stop robots of their own then.
     """
 
+    stopped: Any
+    not_stopped: Any
     stop: Any
     canceling: Any
     unconfirmed: Any

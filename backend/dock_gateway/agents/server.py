@@ -26,6 +26,7 @@ from starlette.requests import Request
 from starlette.types import Receive, Scope, Send
 
 from dock_gateway import __version__
+from dock_gateway.access.carry_out import Fields
 from dock_gateway.agents.calls import Call, Context, Questions
 from dock_gateway.agents.tools import TOOLS, Tool
 from dock_gateway.core.errors import GatewayError
@@ -35,7 +36,6 @@ from dock_gateway.http.parts import parts_of
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.settings import Settings
-from dock_gateway.streams.commands import Fields
 
 log = logging.getLogger(__name__)
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import orjson
 
+from dock_gateway.access.carry_out import Command, Fields
 from dock_gateway.agents import schema
 from dock_gateway.agents.reading import (
     describe_action,
@@ -24,7 +25,6 @@ from dock_gateway.http.operation import Operation, Scope, operation, operation_o
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.schema import Schema
 from dock_gateway.streams import commands
-from dock_gateway.streams.commands import Command, Fields
 
 
 @operation(Role.AGENT, Scope.APPROVAL)
@@ -102,6 +102,7 @@ PERSON = (
     "person refuses or does not answer. Do not send a refused goal again unless a person asks for it."
 )
 GOES_ON = " Progress is reported while it runs. If the call ends early, the goal goes on: follow it with wait_for_goal."
+STOP_TOOL = "stop_robots"
 TOOLS = {
     tool.name: tool
     for tool in (
@@ -182,7 +183,7 @@ TOOLS = {
             repeatable=True,
         ),
         Tool(
-            "stop_robots",
+            STOP_TOOL,
             "Stop robots",
             "Stop a robot, or every robot, at once: zero velocity, every goal canceled, no new goals. Use it whenever "
             "in doubt. Only a person can release the stop afterwards; there is no tool for that.",

@@ -67,6 +67,8 @@ class Subjects:
         """Return what the fields of a command say."""
         names = ("robot", "action", "goal_id")
         robot, action, goal_id = (each if isinstance(each := command.get(name), str) else None for name in names)
+        if isinstance(robots := command.get("robot"), tuple):  # as a stop has them
+            return {"robot": robots_text(robots), "action_name": None, "goal_id": None}
         if action is not None:
             action = self._settings.resolve(action, robot)
         elif goal_id is None:

@@ -173,18 +173,28 @@ def cancel(url: str, goal_id: str | None) -> None:
     click.echo(f"goal {goal.goal_id} {goal.status}")
 
 
-@click.command()
+@click.command(context_settings={"ignore_unknown_options": True})
+@click.argument("names", metavar="[ROBOT]...", nargs=-1)
 @click.option("--by", help="Your name, shown to others.")
 @click.option("--no-latch", is_flag=True, help="Accept new goals again immediately.")
 @click.option(
     "--robot", "robots", multiple=True, help="Namespace of a robot, such as /robot1; several to stop several."
 )
 @url_option
-def stop(url: str, robots: tuple[str, ...], no_latch: bool, by: str | None) -> None:
-    """Stop the robot: zero velocity, every goal is canceled, and none is sent until `dock-gateway release`."""
+def stop(url: str, names: tuple[str, ...], robots: tuple[str, ...], no_latch: bool, by: str | None) -> None:
+    """Stop robots, all by default: zero velocity, every goal is canceled, and none is sent until `release`.
+
+    An option that is not known does not keep robots from being stopped: all are.
+    """
+    unknown = [name for name in names if name.startswith("-")]
+    if unknown:
+        click.echo(printable(f"unknown option {unknown[0]}: all robots are stopped"), err=True)
     with gateway(url) as client:
-        report = client.stop(*robots, latch=not no_latch, by=by)
-    click.echo(f"zero velocity published; canceling {', '.join(report.canceling) or 'no goal'}")
+        report = client.stop(*([] if unknown else [*robots, *names]), latch=not no_latch, by=by)
+    stopped = ", ".join(report.stopped) or "no robot: there is none"
+    click.echo(printable(f"zero velocity published to {stopped}; canceling {', '.join(report.canceling) or 'no goal'}"))
+    if report.not_stopped:
+        click.echo(printable(f"not stopped: {', '.join(report.not_stopped)}"))
     if report.warning:
         click.echo(printable(f"warning: {report.warning['detail']}"), err=True)
     if report.stop["latched"]:
@@ -201,7 +211,7 @@ def stop(url: str, robots: tuple[str, ...], no_latch: bool, by: str | None) -> N
 @robot_option
 @url_option
 def release(url: str, robot: str | None) -> None:
-    """Release a stop: new goals are accepted again. The robot stays where it is."""
+    """Release a stop, of all robots by default: new goals are accepted again. No robot moves by that."""
     with gateway(url) as client:
         client.release(robot)
     click.echo("released")

@@ -121,8 +121,10 @@ class Battery(_Read):
 
 @dataclass(frozen=True)
 class StopReport(_Read):
-    """What a stop has done: the actions whose goals it cancels, and what failed or is not confirmed yet."""
+    """What a stop has done: the robots that it has stopped and the others, the goals that it cancels, what failed."""
 
+    stopped: list[str]
+    not_stopped: list[str]
     canceling: list[str]
     failed: list[Document]
     unconfirmed: list[str]

@@ -22,6 +22,9 @@ ACTION_TOPICS = "/_action/"
 # The topics of the events that are about several robots.
 MIXED = frozenset({"robots", "scenes", "maps"})
 
+# The pattern of every name.
+ANY = "*"
+
 
 class Role(StrEnum):
     """A role, which says what a user may do. Each includes the ones before it."""
@@ -93,6 +96,11 @@ class Grant:
         if not self.robots or not robots:
             return replace(self, role=lower, robots=self.robots or robots)
         return NarrowedGrant(lower, self.robots, self.actions, self.topics, within=robots, share=self.share)
+
+    @property
+    def covers_every_robot(self) -> bool:
+        """Whether every robot that this gateway serves is one of theirs, also one that is still to come."""
+        return not self.robots or ANY in self.robots
 
     def covers_robot(self, namespace: str) -> bool:
         """Return whether a robot is one of theirs."""
@@ -176,6 +184,11 @@ class NarrowedGrant(Grant):
     """
 
     within: tuple[str, ...] = ()
+
+    @property
+    def covers_every_robot(self) -> bool:
+        """Whether both limits cover every robot."""
+        return ANY in self.robots and ANY in self.within
 
     @cached_property
     def _robots(self) -> re.Pattern[str]:

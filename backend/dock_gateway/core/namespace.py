@@ -5,6 +5,8 @@ import re
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.setting_types import LONGEST_NAME, NAME
 
+# As the target of a stop or a release: every robot that the gateway serves, whatever its namespace.
+ALL_ROBOTS = "/"
 NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
 
 

@@ -164,10 +164,10 @@ def read_binary(data: bytes) -> Call | ClientMessage:
                 (channel,) = struct.unpack_from("<I", data, 1)
                 return ClientMessage(channel, data[5:])
             case b"\x02":
-                service, call, length = struct.unpack_from("<III", data, 1)
-                encoding = data[13 : 13 + length]
-                if len(encoding) == length <= MAX_NAME:
-                    return Call(service, call, encoding.decode(errors="replace"), data[13 + length :])
+                # One that is cut off may be a stop: who carries it out judges its encoding.
+                service, call, length = struct.unpack_from("<III", data[:13].ljust(13, b"\0"), 1)
+                encoding = data[13 : 13 + length].decode(errors="replace") if length <= MAX_NAME else ""
+                return Call(service, call, encoding, data[13 + length :])
     except struct.error:
         pass
     raise MalformedRequest("a binary message is neither a message on a channel nor a call of a service")

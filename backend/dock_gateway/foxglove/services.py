@@ -21,6 +21,7 @@ from dock_gateway.graph.service_calls import FoundService, ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.interfaces import load_action, load_service
 from dock_gateway.settings import Settings
+from dock_gateway.stop.order import STOP_SERVICE
 from dock_gateway.streams.commands import OWN_SERVICES, STOP
 from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
@@ -109,10 +110,10 @@ class Services:
             raise NotFound(f"there is no service {call.service}", code="service_not_found")
         try:
             request = service.request.read(call.encoding, call.request)
-        except GatewayError:
-            if OWN_SERVICES.get(service.name) != STOP:  # a stop is carried out anyway
+        except GatewayError as error:
+            if service.name != STOP_SERVICE:  # a stop is carried out anyway
                 raise
-            request = {}
+            request = error
         response = service.response.write(call.encoding, await service.draft.call(request))
         if len(response) > self._parts[Settings].max_message_bytes:
             detail = f"the response of {service.name} has {len(response)} bytes, more than max_message_bytes"

@@ -137,6 +137,8 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
         for operation in (operations.get(method.lower()) for method in route.methods or ()):
             if operation is None:
                 continue
+            if "HTTPValidationError" in str(operation["responses"].get("422")):  # FastAPI's own, which is never sent
+                del operation["responses"]["422"]
             needed = find_operation(route)
             if needed is not None and needed.role is not None:
                 operation.update(_needs(needed))

@@ -1,16 +1,18 @@
 """The requirements of a request or a command of `/ws`, declared on its function: role, scope, audit and quota."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum, auto
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from starlette.routing import BaseRoute
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
 
 READS = frozenset({"GET", "HEAD"})
 F = TypeVar("F", bound=Callable[..., object])
+Read = Callable[[Principal, object], Mapping[str, Any]]
 
 
 class Scope(Enum):
@@ -19,7 +21,7 @@ class Scope(Enum):
     ANY = auto()  # nothing that a grant is limited to
     LISTED = auto()  # what the grant includes: the route leaves out the rest
     ROBOT = auto()  # the robot in `robot`; the configured one if none is named
-    ROBOTS = auto()  # that robot and those below it: of `/`, every robot
+    ROBOTS = auto()  # the robot in `robot` and those below it; every robot if none is named
     DOCK = auto()  # its docking action
     UNDOCK = auto()  # its undocking action
     ACTION = auto()  # the action in `name`
@@ -71,6 +73,7 @@ class Operation:
         audit: Whether the audit log has it.
         sends_goal: Whether it sends a goal, which counts towards the user's goals per minute.
         reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
+        read: Makes the fields of a command of what its request says. None: they are those of the request.
     """
 
     role: Role | None
@@ -78,6 +81,7 @@ class Operation:
     audit: Audit = Audit.CHANGES
     sends_goal: bool = False
     reads_body: bool = False
+    read: Read | None = None
 
     def audits(self, method: str) -> bool:
         """Whether the audit log has a request with this method."""
@@ -91,6 +95,7 @@ def operation(
     *,
     sends_goal: bool = False,
     reads_body: bool = False,
+    read: Read | None = None,
 ) -> Callable[[F], F]:
     """Declare what an endpoint or a command needs. It stands under the decorator of the route.
 
@@ -100,8 +105,9 @@ def operation(
         audit: Whether the audit log has it.
         sends_goal: Whether it sends a goal.
         reads_body: Whether the endpoint reads the body itself.
+        read: Makes the fields of a command of what its request says.
     """
-    return _declare(Operation(role, scope, audit, sends_goal, reads_body))
+    return _declare(Operation(role, scope, audit, sends_goal, reads_body, read))
 
 
 def public_operation(audit: Audit = Audit.CHANGES) -> Callable[[F], F]:

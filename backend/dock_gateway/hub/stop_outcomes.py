@@ -9,6 +9,8 @@ from dock_gateway.sites.names import to_hub
 
 # Characters of a sentence of a site.
 MAX_DETAIL = 500
+# Failures of a robot that has been sent zero velocity, or that is not there.
+HARMLESS = frozenset({"robot_not_found", "latch_not_published"})
 
 
 class SiteProblem(BaseModel):
@@ -43,20 +45,10 @@ class SiteReport(BaseModel):
     canceling: list[str]
     failed: list[SiteFailure]
     unconfirmed: list[str]
+    stopped: list[str]
+    not_stopped: list[str]
     stop: SiteLatch
     warning: SiteProblem | None = None
-
-
-class SiteRobot(BaseModel):
-    """A robot of a site, as far as the hub reads it."""
-
-    name: str
-
-
-class SiteRobots(BaseModel):
-    """The robots of a site."""
-
-    robots: list[SiteRobot]
 
 
 @dataclass(frozen=True)
@@ -66,6 +58,8 @@ class StopOutcome:
     Attributes:
         stopped: Whether the site has confirmed it.
         robots: The robots there that a stop holds, with names of the hub, as in the next ones.
+        halted: The robots to which zero velocity was published.
+        not_stopped: The other robots of the site.
         canceling: The goals that are being canceled.
         failed: The actions that refused that, and the robots to which zero velocity could not be published.
         unconfirmed: The actions that have not answered yet.
@@ -77,6 +71,8 @@ class StopOutcome:
 
     stopped: bool
     robots: tuple[str, ...] = ()
+    halted: tuple[str, ...] = ()
+    not_stopped: tuple[str, ...] = ()
     canceling: tuple[str, ...] = ()
     failed: tuple[dict[str, str | None], ...] = ()
     unconfirmed: tuple[str, ...] = ()
@@ -104,14 +100,6 @@ def read_problem(body: bytes, status: int) -> tuple[str, str]:
     return problem.code[:60], problem.detail[:MAX_DETAIL]
 
 
-def read_robot_names(body: bytes) -> list[str] | None:
-    """Return the names of the robots of a site; None if that is not what it has answered."""
-    try:
-        return [robot.name for robot in SiteRobots.model_validate_json(body).robots]
-    except ValidationError:
-        return None
-
-
 def judge(name: str, body: bytes, *, latch: bool) -> StopOutcome:
     """Return what the report of a site says of a stop."""
     try:
@@ -121,10 +109,12 @@ def judge(name: str, body: bytes, *, latch: bool) -> StopOutcome:
     if report is None or (latch and not report.stop.latched):
         detail = f"the site {name} has not said that the stop is latched"
         return StopOutcome(stopped=False, code="site_failed", detail=detail)
-    moving = next((each for each in report.failed if each.robot and each.code != "robot_not_found"), None)
+    moving = next((each for each in report.failed if each.robot and each.code not in HARMLESS), None)
     return StopOutcome(
         stopped=moving is None,
         robots=_names(name, report.stop.robots),
+        halted=_names(name, report.stopped),
+        not_stopped=_names(name, report.not_stopped),
         canceling=tuple(report.canceling),
         failed=tuple(each.at_hub(name) for each in report.failed),
         unconfirmed=_names(name, report.unconfirmed),

@@ -6,12 +6,11 @@ from datetime import datetime
 from typing import Protocol
 from urllib.parse import urlencode
 
-from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem, read_robot_names
-from dock_gateway.sites.names import to_site
+from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
 
 # All robots of a site.
 WHOLE = "/"
@@ -61,9 +60,6 @@ class ReachableSites(Protocol):
             GatewayError: It is not connected, or there is no such site.
         """
 
-    def robots(self, name: str) -> list[str]:
-        """Return the robots of a site that are known, with names of the hub."""
-
 
 @dataclass(frozen=True)
 class StopEntry:
@@ -107,27 +103,15 @@ class SiteStopper:
         return True
 
     async def stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
-        """Send a stop. Return whether there is no use in another attempt, and what became of it.
-
-        A stop of all robots is one of those that the hub knows, and then of those that it did not know, as after its
-        start, or when the site was away: the site is asked which robots it has.
-        """
-        named = self._named(name, entry.robots)
+        """Send a stop. Return whether there is no use in another attempt, and what became of it."""
         try:
-            final, outcome = await self._stop(name, entry, named, latch=latch)
-            if WHOLE in entry.robots:
-                known = await self._known(name, entry.user)
-                if any(not any(is_under(robot, each) for each in named) for robot in known):
-                    final, outcome = await self._stop(name, entry, outermost(known), latch=latch)
+            return await self._stop(name, entry, latch=latch)
         except GatewayError as error:
             return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
-        return final, outcome
 
-    async def _stop(
-        self, name: str, entry: StopEntry, robots: Iterable[str], *, latch: bool
-    ) -> tuple[bool, StopOutcome]:
+    async def _stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
         body = encode({"latch": latch, "by": entry.by})
-        query = urlencode([("robot", robot) for robot in robots])
+        query = urlencode([("robot", robot) for robot in entry.robots])
         answer = await self._ask(name, "POST", "/stop", body, query=query, user=entry.user)
         if answer.status != 200:
             code, detail = read_problem(answer.body, answer.status)
@@ -135,41 +119,23 @@ class SiteStopper:
         outcome = judge(name, answer.body, latch=latch)
         return outcome.stopped, outcome
 
-    async def _known(self, name: str, user: str | None) -> list[str]:
-        """Return the robots that a site has now, by its own names."""
-        answer = await self._ask(name, "GET", "/robots", b"", query="", user=user)
-        robots = read_robot_names(answer.body) if answer.status == 200 else None
-        if robots is None:
-            raise Unavailable(f"the site {name} has not said which robots it has", code="site_failed")
-        return robots
-
     async def _ask(self, name: str, method: str, path: str, body: bytes, *, query: str, user: str | None) -> SiteAnswer:
         return await self._sites.client(name).ask(
             method, path, body, query=query, name=user, grant=STOPS_ALL, deadline=self._deadline
         )
 
-    def _named(self, name: str, robots: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the robots that a request names. All robots of a site are the outermost of those that are known."""
-        if WHOLE not in robots:
-            return robots
-        return outermost(own for robot in self._sites.robots(name) if (own := to_site(name, robot)) is not None)
-
     async def release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
-        """Send a release; of all robots, one for each of the outermost that are known."""
-        named = self._named(name, (robot,))
-        queries = [urlencode({"robot": each}) for each in named]
-        if robot == WHOLE:  # a stop from before the robots were known named none, and may hold above them
-            queries.insert(0, "")
-        for query in queries:
-            try:
-                answer = await self._sites.client(name).ask(
-                    "DELETE", "/stop", b"", query=query, name=user, grant=grant, deadline=self._deadline
-                )
-            except GatewayError as error:
-                return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
-            if answer.status != 200 and (query or not named):
-                code, detail = read_problem(answer.body, answer.status)
-                return ReleaseOutcome(released=False, code=code, detail=detail)
+        """Send a release."""
+        query = urlencode({"robot": robot})
+        try:
+            answer = await self._sites.client(name).ask(
+                "DELETE", "/stop", b"", query=query, name=user, grant=grant, deadline=self._deadline
+            )
+        except GatewayError as error:
+            return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
+        if answer.status != 200:
+            code, detail = read_problem(answer.body, answer.status)
+            return ReleaseOutcome(released=False, code=code, detail=detail)
         return ReleaseOutcome(released=True)
 
 

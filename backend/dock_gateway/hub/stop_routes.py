@@ -1,6 +1,7 @@
 """`/stop` of a hub: stops robots of any sites, and releases them. A stop is never said to be done before it is."""
 
 import asyncio
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
@@ -11,10 +12,8 @@ from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import GatewayError, NotFound, ServerTimeout
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
@@ -24,7 +23,7 @@ from dock_gateway.hub.stop_requests import BODY_WITHIN, WHOLE
 from dock_gateway.hub.stop_schema import HubReleaseReport, HubStopReport
 from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.names import site_grant, to_site
-from dock_gateway.stop.requests import STOP_REQUEST, noting, read_robots, read_stop, warning
+from dock_gateway.stop.order import STOP_REQUEST, StopOrder, read_order, releases_stop, stops_robots
 
 router = APIRouter(tags=["Stop"])
 
@@ -32,10 +31,10 @@ router = APIRouter(tags=["Stop"])
 @router.post(
     "/stop",
     response_model=HubStopReport,
-    responses=problems(404, 422) | problems(504, schema="HubStopProblem"),
+    responses=problems(404) | problems(504, schema="HubStopProblem"),
     openapi_extra=body(STOP_REQUEST, required=False),
 )
-@operation(Role.VIEWER, Scope.ANY, reads_body=True)
+@stops_robots
 async def stop(request: Request, stops: Part[Stops], robot: RobotsQuery = None) -> Response:
     """Stop robots of any sites, each as `POST /stop` of its own site does; without `robot`, all robots of all sites.
 
@@ -44,61 +43,63 @@ async def stop(request: Request, stops: Part[Stops], robot: RobotsQuery = None) 
     stop that is not confirmed is sent again whenever its site can be reached, until it is confirmed or released here.
     With `{"latch": false}` it is not sent again after the answer.
 
-    A malformed request still stops robots, unless it is unclear which are meant. A body that is not there within 0.5 s
-    is not read: where the query names no robot, all are stopped.
+    A malformed request stops robots, too: those that it clearly names, all if that is not clear or none is of a site.
+    A body that is not there within 0.5 s is not read.
     """
-    value: Any = {}
-    wrong: list[GatewayError] = []
-    with noting(wrong):
+    value: Any
+    try:
         value = await read_json(request, empty={}, within=BODY_WITHIN)
-    robots = read_robots(request.query_params, value, wrong)
-    if robots:
-        audited(request, robot=robots_text(robots))
+    except GatewayError as error:
+        value = error
     principal = principal_of(request)
-    how = read_stop(principal, value, wrong)
-    targets, unknown = _targets(stops.sites(), robots, wrong)
-    outcomes = await stops.stop(targets, **how, user=principal.name) | unknown
-    return _answer(outcomes, how, wrong)
+    order = read_order(principal, value, query=request.query_params)
+    audited(request, robot=robots_text(order.robots))
+    targets, unknown = _targets(stops.sites(), order.robots)
+    problems = []
+    if not targets:
+        problems.append(NotFound(f"there is no site {', '.join(unknown)}: all are stopped", code="site_not_found"))
+        targets = dict.fromkeys(stops.sites(), (WHOLE,))
+    outcomes = await stops.stop(targets, latch=order.latch, by=order.by, user=principal.name)
+    return _answer({**outcomes, **unknown} if not problems else outcomes, order, order.warning(*problems))
 
 
-def _targets(
-    sites: list[str], robots: list[str], wrong: list[GatewayError]
-) -> tuple[dict[str, tuple[str, ...]], dict[str, StopOutcome]]:
-    """Return the robots to stop of each site, by its own names, and what becomes of those of no site."""
-    if not robots:
-        if not sites:
-            raise NotFound("there is no site", code="site_not_found")
-        return dict.fromkeys(sites, (WHOLE,)), {}
+def _targets(sites: list[str], robots: Iterable[str]) -> tuple[dict[str, tuple[str, ...]], dict[str, StopOutcome]]:
+    """Return the robots to stop of each site, by its own names, and what becomes of those of no site.
+
+    Raises:
+        NotFound: There is no site (`site_not_found`).
+    """
+    if not sites:
+        raise NotFound("there is no site", code="site_not_found")
     targets: dict[str, tuple[str, ...]] = {}
     unknown: dict[str, StopOutcome] = {}
-    for robot in robots:
-        with noting(wrong):
-            name = read_namespace(f"/{robot.lstrip('/')}")
-            site = name[1:].partition("/")[0]
-            if name == "/":
-                targets |= dict.fromkeys(sites, (WHOLE,))
-            elif (own := to_site(site, name)) is not None and site in sites:
-                targets[site] = (*targets.get(site, ()), own)
-            else:
-                detail = f"there is no site {site[:60]}"
-                unknown[site[:60]] = StopOutcome(stopped=False, code="site_not_found", detail=detail)
-    if not targets:
-        raise wrong[0] if wrong else NotFound(f"there is no site {', '.join(unknown)}", code="site_not_found")
+    for name in robots:
+        site = name[1:].partition("/")[0]
+        if name == WHOLE:
+            targets |= dict.fromkeys(sites, (WHOLE,))
+        elif (own := to_site(site, name)) is not None and site in sites:
+            targets[site] = (*targets.get(site, ()), own)
+        else:
+            detail = f"there is no site {site[:60]}"
+            unknown[site[:60]] = StopOutcome(stopped=False, code="site_not_found", detail=detail)
     return targets, unknown
 
 
-def _answer(outcomes: dict[str, StopOutcome], how: dict[str, Any], wrong: list[GatewayError]) -> Response:
+def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str, Any] | None) -> Response:
     sites = {name: asdict(outcome) for name, outcome in sorted(outcomes.items())}
-    warned = warning(wrong) if wrong else None
     missed = {name: outcome for name, outcome in sorted(outcomes.items()) if not outcome.stopped}
     if not missed:
-        held = [robot for outcome in outcomes.values() for robot in outcome.robots]
-        stop = {"latched": how["latch"], "since": utc_now(), "by": how["by"], "robots": sorted(held), "persisted": True}
-        every = {
-            name: [each for outcome in outcomes.values() for each in getattr(outcome, name)]
-            for name in ("canceling", "failed", "unconfirmed")
-        }
-        return json_response({**every, "stop": stop, "others": [], "warning": warned, "sites": sites})
+
+        def together(name: str) -> list[Any]:
+            return [each for outcome in outcomes.values() for each in getattr(outcome, name)]
+
+        report = {name: together(name) for name in ("canceling", "failed", "unconfirmed", "not_stopped")}
+        held = sorted(together("robots"))
+        stop = {"latched": order.latch, "since": utc_now(), "by": order.by, "robots": held, "persisted": True}
+        stopped = sorted(together("halted"))
+        return json_response(
+            {**report, "stopped": stopped, "stop": stop, "others": [], "warning": warned, "sites": sites}
+        )
     reasons = "; ".join(f"{name}: {outcome.detail}" for name, outcome in missed.items())
     raise ServerTimeout(
         f"the stop is not confirmed by {len(missed)} of {len(outcomes)} sites ({reasons}); use a robot's own emergency "
@@ -115,7 +116,7 @@ def _answer(outcomes: dict[str, StopOutcome], how: dict[str, Any], wrong: list[G
     responses=problems(404, 422, 503) | problems(504, schema="HubReleaseProblem"),
     dependencies=[Depends(known_query("robot"))],
 )
-@operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
+@releases_stop
 async def release_stop(request: Request, stops: Part[Stops], robot: RobotQuery = None) -> Response:
     """Release the stop of a robot, of all robots of a site (`/berlin`), or of all robots; it moves none.
 

@@ -17,12 +17,15 @@ class PendingStop(Schema):
 class StopAtSite(Schema):
     """What became of a stop at one site.
 
-    `stopped` is true only if the site has confirmed it. `robots` lists those that it holds there. `repeated`: it is
-    sent again until it is confirmed or released.
+    `stopped` is true only if the site has confirmed it. `robots` lists those that it holds there, `halted` those to
+    which zero velocity was published, `not_stopped` the others. `repeated`: it is sent again until it is confirmed or
+    released.
     """
 
     stopped: bool
     robots: list[str]
+    halted: list[str]
+    not_stopped: list[str]
     canceling: list[str]
     failed: list[StopFailure]
     unconfirmed: list[str]

@@ -16,6 +16,7 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
+from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.core.tasks import cancel
 from dock_gateway.latch.latch_file import RETRY_AFTER, LatchFile, LatchWriter
 from dock_gateway.latch.latches import Latch, Latches
@@ -53,7 +54,6 @@ class Interlock:
     Args:
         fanout: Receives events.
         file: Stores the latches.
-        default: Namespace of the configured robot.
         shared: Actions of several robots, for which a stop of any robot holds.
         homes: The robots of actions that are not in the namespace of their robot.
         echo_after: See `ECHO_AFTER`.
@@ -70,7 +70,6 @@ class Interlock:
         self,
         fanout: Fanout,
         file: LatchFile,
-        default: str,
         shared: Collection[str] = (),
         homes: Mapping[str, str] = MappingProxyType({}),
         *,
@@ -84,12 +83,13 @@ class Interlock:
         self._fanout = fanout
         self._echo_after = echo_after
         self._publish_again_after = publish_again_after
-        self._latches = Latches(file.read(default), shared, homes)
+        self._latches = Latches(file.read(), shared, homes)
         self._writer = LatchWriter(file, self._show_soon, retry_after=retry_after)
         self._topics: dict[str, LatchTopic] = {}
-        self._places: set[str] = set()  # those of them that are no robots
+        self._places = {ALL_ROBOTS}  # namespaces that are no robots
         # The state we last published on each topic; None if that failed, so it is unknown what subscribers received.
         self._published: dict[str, bool | None] = {}
+        self._unpublished: dict[str, str] = {}  # why the state could not be published
         self._published_at: dict[str, float] = {}
         # When each stop requested here was published, on the monotonic clock; infinite until then.
         self._stop_published_at: dict[str, float] = {}
@@ -145,7 +145,7 @@ class Interlock:
     def document(self, namespace: str) -> dict[str, Any]:
         """Return the latch of a robot, as `GET /stop` shows it. The robot may have left in the meantime."""
         if self._documents is None:
-            self._documents = self._make_documents({*self._topics, *self._latches.held})
+            self._documents = self._make_documents({ALL_ROBOTS, *self._topics, *self._latches.held})
         return self._documents.get(namespace) or self._make_documents({namespace})[namespace]
 
     def _make_documents(self, names: set[str]) -> dict[str, dict[str, Any]]:
@@ -178,8 +178,17 @@ class Interlock:
 
     def leave(self, namespace: str) -> None:
         """Remove a robot that is not held."""
-        for known in (self._topics, self._shown, self._published, self._published_at, self._stop_published_at):
+        for known in (
+            self._topics,
+            self._shown,
+            self._published,
+            self._unpublished,
+            self._published_at,
+            self._stop_published_at,
+        ):
             known.pop(namespace, None)
+        if namespace == ALL_ROBOTS:
+            self._places.add(namespace)
         self._documents = None
         if (echo := self._echoes.pop(namespace, None)) is not None:
             echo.cancel()
@@ -199,22 +208,26 @@ class Interlock:
     async def release(self, namespace: str) -> None:
         """Release the stop of a robot and those below it.
 
+        Of a stop of all robots, the others stay stopped; those that appear later are not.
+
         Raises:
-            Conflict: `stop_latched`: a stop of a namespace above, or another node, holds it.
+            Conflict: `stop_latched`: a stop of a robot above, or another node, holds it.
         """
         for name in self._topics.keys() & self._below(namespace):
             if (by := self._topics[name].held_by()) is not None:
                 raise Conflict(f"{by} holds {name} stopped: release it there", code="stop_latched")
         over = self._latches.over(namespace)
         if over is not None and not is_under(over, namespace):
-            raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
+            if over not in self._places:
+                raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
+            self._let_go(over)
         for name in self._topics.keys() & self._below(namespace):
             self._topics[name].let_go()
         held = [name for name in self._below(namespace) if self._let_go(name)]
         if held:
             log.warning("the stop of %s is released", namespace)
             self._changed()
-        self.publish(namespace)
+        self.publish(namespace if over is None else min(over, namespace))
         await self._writer.wait(STORE_WITHIN)
 
     async def stored(self, timeout: float) -> Unavailable | None:
@@ -243,12 +256,20 @@ class Interlock:
         self._published_at[namespace] = time.monotonic()
         try:
             self._topics[namespace].publish(latched=latched)
-        except Exception:
-            log.exception("stop_latched of %s could not be published; retrying", namespace)
+        except Exception as error:
+            reason = f"{error}" or repr(error)
+            if self._unpublished.get(namespace) != reason:
+                log.exception("stop_latched of %s could not be published; retrying", namespace)
+            self._unpublished[namespace] = reason
             self._published[namespace] = None
             return False
         self._published[namespace] = latched
+        self._unpublished.pop(namespace, None)
         return True
+
+    def unpublished(self, namespace: str) -> dict[str, str]:
+        """Return the robots, of one and those below it, whose nodes do not know of their stop or release, and why."""
+        return {name: self._unpublished[name] for name in self._below(namespace) if name in self._unpublished}
 
     def _stopped_at(self, namespace: str) -> str | None:
         """Return the namespace nearest to the root whose stop by a gateway holds for a robot: the one to publish."""

@@ -14,6 +14,7 @@ import orjson
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
+from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.core.tasks import cancel
 from dock_gateway.latch.latches import Latch
 
@@ -33,8 +34,8 @@ class LatchFile:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def read(self, default: str) -> dict[str, Latch]:
-        """Return the stored latches. If part of the file is unreadable, latch `default`, too, so no stop is lost."""
+    def read(self) -> dict[str, Latch]:
+        """Return the stored latches. If part of the file is unreadable, all robots are held: no stop is lost."""
         problem: Exception | None = None
         stops: dict[str, Any] = {}
         try:
@@ -51,8 +52,8 @@ class LatchFile:
             except (ValueError, TypeError, KeyError) as error:
                 problem, held[namespace] = error, Latch(utc_now())
         if problem is not None:
-            log.error("%s cannot be read, so %s and all below it count as stopped: %r", self.path, default, problem)
-            held.setdefault(default, Latch(utc_now()))
+            log.error("%s cannot be read, so all robots count as stopped: %r", self.path, problem)
+            held.setdefault(ALL_ROBOTS, Latch(utc_now()))
         return held
 
     def write(self, held: dict[str, Latch]) -> None:

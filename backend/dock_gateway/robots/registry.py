@@ -11,7 +11,7 @@ from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
-from dock_gateway.core.namespace import normalize_namespace, read_namespace
+from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace, read_namespace
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
@@ -290,13 +290,13 @@ class RobotRegistry:
         return self.get(namespace).namespace
 
     def place(self, namespace: str | None = None) -> str:
-        """Return the namespace of a robot or, at a gateway with a share, `/`: all robots of the share.
+        """Return the namespace of a robot, or `/`, which is all robots that the gateway serves; default: all.
 
         Raises:
             NotFound, ServedElsewhere: As `get`.
         """
-        name = self.default_namespace if namespace is None else read_namespace(namespace)
-        return name if name == "/" and self._share.limited else self.get(name).namespace
+        name = ALL_ROBOTS if namespace is None else read_namespace(namespace)
+        return name if name == ALL_ROBOTS else self.get(name).namespace
 
     async def close(self) -> None:
         """Stop publishing battery states."""

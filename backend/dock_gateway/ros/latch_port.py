@@ -38,8 +38,8 @@ class LatchPort:
     Whoever publishes on it without keeping, and everyone on the other topics, such as an emergency stop, holds the
     robot until it says otherwise, each for itself.
 
-    On a topic of another type nothing is published or heard; what was published last is published as soon as its type
-    fits.
+    On a topic of another type nothing is published or heard, which `publish` reports; what was to be published last is
+    published as soon as its type fits.
 
     Args:
         topics: Joins the topics.
@@ -186,11 +186,12 @@ class LatchPort:
         """Publish the latch immediately; late subscribers get the last message.
 
         Raises:
+            RuntimeError: The topic is of another type on the ROS graph.
             Exception: ROS does not take the message.
         """
         self._latched, publisher = latched, self._publisher
         if publisher is None:
-            return  # the topic is of another type
+            raise RuntimeError(f"{self._topic} is of another type on the ROS graph than std_msgs/msg/Bool")
         first = time.time_ns()
         before = tuple(own for own in self._own if own[1] > first - OWN_REMEMBERED)
         self._own = (*before, (first, first + OWN_WITHIN))  # it may arrive before the end is known

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, TooManyRequests
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
 from dock_gateway.rosbridge.protocol import Identity, Operation, fragment
 
 # Messages of a connection that may be incomplete at a time, and the pieces of each.
@@ -34,20 +34,20 @@ class Fragments:
         self._pieces: dict[Identity, dict[int, str]] = {}
 
     def add(self, piece: Fragment, identity: Identity) -> str | None:
-        """Add a piece. Return the message, if it is complete.
+        """Add a piece. Return the message, if it is complete. Old incomplete ones make room: a stop may be the newest.
 
         Raises:
             InvalidField: It is no piece of a message.
-            MalformedRequest: The messages are too large (`body_too_large`); this one is forgotten.
-            TooManyRequests: Too many messages are incomplete.
+            MalformedRequest: The message is too large (`body_too_large`); it is forgotten.
         """
         if identity is None or piece.num >= piece.total:
             raise InvalidField([FieldError("", "an id, and a num that is less than total", "got something else")])
-        if identity not in self._pieces and len(self._pieces) >= MAX_MESSAGES:
-            raise TooManyRequests(f"{MAX_MESSAGES} messages are already incomplete")
-        pieces = self._pieces.setdefault(identity, {})
+        pieces = self._pieces.pop(identity, {})
         self._size += len(piece.data) - len(pieces.get(piece.num, ""))
         pieces[piece.num] = piece.data
+        self._pieces[identity] = pieces  # the newest is last
+        while len(self._pieces) > 1 and (len(self._pieces) > MAX_MESSAGES or self._size > self._max_size):
+            self._forget(next(iter(self._pieces)))
         if self._size > self._max_size:
             self._forget(identity)
             raise MalformedRequest(f"messages in pieces exceed {self._max_size} characters", code="body_too_large")

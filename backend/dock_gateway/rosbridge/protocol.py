@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, NotAllowed
 from dock_gateway.core.goal import GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
+from dock_gateway.stop.order import STOP_SERVICE, is_stop_service, says
 
 Json = dict[str, Any]
 Identity = str | int | None
@@ -154,17 +155,38 @@ def read_operation(text: str | bytes) -> tuple[str, Identity, Json]:
         InvalidField: It is not an operation.
         NotAllowed: It is one that the gateway does not have on purpose.
     """
-    message = decode_json(text, "the message", constants=True)
+    try:
+        message = decode_json(text, "the message", constants=True)
+    except MalformedRequest as error:
+        if not says(text, "service", STOP_SERVICE):
+            raise
+        return "call_service", None, {"service": STOP_SERVICE, "args": error}
     if not isinstance(message, dict):
         raise InvalidField([FieldError("", "an object with op", "got something else")])
     op, identity = message.pop("op", None), message.pop("id", None)
     if not isinstance(op, str):
         raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
     if not isinstance(identity, str | int | None) or len(str(identity)) > MAX_ID:
+        if is_stop(op, message):  # carried out whatever else it says
+            return op, None, message
         raise InvalidField([FieldError("id", f"a text of at most {MAX_ID} characters", "got something else")])
     if op in REFUSED:
         raise NotAllowed(REFUSED[op], code="not_supported")
     return op, identity, message
+
+
+def is_stop(op: str, fields: Json) -> bool:
+    """Return whether an operation calls the service that stops robots."""
+    service = fields.get("service") if op == "call_service" else None
+    return isinstance(service, str) and is_stop_service(split_name(service, None)[0])
+
+
+def stop_request(fields: Json) -> object:
+    """Return what a call of the service that stops robots says; `args` may have its fields in order."""
+    args = fields.get("args")
+    if isinstance(args, list):
+        return dict(zip(("robot", "latch", "by"), args, strict=False))
+    return args if isinstance(args, dict | GatewayError) else {"robot": args}
 
 
 def split_name(name: str, identity: Identity) -> tuple[str, Identity]:

@@ -17,7 +17,7 @@ from dock_gateway.ros.messages.interfaces import load_service
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.protocol import CallService
 from dock_gateway.rosbridge.values import adapter
-from dock_gateway.streams.commands import OWN_SERVICES, STOP
+from dock_gateway.streams.commands import OWN_SERVICES
 from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
@@ -55,12 +55,9 @@ class Services:
         """
         args = request.args
         if service in OWN_SERVICES:
-            command = OWN_SERVICES[service]
-            if (
-                not isinstance(args, dict) and args not in (None, []) and command != STOP
-            ):  # a stop is carried out anyway
+            if not isinstance(args, dict) and args not in (None, []):
                 raise InvalidField([FieldError("args", "an object", "got something else")])
-            return await self._rights.command(command, args if isinstance(args, dict) else {})
+            return await self._rights.command(OWN_SERVICES[service], args or {})
         if not service.startswith(rosapi.PREFIX):
             return await self.call_service(service, request)
         parameter = self._parameters.get(service.removeprefix(rosapi.PREFIX))

@@ -31,6 +31,7 @@ from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
 from dock_gateway.rosbridge.goals import ClientGoals, failure
 from dock_gateway.rosbridge.protocol import (
+    MAX_ID,
     Advertise,
     CallService,
     CancelActionGoal,
@@ -43,17 +44,19 @@ from dock_gateway.rosbridge.protocol import (
     Subscribe,
     Unadvertise,
     Unsubscribe,
+    is_stop,
     read_operation,
     service_response,
     split_name,
     status,
+    stop_request,
 )
 from dock_gateway.rosbridge.publications import Publications
 from dock_gateway.rosbridge.published import Payload
 from dock_gateway.rosbridge.services import Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
-from dock_gateway.streams.commands import OWN_SERVICES, STOP
+from dock_gateway.streams.commands import STOP
 from dock_gateway.streams.connection import ClientConnection
 from dock_gateway.streams.events import until_one_ends
 from dock_gateway.streams.feed import end_of
@@ -62,7 +65,7 @@ from dock_gateway.streams.rights import Rights
 
 log = logging.getLogger(__name__)
 
-CANCEL = "cancel_action_goal"
+CANCEL, FRAGMENT = "cancel_action_goal", "fragment"
 # What asks many nodes.
 PARAMETERS = "/rosapi/get_param_names"
 # Operations in progress, and cancels and stops in addition to them.
@@ -146,10 +149,27 @@ class Session:
             self._handle,
             self._refuse,
             _is_urgent,
+            collect=self._collect,
             most=MAX_OPERATIONS,
             most_urgent=MAX_URGENT,
             what="operations",
         )
+
+    async def _collect(self, received: Message) -> Message | None:
+        """Return a message, whole if it came in pieces; None if pieces of it are missing."""
+        text = _text(received)
+        if FRAGMENT not in (text if isinstance(text, str) else text.decode(errors="replace")):
+            return received
+        identity = None
+        try:
+            op, identity, fields = read_operation(text)
+            if op != FRAGMENT:
+                return received
+            whole = self._fragments.add(read_fields(Fragment, fields), identity)
+        except GatewayError as error:
+            await self._report(Level.error, error.detail, identity)
+            return None
+        return None if whole is None else {"type": received["type"], "text": whole}
 
     async def _refuse(self, _: Message, error: TooManyRequests) -> None:
         await self._report(Level.error, error.detail, None)
@@ -158,11 +178,6 @@ class Session:
         op, identity = "", None
         try:
             op, identity, fields = read_operation(_text(received))
-            if op == "fragment":
-                whole = self._fragments.add(read_fields(Fragment, fields), identity)
-                if whole is None:
-                    return
-                op, identity, fields = read_operation(whole)
             operate = OPERATIONS.get(op)
             if operate is None:
                 known = ", ".join(OPERATIONS)
@@ -236,12 +251,23 @@ class Session:
 
     async def call_service(self, fields: Json, identity: Identity) -> None:
         """Call a service."""
+        if is_stop("call_service", fields):
+            await self._stop(fields, identity)
+            return
         request = read_fields(CallService, fields)
         service, identity = split_name(request.service, identity)
         service = self._parts[Settings].resolve(service, "")
         # Answers about the graph are long: one at a time waits for a client that does not read.
         async with self._asking if service in rosapi.SERVICES else nullcontext():
             await self._call(service, request, identity)
+
+    async def _stop(self, fields: Json, identity: Identity) -> None:
+        service, identity = split_name(fields["service"], identity)
+        try:
+            values, result = await self._rights.command(STOP, stop_request(fields)), True
+        except GatewayError as error:
+            values, result = error.problem(), False
+        await self._send(service_response(service[:MAX_ID], identity, values, result=result))
 
     async def _call(self, service: str, request: CallService, identity: Identity) -> None:
         try:
@@ -322,6 +348,4 @@ def _is_urgent(received: Message) -> bool:
         op, _, fields = read_operation(_text(received))
     except GatewayError:
         return False
-    service, _ = split_name(str(fields.get("service")), None)
-    called = f"/{service.lstrip('/')}" if op == "call_service" else ""
-    return op == CANCEL or OWN_SERVICES.get(called) == STOP
+    return op == CANCEL or is_stop(op, fields)

@@ -1,7 +1,6 @@
-"""`/stop`: stop a robot, check whether a stop is latched, release it.
+"""`/stop`: stop robots, check whether a stop is latched, release it.
 
-A malformed request still stops the robot, unless it is unclear which robot is meant. Any other error is reported in
-the response's `warning`.
+A malformed request stops robots, too. What could not be understood is in the response's `warning`.
 """
 
 import asyncio
@@ -16,8 +15,9 @@ from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import Role
+from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
@@ -29,7 +29,7 @@ from dock_gateway.http.requests import (
     read_json,
     read_wait,
 )
-from dock_gateway.stop.requests import PREFER, STOP_REQUEST, noting, read_robots, read_stop, warning
+from dock_gateway.stop.order import PREFER, STOP_REQUEST, StopOrder, noting, read_order, releases_stop, stops_robots
 from dock_gateway.stop.schema import StopReport, StopState
 from dock_gateway.stop.stopper import Stopper
 
@@ -37,76 +37,68 @@ router = APIRouter(tags=["Stop"])
 only_robot = Depends(known_query("robot"))
 
 
-async def stop_robots(
-    stopper: Stopper,
-    principal: Principal,
-    robots: list[str],
-    value: object,
-    *,
-    wait: float = 0.0,
-    wrong: list[GatewayError] | None = None,
-) -> dict[str, Any]:
-    """Stop robots as requested, or by the defaults if the request cannot be read.
+async def stop_robots(stopper: Stopper, principal: Principal, order: StopOrder, *, wait: float = 0.0) -> dict[str, Any]:
+    """Stop robots.
 
     Args:
         stopper: Stops them.
-        principal: The user who stops them; recorded if known, even if the rest of the request cannot be read.
-        robots: The robots; none is the configured one.
-        value: The decoded body, or the fields of a command.
+        principal: The user, who is shown the robots that their grant covers.
+        order: What the request means.
         wait: Seconds that action servers may take to answer.
-        wrong: Errors already found in the request.
 
     Returns:
-        The report, with the errors as `warning`.
+        The report, with what was wrong with the request as `warning`.
 
     Raises:
-        NotFound: There is none of these robots.
+        ServedElsewhere: The robots are those of another gateway.
         Unavailable: Zero velocity could not be published.
     """
-    wrong = [] if wrong is None else wrong
-    how = read_stop(principal, value, wrong)
-    report = vars(await stopper.stop(*robots, **how, wait=wait))
-    if (problem := report.pop("problem")) is not None:
-        wrong.insert(0, problem)
-    return {**report, "warning": warning(wrong) if wrong else None}
+    report = vars(await stopper.stop(*order.robots, latch=order.latch, by=order.by, wait=wait))
+    problems = report.pop("problems")
+    for name in ("stopped", "not_stopped"):
+        report[name] = [robot for robot in report[name] if principal.grant.covers_robot(robot)]
+    return {**report, "warning": order.warning(*problems)}
 
 
 @router.post(
     "/stop",
     response_model=StopReport,
-    responses=problems(404, 421, 422) | problems(503, schema="StopProblem"),
+    responses=problems(421) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
-@operation(Role.VIEWER, Scope.ANY, reads_body=True)
+@stops_robots
 async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = None) -> Response:
-    """Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
+    """Stop robots: publish zero velocity at once, cancel all goals on all their actions, and refuse new ones.
 
     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
-    the stop; with `{"latch": false}` they are not refused. Robots in namespaces below are stopped, too: on a gateway
-    without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
+    the stop; with `{"latch": false}` they are not refused. Without `robot`, every robot of the gateway is stopped.
+    Robots in namespaces below the named ones are stopped, too. The response comes within 100 ms; action servers
     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
 
-    `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
+    `robot` may be repeated, to stop several at once. `stopped` lists the robots to which zero velocity was published,
+    `not_stopped` the others.
 
-    A malformed request still stops the robot, unless it is unclear which robot is meant. Unreadable parts are
-    ignored, and `warning` names the error. `warning` also says if a restart of the gateway would lose the stop.
-    If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
+    A malformed request stops robots, too: those that it clearly names, all if that is not clear or none of them is
+    known. `warning` names what could not be understood. It also says if a restart of the gateway would lose the stop.
+    If the body comes late, the robots are stopped before, and the stop is latched as the body says, or after 2 s.
     """
     value: Any = {}
     wait = 0.0
     wrong: list[GatewayError] = []
-    with noting(wrong):
+    try:
         value = await _read_body(request, stopper)
+    except GatewayError as error:
+        value = error
     with noting(wrong):
         wait = read_wait(request)
-    robots = read_robots(request.query_params, value, wrong)
-    if robots:
-        audited(request, robot=robots_text(robots))
-    return json_response(await stop_robots(stopper, principal_of(request), robots, value, wait=wait, wrong=wrong))
+    principal = principal_of(request)
+    order = read_order(principal, value, query=request.query_params, wrong=wrong)
+    audited(request, robot=robots_text(order.robots))
+    return json_response(await stop_robots(stopper, principal, order, wait=wait))
 
 
 async def _read_body(request: Request, stopper: Stopper) -> Any:
-    """Return the decoded body. If it is late, stop the robot meanwhile, without latching: the body may name another.
+    """Return the decoded body. If it is late, stop the robots meanwhile, without latching: the body may name others.
 
     The audit log has that as a stop of its own, as the body may never come, or be about another robot.
     """
@@ -115,22 +107,29 @@ async def _read_body(request: Request, stopper: Stopper) -> Any:
     await asyncio.wait({reading}, timeout=timing.begin_within)
     if not reading.done():
         wrong: list[GatewayError] = []
+        order = read_order(principal_of(request), {}, query=request.query_params)
         with noting(wrong):
-            await stopper.stop(*read_robots(request.query_params, {}, []), latch=False)
+            await stopper.stop(*order.robots, latch=False)
         status, code = (wrong[0].status, wrong[0].code) if wrong else (HTTPStatus.OK, None)
-        await Trail(request.scope).record(status, code)
+        trail = Trail(request.scope)
+        trail.fields["robot"] = robots_text(order.robots)
+        await trail.record(status, code)
     return await reading
 
 
 @router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
-@operation(Role.VIEWER, Scope.ROBOT)
+@operation(Role.VIEWER, Scope.ROBOTS)
 async def get_stop(stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
-    """Return whether a stop is latched for a robot."""
+    """Return whether a stop is latched for a robot; without `robot`, for all robots."""
     return json_response(stopper.state(robot))
 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
-@operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
-async def release_stop(stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
-    """Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move."""
+@releases_stop
+async def release_stop(request: Request, stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
+    """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
+
+    No robot moves by that.
+    """
+    audited(request, robot=robots_text([robot or ALL_ROBOTS]))
     return json_response(await stopper.release(robot))

@@ -6,7 +6,10 @@ from dock_gateway.http.schema import GatewayAddress, Problem, Schema
 
 
 class StopFailure(Schema):
-    """A part of a stop that failed: canceling the goals of an action, or publishing zero velocity to a robot."""
+    """A part of a stop that failed: canceling goals of an action, or publishing zero velocity or the stop to a robot.
+
+    `latch_not_published`: the robot was sent zero velocity, but the topic of its stop is of another type.
+    """
 
     action_name: str | None
     robot: str | None
@@ -31,13 +34,17 @@ class StopState(Schema):
 class StopReport(Schema):
     """The result of a stop.
 
-    `unconfirmed` lists actions that were asked to cancel their goals and have not answered yet. `warning` says what in
-    the request could not be read and was ignored, or that the stop is not stored yet.
+    `stopped` lists the robots to which zero velocity was published, `not_stopped` the other robots of this gateway: the
+    stop was not for them, or it failed. Robots that the user's limits leave out are in neither. `unconfirmed` lists
+    actions that were asked to cancel their goals and have not answered yet. `warning` says what in the request could
+    not be understood, and whether all robots were stopped because of that, or that the stop is not stored yet.
 
     `others`: if this gateway has a share of the robots and the stop was for all of them, the other gateways. A stop
     that is latched reaches them over ROS, and each stops its own robots. Ask each with `GET /stop` whether it has.
     """
 
+    stopped: list[str]
+    not_stopped: list[str]
     canceling: list[str]
     failed: list[StopFailure]
     unconfirmed: list[str]
@@ -49,6 +56,8 @@ class StopReport(Schema):
 class StopProblem(Problem):
     """Zero velocity could not be published to any robot. The other members say what was done nevertheless."""
 
+    stopped: list[str] | None = None
+    not_stopped: list[str] | None = None
     canceling: list[str] | None = None
     failed: list[StopFailure] | None = None
     unconfirmed: list[str] | None = None

@@ -2,14 +2,13 @@
 
 from functools import partial
 
+from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
-
-ROOT = "/"
 
 
 class StopOfAll:
@@ -42,12 +41,12 @@ class StopOfAll:
         if not self._settings.robots:
             return
         self._interlock.on_heard.append(self._heard)
-        if ROOT in self._robots:
+        if ALL_ROBOTS in self._robots:
             return
-        resolve = partial(self._settings.resolve, namespace=ROOT)
+        resolve = partial(self._settings.resolve, namespace=ALL_ROBOTS)
 
         def hear_latch(latched: bool, received: float) -> None:
-            self._interlock.heard(ROOT, latched=latched, received=received)
+            self._interlock.heard(ALL_ROBOTS, latched=latched, received=received)
 
         def make() -> LatchPort:
             return LatchPort(
@@ -55,16 +54,16 @@ class StopOfAll:
                 resolve(self._settings.stop_topic),
                 map(resolve, self._settings.stop_topics),
                 on_latch=hear_latch,
-                on_hold=lambda by: self._interlock.held_by_another(ROOT, by),
+                on_hold=lambda by: self._interlock.held_by_another(ALL_ROBOTS, by),
             )
 
         bridge = self._robots.topics.bridge
         self._port = await bridge.call(make, undo=LatchPort.close)
-        self._interlock.join(ROOT, self._port, robot=False)
+        self._interlock.join(ALL_ROBOTS, self._port, robot=False)
 
     def _heard(self, namespace: str) -> None:
         """Stop the robots as if that had been requested here: with zero velocity, their goals canceled, latched."""
-        if namespace == ROOT and (robots := self._robots.namespaces()):
+        if namespace == ALL_ROBOTS and (robots := self._robots.namespaces()):
             self._tasks.spawn(self._stopper.stop(*robots))
 
     async def close(self) -> None:

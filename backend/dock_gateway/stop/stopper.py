@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.errors import GatewayError, NotFound, ServedElsewhere, Unavailable
 from dock_gateway.core.filters import lineage
+from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.goals.action import Action
@@ -56,22 +57,27 @@ class StopReport:
             published.
         unconfirmed: The actions that have not answered the cancel request yet.
         stop: The latch, as `GET /stop` shows it.
+        stopped: The robots to which zero velocity was published, sorted.
+        not_stopped: The other robots of this gateway, sorted: those that were not meant, and those that failed.
         others: The other gateways, where this one has a share of the robots and all of them were to stop.
-        problem: Why a restart of the gateway would forget the stop; None if it would not.
+        problems: Why more robots were stopped than were named, and why a restart of the gateway would forget the stop.
     """
 
     canceling: list[str] = field(default_factory=list)
     failed: list[dict[str, str | None]] = field(default_factory=list)
     unconfirmed: list[str] = field(default_factory=list)
     stop: dict[str, Any] = field(default_factory=dict)
+    stopped: list[str] = field(default_factory=list)
+    not_stopped: list[str] = field(default_factory=list)
     others: list[dict[str, Any]] = field(default_factory=list)
-    problem: GatewayError | None = None
+    problems: list[GatewayError] = field(default_factory=list)
 
     def add(self, other: "StopReport") -> None:
         """Add what was done to other robots."""
         self.canceling += other.canceling
         self.failed += other.failed
         self.unconfirmed += other.unconfirmed
+        self.stopped = sorted({*self.stopped, *other.stopped})
 
 
 class Halt:
@@ -117,7 +123,10 @@ class Halt:
 
     def report(self) -> StopReport:
         """Return what has been done so far."""
-        report = StopReport(failed=[_not_stopped(robot, error) for robot, error in self.unreached.items()])
+        report = StopReport(
+            failed=[_not_stopped(robot, error) for robot, error in self.unreached.items()],
+            stopped=[robot.namespace for robot in self.robots if robot.namespace not in self.unreached],
+        )
         for action, task in self.cancels.items():
             if not task.done():
                 report.unconfirmed.append(action.name)
@@ -161,7 +170,7 @@ class Stopper:
         self._tasks = Tasks("stopping")
 
     def state(self, namespace: str | None = None) -> dict[str, Any]:
-        """Return the latch of a robot; default: the configured one.
+        """Return the latch of a robot; default: that of all robots.
 
         Raises:
             NotFound: There is no such robot.
@@ -169,7 +178,7 @@ class Stopper:
         return self._interlock.document(self._robots.place(namespace))
 
     async def release(self, namespace: str | None = None) -> dict[str, Any]:
-        """Release the stop of a robot and those below it; return the latch.
+        """Release the stop of a robot and those below it, of all robots by default; return the latch.
 
         Raises:
             NotFound: There is no such robot.
@@ -184,22 +193,22 @@ class Stopper:
 
         All requests are sent before it waits: less than 100 ms for action servers and the disk, unless `wait` is
         longer. A request for a stop that has just started joins it, and the stop is repeated. An unknown robot does not
-        keep the others from being stopped.
+        keep the others from being stopped. If no robot is known, the name may be misspelt, and all are stopped.
 
         Args:
-            namespaces: The robots; none means the configured one. Robots in namespaces below them are stopped, too.
+            namespaces: The robots; none means all. Robots in namespaces below them are stopped, too.
             latch: Refuse goals until the stop is released.
             by: Who requested it.
             wait: Seconds to wait for the action servers' answers, if that is longer than usual.
 
         Raises:
-            NotFound: None of the robots is known.
             ServedElsewhere: None is one of this gateway's.
             Unavailable: `ros_unavailable`: zero velocity could not be published to any robot. Goals are canceled and
                 the stop is latched nevertheless, as the report in `extra` says.
         """
         began = time.monotonic()
-        names, unknown = self._known(namespaces)
+        report = StopReport()
+        names = self._known(namespaces, report)
         halts = {name: self._halt(name) for name in names}
         new = [name for name, halt in halts.items() if latch and self._latch(name, halt, by)]
         for halt in halts.values():
@@ -207,39 +216,50 @@ class Stopper:
             await halt.ended(began + self.timing.confirm_within - time.monotonic())
         for name in new:
             self._interlock.publish(name)
-        problem = await self._interlock.stored(began + self.timing.store_within - time.monotonic()) if latch else None
+        if latch:
+            unstored = await self._interlock.stored(began + self.timing.store_within - time.monotonic())
+            report.problems += [] if unstored is None else [unstored]
         if wait > self.timing.confirm_within:
             for halt in halts.values():
                 await halt.ended(began + wait - time.monotonic())
-        report = StopReport(
-            failed=unknown,
-            stop=_together([self._interlock.document(name) for name in names]),
-            others=[claim.document() for claim in self._share.others()] if self._share.limited and "/" in names else [],
-            problem=problem,
-        )
-        for halt in halts.values():
-            report.add(halt.report())
-        if all(halt.robots and len(halt.unreached) == len(halt.robots) for halt in halts.values()):
+        self._complete(report, halts)
+        if halts and all(halt.robots and len(halt.unreached) == len(halt.robots) for halt in halts.values()):
             detail = "zero velocity could not be published; use the robot's own emergency stop if it moves"
-            done_all_the_same = {key: value for key, value in vars(report).items() if key != "problem"}
+            done_all_the_same = {key: value for key, value in vars(report).items() if key != "problems"}
             raise Unavailable(detail, code="ros_unavailable", **done_all_the_same)
         return report
 
-    def _known(self, namespaces: tuple[str, ...]) -> tuple[list[str], list[dict[str, str | None]]]:
-        """Return the robots to stop but those below others of them, and the failures of those that are not known."""
+    def _complete(self, report: StopReport, halts: dict[str, Halt]) -> None:
+        report.stop = _together([self._interlock.document(name) for name in halts])
+        if self._share.limited and ALL_ROBOTS in halts:
+            report.others = [claim.document() for claim in self._share.others()]
+        for name, halt in halts.items():
+            report.add(halt.report())
+            if halt.latched:
+                report.failed += [_not_latched(*each) for each in self._interlock.unpublished(name).items()]
+        stopped = {*report.stopped}
+        report.not_stopped = [
+            each.namespace for each in self._robots.under(ALL_ROBOTS) if each.namespace not in stopped
+        ]
+
+    def _known(self, namespaces: tuple[str, ...], report: StopReport) -> list[str]:
+        """Return the robots to stop but those below others of them. Report those that are not known."""
         names: set[str] = set()
         refused: dict[str, GatewayError] = {}
-        for namespace in namespaces or (None,):
+        for namespace in namespaces or (ALL_ROBOTS,):
             try:
-                # A robot that was to stop must not go on over a slash: `robot1` can only be `/robot1`.
-                named = f"/{namespace.lstrip('/')}" if namespace else namespace
-                names.add(self._robots.place(named))
+                names.add(self._robots.place(namespace))
             except GatewayError as error:
-                refused[namespace or ""] = error
+                refused[namespace] = error
+        report.failed += [_not_known(robot, error) for robot, error in refused.items()]
         if not names:
-            raise next(iter(refused.values()))
-        outermost = [name for name in sorted(names) if not names & (set(lineage(name)) - {name})]
-        return outermost, [_not_known(robot, error) for robot, error in refused.items()]
+            elsewhere = [error for error in refused.values() if isinstance(error, ServedElsewhere)]
+            if len(elsewhere) == len(refused):
+                raise elsewhere[0]
+            problem = next(error for error in refused.values() if error not in elsewhere)
+            report.problems.append(NotFound(f"{problem.detail}: all robots are stopped", code=problem.code))
+            return [ALL_ROBOTS]
+        return [name for name in sorted(names) if not names & (set(lineage(name)) - {name})]
 
     def _halt(self, name: str) -> Halt:
         """Start a stop, or join one that has just started."""
@@ -337,6 +357,11 @@ def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:
 def _not_stopped(robot: str, error: Exception) -> dict[str, str | None]:
     detail = f"zero velocity could not be published to {robot}: {error!r:.200}"
     return {"action_name": None, "robot": robot, "code": "publish_failed", "detail": detail}
+
+
+def _not_latched(robot: str, reason: str) -> dict[str, str | None]:
+    detail = f"the stop could not be published on the topic of {robot}, so its nodes do not know of it: {reason}"
+    return {"action_name": None, "robot": robot, "code": "latch_not_published", "detail": detail[:400]}
 
 
 def _not_known(robot: str, error: GatewayError) -> dict[str, str | None]:

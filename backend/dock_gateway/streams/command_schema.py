@@ -9,7 +9,7 @@ from dock_gateway.goals.schema import ActionGoal
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.battery_routes import MAX_RATE, MIN_RATE
 from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
-from dock_gateway.stop.requests import STOP_REQUEST
+from dock_gateway.stop.order import STOP_REQUEST
 from dock_gateway.stop.schema import StopProblem, StopReport, StopState
 from dock_gateway.streams.queries import MAX_RATE as MAX_EVENTS
 from dock_gateway.streams.queries import MIN_RATE as MIN_EVENTS
@@ -90,16 +90,16 @@ class StopPublishingCommand(Command):
 
 
 class StopCommand(Command):
-    """Stop a robot, or every robot, and cancel its goals. It is carried out even if `latch` or `by` is invalid."""
+    """Stop robots, all by default, and cancel their goals. It is carried out whatever else it says."""
 
     op: Literal["stop"] = "stop"
-    robot: str | None = None
+    robot: Annotated[Any, WithJsonSchema(STOP_REQUEST["properties"]["robot"])] = None
     latch: Annotated[Any, WithJsonSchema(STOP_REQUEST["properties"]["latch"])] = True
     by: Annotated[Any, WithJsonSchema(STOP_REQUEST["properties"]["by"])] = None
 
 
 class ReleaseStopCommand(Command):
-    """Let a robot that was stopped move again."""
+    """Let robots that were stopped, all by default, move again."""
 
     op: Literal["release_stop"] = "release_stop"
     robot: str | None = None

@@ -1,8 +1,6 @@
 """The commands of `/ws`, without the socket: a decoded message in, the fields of the ack out."""
 
-from collections.abc import Awaitable, Callable
-from typing import Any
-
+from dock_gateway.access.carry_out import Command, Fields
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
@@ -19,6 +17,7 @@ from dock_gateway.http.requests import check_key, read_goal_id
 from dock_gateway.robots.battery_routes import read_rate
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
+from dock_gateway.stop.order import STOP_SERVICE, StopOrder, releases_stop, stops_robots
 from dock_gateway.stop.routes import stop_robots
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.streams.command_schema import (
@@ -28,16 +27,12 @@ from dock_gateway.streams.command_schema import (
     PublishBatteryCommand,
     ReleaseStopCommand,
     SendGoalCommand,
-    StopCommand,
     StopPublishingCommand,
 )
 
-Fields = dict[str, Any]
-Command = Callable[[Parts, Principal, Fields], Awaitable[Fields]]
-
 STOP = "stop"
 # Commands that other protocols have as services.
-OWN_SERVICES = {f"/dock_gateway/{name}": name for name in (STOP, "release_stop")}
+OWN_SERVICES = {STOP_SERVICE: STOP, "/dock_gateway/release_stop": "release_stop"}
 
 
 def read_command(message: object) -> tuple[str, str | None, Fields]:
@@ -111,19 +106,16 @@ async def stop_publishing(parts: Parts, _: Principal, fields: Fields) -> Fields:
     return {"battery_publisher": publisher.document()}
 
 
-@operation(Role.VIEWER, Scope.ANY)
+@stops_robots
 async def stop(parts: Parts, principal: Principal, fields: Fields) -> Fields:
-    """Stop a robot, or every robot, and cancel its goals."""
-    robot = fields.get("robot")
-    if not isinstance(robot, str):  # an unknown field may be a misspelt `robot`
-        robot = read_fields(StopCommand, fields).robot
-    fields.pop("robot", None)
-    return await stop_robots(parts[Stopper], principal, [] if robot is None else [robot], fields)
+    """Stop robots, all by default, and cancel their goals."""
+    order: StopOrder = fields["order"]
+    return await stop_robots(parts[Stopper], principal, order)
 
 
-@operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)
+@releases_stop
 async def release_stop(parts: Parts, _: Principal, fields: Fields) -> Fields:
-    """Let a robot that was stopped move again."""
+    """Let robots that were stopped, all by default, move again."""
     return {"stop": await parts[Stopper].release(read_fields(ReleaseStopCommand, fields).robot)}
 
 

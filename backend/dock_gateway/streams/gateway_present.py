@@ -45,7 +45,7 @@ class GatewayPresent:
             goals=[goal.document() for goal in goals],
             battery=robot.battery.document(),
             battery_publisher=robot.publisher.document(),
-            stop=parts[Stopper].state(event_filter.robot),
+            stop=parts[Stopper].state(robot.namespace),
             action_server=dock,
             undock_server=undock,
             **fleet,
@@ -55,10 +55,10 @@ class GatewayPresent:
         """Return the current state as events, for events that have no id and so are not replayed."""
         parts = self._parts
         name, now = event_filter.robot, utc_now()
-        publisher = parts[RobotRegistry].get(name).publisher
+        robot = parts[RobotRegistry].get(name)
         events = [
-            system_event("stop", parts[Stopper].state(name), now, robot=name),
-            system_event("battery_publisher", publisher.document(), now, robot=name),
+            system_event("stop", parts[Stopper].state(robot.namespace), now, robot=name),
+            system_event("battery_publisher", robot.publisher.document(), now, robot=name),
         ]
         servers = parts[ActionRegistry].servers_of(name)
         events.append(system_event("docking", servers._asdict(), now, robot=name))

@@ -48,6 +48,7 @@ async def carry_out_all(
     refuse: Callable[[Message, TooManyRequests], Awaitable[None]],
     is_urgent: Callable[[Message], bool],
     *,
+    collect: Callable[[Message], Awaitable[Message | None]] | None = None,
     most: int,
     most_urgent: int,
     what: str,
@@ -59,6 +60,7 @@ async def carry_out_all(
         handle: Carries out a message, and answers it.
         refuse: Answers a message that is one too many.
         is_urgent: Whether a message must not be refused, as it stops something.
+        collect: Puts messages together that come in pieces; None until one is whole.
         most: Maximum number of messages in progress; more are refused.
         most_urgent: Urgent ones in addition to them. Beyond this, the socket is not read until one is answered.
         what: What the messages are called, such as `commands`.
@@ -68,6 +70,11 @@ async def carry_out_all(
         received = await websocket.receive()
         if received["type"] == "websocket.disconnect":
             return
+        if collect is not None:
+            whole = await collect(received)
+            if whole is None:
+                continue
+            received = whole
         if len(tasks) >= most and not is_urgent(received):
             await refuse(received, TooManyRequests(f"{most} {what} are already in progress"))
             continue

@@ -6,6 +6,7 @@ from typing import Any
 from starlette.types import Scope
 
 from dock_gateway.access.authorization import authorize_command
+from dock_gateway.access.carry_out import carry_out
 from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Principal
 from dock_gateway.core.filters import parent_of
@@ -81,10 +82,9 @@ class Rights:
             self._scope, function.__name__, operation_of(function), fields, do, subject=subject or name
         )
 
-    async def command(self, name: str, fields: Json) -> Json:
-        """Carry out a command of `/ws`."""
-        command = COMMANDS[name]
-        return await self.carry_out(command, fields, lambda: command(self._parts, self._principal, fields))
+    async def command(self, name: str, request: object) -> Json:
+        """Carry out a command of `/ws`. `request` is what the client has sent, an error if it could not be read."""
+        return await carry_out(self._parts, self._principal, COMMANDS[name], request, self._scope)
 
     async def cancel(self, goal_id: str) -> None:
         """Cancel a goal of this user, even if the login has ended: its client is gone, and wanted it."""

@@ -7,7 +7,6 @@ import asyncio
 import logging
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from fastapi import APIRouter, Depends, WebSocket
@@ -15,7 +14,7 @@ from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.access.authorization import authorize_command, subscribed
-from dock_gateway.audit.trail import audited_command
+from dock_gateway.access.carry_out import Fields, carry_out
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import (
     Conflict,
@@ -38,8 +37,9 @@ from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.problems import INTERNAL
 from dock_gateway.http.requests import known_query
+from dock_gateway.stop.order import says
 from dock_gateway.streams.command_schema import SubscribeCommand, UnsubscribeCommand
-from dock_gateway.streams.commands import COMMANDS, STOP, Fields, read_command
+from dock_gateway.streams.commands import COMMANDS, STOP, read_command
 from dock_gateway.streams.events import CLOSE_CODES, send_text, until_one_ends
 from dock_gateway.streams.feed import end_of, feed
 from dock_gateway.streams.incoming import carry_out_all
@@ -140,14 +140,12 @@ class Session:
         """Carry out one command, and answer it."""
         identity: str | None = None
         try:
-            op, identity, fields = read_command(_decode(received))
+            op, identity, request = _read(received)
             if op == "subscribe":
-                await self._authorize(op, fields)
-                self.subscribe(identity, fields)  # it sends its own answer
+                await self._authorize(op, request)
+                self.subscribe(identity, request)  # it sends its own answer
             else:
-                carry_out = partial(self._do, op, fields)
-                answer = await audited_command(self._websocket.scope, op, OPERATIONS.get(op), fields, carry_out)
-                await self._answer("ack", identity, answer)
+                await self._answer("ack", identity, await self._do(op, request))
         except GatewayError as error:
             await self._answer_error(identity, error)
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
@@ -157,18 +155,17 @@ class Session:
             await self._answer_error(identity, INTERNAL)
 
     async def _authorize(self, op: str, fields: Fields) -> None:
-        if (needed := OPERATIONS.get(op)) is not None:
-            await authorize_command(self._parts, self._principal, op, needed, fields)
+        await authorize_command(self._parts, self._principal, op, OPERATIONS[op], fields)
 
-    async def _do(self, op: str, fields: Fields) -> Fields:
-        await self._authorize(op, fields)
+    async def _do(self, op: str, request: Any) -> Fields:
         if op == "unsubscribe":
-            return await self.unsubscribe(fields)
+            await self._authorize(op, request)
+            return await self.unsubscribe(request)
         command = COMMANDS.get(op)
         if command is None:
             expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
             raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
-        return await command(self._parts, self._principal, fields)
+        return await carry_out(self._parts, self._principal, command, request, self._websocket.scope)
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     def subscribe(self, identity: str | None, fields: Fields) -> None:
@@ -244,15 +241,25 @@ OPERATIONS: dict[str, Operation] = {
 
 def _is_stop(received: Message) -> bool:
     try:
-        message = _decode(received)
-    except MalformedRequest:
+        return _read(received)[0] == STOP
+    except GatewayError:
         return False
-    return isinstance(message, dict) and message.get("op") == STOP
 
 
-def _decode(received: Message) -> Any:
+def _read(received: Message) -> tuple[str, str | None, Any]:
+    """Return op, id and fields of a command. Of a stop that cannot be read, why not."""
     text = received.get("text")
-    message = decode_json((received.get("bytes") or b"") if text is None else text, "the message")
+    raw: str | bytes = (received.get("bytes") or b"") if text is None else text
+    try:
+        return read_command(_decode(text, raw))
+    except GatewayError as error:
+        if not says(raw, "op", STOP):
+            raise
+        return STOP, None, error
+
+
+def _decode(text: str | None, raw: str | bytes) -> Any:
+    message = decode_json(raw, "the message")
     if text is None and not (isinstance(message, dict) and message.get("op") == STOP):
         raise MalformedRequest("a text message is expected, not a binary one")
     return message

@@ -165,29 +165,32 @@ export interface paths {
         };
         /**
          * Get Stop
-         * @description Return whether a stop is latched for a robot.
+         * @description Return whether a stop is latched for a robot; without `robot`, for all robots.
          */
         get: operations["get_stop"];
         put?: never;
         /**
          * Stop
-         * @description Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
+         * @description Stop robots: publish zero velocity at once, cancel all goals on all their actions, and refuse new ones.
          *
          *     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
-         *     the stop; with `{"latch": false}` they are not refused. Robots in namespaces below are stopped, too: on a gateway
-         *     without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
+         *     the stop; with `{"latch": false}` they are not refused. Without `robot`, every robot of the gateway is stopped.
+         *     Robots in namespaces below the named ones are stopped, too. The response comes within 100 ms; action servers
          *     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
          *
-         *     `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
+         *     `robot` may be repeated, to stop several at once. `stopped` lists the robots to which zero velocity was published,
+         *     `not_stopped` the others.
          *
-         *     A malformed request still stops the robot, unless it is unclear which robot is meant. Unreadable parts are
-         *     ignored, and `warning` names the error. `warning` also says if a restart of the gateway would lose the stop.
-         *     If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
+         *     A malformed request stops robots, too: those that it clearly names, all if that is not clear or none of them is
+         *     known. `warning` names what could not be understood. It also says if a restart of the gateway would lose the stop.
+         *     If the body comes late, the robots are stopped before, and the stop is latched as the body says, or after 2 s.
          */
         post: operations["stop"];
         /**
          * Release Stop
-         * @description Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move.
+         * @description Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
+         *
+         *     No robot moves by that.
          */
         delete: operations["release_stop"];
         options?: never;
@@ -2784,6 +2787,16 @@ export interface components {
             /** @default null */
             gateway: components["schemas"]["GatewayAddress"] | null;
             /**
+             * Stopped
+             * @default null
+             */
+            stopped: string[] | null;
+            /**
+             * Not Stopped
+             * @default null
+             */
+            not_stopped: string[] | null;
+            /**
              * Canceling
              * @default null
              */
@@ -4488,7 +4501,7 @@ export interface components {
         };
         /**
          * ReleaseStopCommand
-         * @description Let a robot that was stopped move again.
+         * @description Let robots that were stopped, all by default, move again.
          */
         ReleaseStopCommand: {
             /** Id */
@@ -5247,6 +5260,10 @@ export interface components {
             op: "ack";
             /** Id */
             id: string | null;
+            /** Stopped */
+            stopped: string[];
+            /** Not Stopped */
+            not_stopped: string[];
             /** Canceling */
             canceling: string[];
             /** Failed */
@@ -5260,7 +5277,7 @@ export interface components {
         };
         /**
          * StopCommand
-         * @description Stop a robot, or every robot, and cancel its goals. It is carried out even if `latch` or `by` is invalid.
+         * @description Stop robots, all by default, and cancel their goals. It is carried out whatever else it says.
          */
         StopCommand: {
             /** Id */
@@ -5270,8 +5287,11 @@ export interface components {
              * @enum {string}
              */
             op: "stop";
-            /** Robot */
-            robot?: string | null;
+            /**
+             * Robot
+             * @description The robot, or several; all robots by default
+             */
+            robot?: string | string[] | null;
             /**
              * Latch
              * @description Whether goals are refused until the stop is released; true by default
@@ -5279,7 +5299,7 @@ export interface components {
             latch?: boolean;
             /**
              * By
-             * @description Name of who stops the robot
+             * @description Name of who stops the robots
              */
             by?: string | null;
         };
@@ -5304,7 +5324,9 @@ export interface components {
         };
         /**
          * StopFailure
-         * @description A part of a stop that failed: canceling the goals of an action, or publishing zero velocity to a robot.
+         * @description A part of a stop that failed: canceling goals of an action, or publishing zero velocity or the stop to a robot.
+         *
+         *     `latch_not_published`: the robot was sent zero velocity, but the topic of its stop is of another type.
          */
         StopFailure: {
             /** Action Name */
@@ -5359,6 +5381,16 @@ export interface components {
             /** @default null */
             gateway: components["schemas"]["GatewayAddress"] | null;
             /**
+             * Stopped
+             * @default null
+             */
+            stopped: string[] | null;
+            /**
+             * Not Stopped
+             * @default null
+             */
+            not_stopped: string[] | null;
+            /**
              * Canceling
              * @default null
              */
@@ -5400,13 +5432,19 @@ export interface components {
          * StopReport
          * @description The result of a stop.
          *
-         *     `unconfirmed` lists actions that were asked to cancel their goals and have not answered yet. `warning` says what in
-         *     the request could not be read and was ignored, or that the stop is not stored yet.
+         *     `stopped` lists the robots to which zero velocity was published, `not_stopped` the other robots of this gateway: the
+         *     stop was not for them, or it failed. Robots that the user's limits leave out are in neither. `unconfirmed` lists
+         *     actions that were asked to cancel their goals and have not answered yet. `warning` says what in the request could
+         *     not be understood, and whether all robots were stopped because of that, or that the stop is not stored yet.
          *
          *     `others`: if this gateway has a share of the robots and the stop was for all of them, the other gateways. A stop
          *     that is latched reaches them over ROS, and each stops its own robots. Ask each with `GET /stop` whether it has.
          */
         StopReport: {
+            /** Stopped */
+            stopped: string[];
+            /** Not Stopped */
+            not_stopped: string[];
             /** Canceling */
             canceling: string[];
             /** Failed */
@@ -6904,10 +6942,10 @@ export interface operations {
                 "application/json": {
                     /** @description Whether goals are refused until the stop is released; true by default */
                     latch?: boolean;
-                    /** @description Name of who stops the robot */
+                    /** @description Name of who stops the robots */
                     by?: string | null;
-                    /** @description The robot, if it is not in the query */
-                    robot?: string | null;
+                    /** @description The robot, or several; all robots by default */
+                    robot?: string | string[] | null;
                 };
             };
         };
@@ -6939,26 +6977,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description Misdirected Request */
             421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -157,7 +157,8 @@ export function withStop(state: FleetState, robot: string | null, stop: StopStat
     else if (latched !== known.stop.latched)
       robots.set(known.name, { ...known, stop: { ...(latched ? stop : NO_STOP), robots: [] } });
   }
-  return { ...state, robots, stop: name === configured ? stop : state.stop };
+  const own = robots.get(configured)?.stop ?? state.stop;
+  return { ...state, robots, stop: name === configured ? stop : own };
 }
 
 function withRobots(

@@ -1,4 +1,4 @@
-import type { Robot, StopReport } from "@dock-gateway/client";
+import type { StopReport } from "@dock-gateway/client";
 import { useCallback } from "react";
 import { whoStops } from "../access/who";
 import { toClientError } from "../api/errors";
@@ -6,24 +6,13 @@ import { hubName, ofHub } from "../api/hub";
 import { pageSite } from "../api/site";
 import { stopSites } from "../api/sites";
 import { useFleet } from "../fleet/context";
-import { defaultRobot, isUnder } from "../fleet/names";
 import { announceStop, showSitesStopped, showStopped } from "./notices";
 
-/** Stops robots and those in namespaces below them; null for the one that the gateway is configured for. */
-type StopRobots = (robots: readonly string[] | null) => Promise<StopReport>;
+/** Stops robots and those in namespaces below them. */
+type StopRobots = (robots: readonly string[]) => Promise<StopReport>;
 
 /** The longest query, in characters: well below what the gateway and proxies take. */
 const MAX_LENGTH = 4000;
-
-/**
- * Stops every robot that is known, all at once: the gateway's stop holds for the configured robot and those below it,
- * which is all of them unless it is configured for one of several.
- */
-function stopEverywhere(stopRobots: StopRobots, robots: ReadonlyMap<string, Robot>): Promise<StopReport> {
-  const configured = defaultRobot(robots);
-  const beside = [...robots.keys()].filter((name) => !isUnder(name, configured));
-  return stopEach(stopRobots, [null, ...inRequests(beside)], configured);
-}
 
 /**
  * Stops these robots, all at once, and those in namespaces below them.
@@ -31,7 +20,7 @@ function stopEverywhere(stopRobots: StopRobots, robots: ReadonlyMap<string, Robo
  * @param robots At least one.
  */
 export function stopThese(stopRobots: StopRobots, robots: readonly string[]): Promise<StopReport> {
-  return stopEach(stopRobots, inRequests(robots), "/");
+  return stopEach(stopRobots, inRequests(robots));
 }
 
 /** As few requests as their names fit into. */
@@ -50,15 +39,10 @@ function inRequests(names: readonly string[]): string[][] {
   return requests;
 }
 
-/**
- * Throws the ClientError of the first where not one stop got through.
- *
- * @param configured The robot that null stands for.
- */
+/** Throws the ClientError of the first where not one stop got through. */
 async function stopEach(
   stopRobots: StopRobots,
-  targets: readonly (readonly string[] | null)[],
-  configured: string,
+  targets: readonly (readonly string[])[],
 ): Promise<StopReport> {
   const answers = await Promise.allSettled(targets.map((robots) => stopRobots(robots)));
   const reports = answers.flatMap((answer) => (answer.status === "fulfilled" ? [answer.value] : []));
@@ -67,9 +51,12 @@ async function stopEach(
   const refused = answers.flatMap((answer, index) => {
     if (answer.status === "fulfilled") return [];
     const { code, detail } = toClientError(answer.reason);
-    return (targets[index] ?? [configured]).map((robot) => ({ action_name: null, robot, code, detail }));
+    return (targets[index] ?? []).map((robot) => ({ action_name: null, robot, code, detail }));
   });
+  const stopped = new Set(reports.flatMap((report) => report.stopped));
   return {
+    stopped: [...stopped],
+    not_stopped: first.not_stopped.filter((name) => !stopped.has(name)),
     canceling: reports.flatMap((report) => report.canceling),
     failed: [...refused, ...reports.flatMap((report) => report.failed)],
     unconfirmed: reports.flatMap((report) => report.unconfirmed),
@@ -91,14 +78,13 @@ export function useStopping(): (robots: readonly string[] | null) => Promise<voi
         const names = site === null ? (robots ?? []) : (robots ?? ["/"]).map((name) => hubName(site, name));
         return announceStop(naming, robots, () => stopSites(http, whoStops(), names), showSitesStopped);
       }
-      const stop = async (some: readonly string[] | null) => {
-        const report = await gateway.stop(whoStops(), some ?? []);
-        const [first = null, ...others] = some ?? [];
+      const stop = async (some: readonly string[]) => {
+        const report = await gateway.stop(whoStops(), some);
+        const [first = "/", ...others] = some;
         if (others.length === 0) store.setStop(report.stop, first); // what holds for several comes as an event
         return report;
       };
-      const send = () =>
-        robots === null ? stopEverywhere(stop, store.get("robots")) : stopThese(stop, robots);
+      const send = () => (robots === null ? stop([]) : stopThese(stop, robots));
       await announceStop(naming, robots, send, showStopped);
     },
     [http, gateway, store],

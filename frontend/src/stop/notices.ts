@@ -81,7 +81,8 @@ export function showStopped(
 ): void {
   const warned = warning === null ? "" : ` Warning: ${warning.detail} (${warning.code}).`;
   if (failed.length > 0) {
-    const unreached = failed.some(({ robot }) => robot !== null);
+    const unreached = failed.some(({ robot, code }) => robot !== null && code !== "latch_not_published");
+    const unheld = failed.some(({ code }) => code === "latch_not_published");
     const failures = failed.map((failure) => {
       const { action_name, robot, detail, code } = failure;
       return `${action_name ?? naming.fullNameOf(robot ?? "/")}: ${detail} (${code})`;
@@ -90,7 +91,9 @@ export function showStopped(
       color: "red",
       title: unreached
         ? "Stop did not reach every robot"
-        : "Zero velocity was sent, but not every goal is canceled",
+        : unheld
+          ? "Zero velocity was sent, but nodes of the robot do not know of the stop"
+          : "Zero velocity was sent, but not every goal is canceled",
       message: `${failures.join("; ")}. Use the robot's own emergency stop if it moves.${warned}`,
       autoClose: false,
     });

@@ -102,7 +102,7 @@ class Scene:
         fanout = Fanout(queue_limit=100)
         self.tracker = GoalTracker(self.port, fanout, self.history, PendingFacts(0.01))  # type: ignore[arg-type]
         settings = self.settings = Settings(accept_timeout=5.0)
-        self.interlock = Interlock(fanout, LatchFile(settings.stop_file), "/")
+        self.interlock = Interlock(fanout, LatchFile(settings.stop_file))
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
         canceler = Canceler(settings, self.tracker, self.interlock)
         delivery = Delivery(

@@ -84,7 +84,7 @@ class Scene:
         self.history = history
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01, limit=10)
         settings = Settings(accept_timeout=0.01, ping_interval=0.1, max_pending_goals=1000)
-        interlock = Interlock(self.fanout, LatchFile(settings.stop_file), "/")
+        interlock = Interlock(self.fanout, LatchFile(settings.stop_file))
         port: Any = self.port
         self.action = Action(
             port, settings, self.fanout, history, self.reasons, interlock=interlock, pinned=True, limits=LIMITS

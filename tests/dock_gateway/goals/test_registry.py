@@ -39,7 +39,7 @@ def registry() -> ActionRegistry:
 def make_registry(forget_after: float = FORGET_AFTER, **names: str) -> ActionRegistry:
     fanout = Fanout(queue_limit=10)
     settings = Settings(server_wait=0.05, **names)  # type: ignore[arg-type]
-    interlock = Interlock(fanout, LatchFile(settings.stop_file), "/")
+    interlock = Interlock(fanout, LatchFile(settings.stop_file))
     bridge: Any = FakeBridge()
     return ActionRegistry(
         settings,

@@ -54,8 +54,6 @@ class FakeSite:
             await asyncio.sleep(deadline)
             raise ServerTimeout("the site did not answer", code="site_timeout")
         await asyncio.sleep(self.delay)
-        if path == "/robots":
-            return Answer(200, encode({"robots": [{"name": robot} for robot in self.robots]}))
         assert path == "/stop"
         self.who.append((name, grant))
         self.asked.append((method, tuple(parse_qs(query).get("robot", ()))))
@@ -67,6 +65,7 @@ class FakeSite:
             raise ServerTimeout("the site did not answer", code="site_timeout")
         state = {"latched": self.latched, "robots": self.robots}
         report = {"stop": state, "failed": self.failed, "canceling": ["a"], "unconfirmed": ["/robot1/dock"]}
+        report |= {"stopped": self.robots, "not_stopped": []}
         return Answer(200, encode(report | {"warning": None} if self.latched else state))
 
 
@@ -75,7 +74,6 @@ class FakeSites:
 
     def __init__(self, *names: str) -> None:
         self.sites = {name: FakeSite(["/robot1", "/robot2"]) for name in names}
-        self.known: list[str] | None = None
 
     def names(self) -> list[str]:
         return sorted(self.sites)
@@ -84,11 +82,6 @@ class FakeSites:
         if not self.sites[name].reachable:
             raise Unavailable(f"the site {name} is not connected", code="site_unreachable")
         return self.sites[name]
-
-    def robots(self, name: str) -> list[str]:
-        if self.known is not None:
-            return self.known
-        return [f"/{name}{robot}" for robot in self.sites[name].robots]
 
 
 class Store(MemoryEntries[StopEntry]):
@@ -155,11 +148,12 @@ async def test_every_site_is_stopped_at_once_with_all_its_robots() -> None:
         assert all(outcome.stopped and outcome.code is None for outcome in outcomes.values())
         assert outcomes[OSLO].robots == ("/oslo/robot1", "/oslo/robot2")
         assert outcomes[OSLO].unconfirmed == ("/oslo/robot1/dock",)
-        assert scene.berlin.asked == [("POST", ("/robot1", "/robot2"))]
+        assert outcomes[OSLO].halted == ("/oslo/robot1", "/oslo/robot2")
+        assert scene.berlin.asked == [("POST", ("/",))]
         await until(lambda: not scene.stops.pending(BERLIN))
         assert (await scene.release()).released
         assert not scene.berlin.latched
-        assert scene.berlin.who == [("ada", Grant(Role.VIEWER)), *[("ada", Grant(Role.SUPERVISOR))] * 3]
+        assert scene.berlin.who == [("ada", Grant(Role.VIEWER)), ("ada", Grant(Role.SUPERVISOR))]
 
 
 async def test_a_site_that_is_away_is_stopped_when_it_is_back_also_by_another_process_of_the_hub() -> None:
@@ -178,15 +172,6 @@ async def test_a_site_that_is_away_is_stopped_when_it_is_back_also_by_another_pr
         await until(lambda: BERLIN not in scene.store._known)
 
 
-@pytest.mark.parametrize("known", [(), ("/robot1",), ("/gone",)])
-async def test_robots_that_the_hub_does_not_know_are_stopped_too(known: tuple[str, ...]) -> None:
-    async with running(BERLIN) as scene:
-        scene.reach.known = [f"/berlin{robot}" for robot in known]
-        outcomes = await scene.stop(BERLIN)
-        assert outcomes[BERLIN].stopped
-        assert scene.berlin.asked == [("POST", known), ("POST", ("/robot1", "/robot2"))]
-
-
 async def test_a_release_drops_what_a_site_has_not_confirmed() -> None:
     async with running() as scene:
         scene.berlin.reachable = False
@@ -196,15 +181,6 @@ async def test_a_release_drops_what_a_site_has_not_confirmed() -> None:
         scene.berlin.reachable = True
         assert (scene.stops.pending(BERLIN), await scene.store.read()) == (None, {})
         assert scene.berlin.asked == []
-
-
-async def test_a_release_of_all_robots_covers_a_stop_from_before_they_were_known() -> None:
-    async with running() as scene:
-        scene.berlin.robots = []  # the hub has just started
-        assert (await scene.stop(BERLIN))[BERLIN].stopped
-        scene.berlin.robots = ["/robot1", "/robot2"]
-        assert (await scene.release()).released
-        assert scene.berlin.asked == [("POST", ()), ("DELETE", ()), ("DELETE", ("/robot1",)), ("DELETE", ("/robot2",))]
 
 
 async def test_a_part_of_what_is_not_confirmed_is_not_released_alone() -> None:
@@ -288,7 +264,7 @@ async def test_a_stop_before_that_forgets_none_of_the_last_process() -> None:
 async def test_a_stop_that_meets_a_release_is_sent_again() -> None:
     async with running() as scene:
         await scene.stop(BERLIN)
-        scene.berlin.delay = 0.01
+        scene.berlin.delay = 0.3
         releasing = asyncio.create_task(scene.release())
         await until(lambda: scene.stops._site(BERLIN).release is not None)
         scene.berlin.delay = 0.0  # so the stop overtakes it

@@ -45,7 +45,7 @@ class SlowTopic:
 class Gateway:
     def __init__(self, path: Path) -> None:
         self.path, self.topic = path, SlowTopic()
-        self.interlock = Interlock(Fanout(queue_limit=10), LatchFile(path), "/", echo_after=ECHO)
+        self.interlock = Interlock(Fanout(queue_limit=10), LatchFile(path), echo_after=ECHO)
         self.interlock.join("/", self.topic)
         self.releases: set[asyncio.Task[Any]] = set()
 
@@ -104,7 +104,7 @@ async def play(folder: Path, steps: list[tuple[str, int]], last: str) -> None:
     assert held[0] or last == "release"
     for gateway in pair:
         await gateway.interlock.close()
-        assert bool(LatchFile(gateway.path).read("/")) is held[0]  # and after a restart
+        assert bool(LatchFile(gateway.path).read()) is held[0]  # and after a restart
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -59,7 +59,7 @@ class Gateway:
         self.file = LatchFile(path)
         self.fanout = Fanout(queue_limit=10)
         self.reader = self.fanout.subscribe(EventFilter(frozenset({"system"})))
-        self.interlock = Interlock(self.fanout, self.file, "/", **{"echo_after": 0.02} | timing)
+        self.interlock = Interlock(self.fanout, self.file, **{"echo_after": 0.02} | timing)
         self.topic = FakeTopic()
         self.interlock.join("/", self.topic)
 
@@ -144,7 +144,7 @@ async def test_it_is_kept_across_a_restart_and_said_again(pair: tuple[Gateway, G
     assert again.topic.said == [True]
     await again.interlock.release("/")
     await again.interlock.close()
-    assert LatchFile(tmp_path / "first.json").read("/") == {}
+    assert LatchFile(tmp_path / "first.json").read() == {}
 
 
 async def test_a_robot_that_appears_below_is_held_too(pair: tuple[Gateway, Gateway]) -> None:
@@ -347,7 +347,7 @@ async def test_a_stop_of_another_gateway_has_a_time_and_says_the_same_after_a_re
     document = interlock.document("/")
     assert abs((document["since"] - utc_now()).total_seconds()) < 60
     assert await interlock.stored(10.0) is None
-    assert LatchFile(tmp_path / "first.json").read("/")["/"].since == document["since"]
+    assert LatchFile(tmp_path / "first.json").read()["/"].since == document["since"]
 
 
 async def test_after_a_release_the_next_release_of_another_gateway_is_heard(pair: tuple[Gateway, Gateway]) -> None:
@@ -454,4 +454,4 @@ async def test_an_emergency_stop_above_holds_a_robot_below_only_as_long(
     assert not interlock.holds("/robot1")
     assert True not in pair[0].topic.said + topic.said
     assert await interlock.stored(10.0) is None
-    assert LatchFile(tmp_path / "first.json").read("/") == {}
+    assert LatchFile(tmp_path / "first.json").read() == {}

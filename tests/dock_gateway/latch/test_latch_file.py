@@ -19,11 +19,11 @@ GOOD = b'"/robot2": {"since": "2026-11-21T04:00:00Z", "by": "Bob"}'
 
 def test_the_file_gives_back_what_was_written(tmp_path: Path) -> None:
     file = LatchFile(tmp_path / "robots" / "data" / "stops.json")
-    assert file.read("/") == {}
+    assert file.read() == {}
     file.write({"/": ADA, "/robot1": Latch(BOB.since)})
-    assert LatchFile(file.path).read("/") == {"/": ADA, "/robot1": Latch(BOB.since)}
+    assert LatchFile(file.path).read() == {"/": ADA, "/robot1": Latch(BOB.since)}
     file.write({})
-    assert file.read("/") == {}
+    assert file.read() == {}
     assert [path.name for path in file.path.parent.iterdir()] == ["stops.json"]
     assert file.path.parent.stat().st_mode & 0o777 == 0o700
 
@@ -31,16 +31,16 @@ def test_the_file_gives_back_what_was_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "held"),
     [
-        (b"", {"/fleet"}),
-        (b"\0" * 100, {"/fleet"}),
-        (b"{" + GOOD, {"/fleet"}),  # torn
-        (b"[]", {"/fleet"}),
-        (b"\xff", {"/fleet"}),
-        (b'{"/robot1/": {}, ' + GOOD + b"}", {"/fleet", "/robot1", "/robot2"}),
-        (b'{"/robot1": {"since": 1, "by": null}}', {"/fleet", "/robot1"}),
-        (b'{"/robot1": {"since": "2026-11-21T04:00:00", "by": null}}', {"/fleet", "/robot1"}),
-        (b'{"/robot1": null}', {"/fleet", "/robot1"}),
-        (b'{"/XAVIER/X/": null}', {"/fleet", "/XAVIER/X"}),
+        (b"", {"/"}),
+        (b"\0" * 100, {"/"}),
+        (b"{" + GOOD, {"/"}),  # torn
+        (b"[]", {"/"}),
+        (b"\xff", {"/"}),
+        (b'{"/robot1/": {}, ' + GOOD + b"}", {"/", "/robot1", "/robot2"}),
+        (b'{"/robot1": {"since": 1, "by": null}}', {"/", "/robot1"}),
+        (b'{"/robot1": {"since": "2026-11-21T04:00:00", "by": null}}', {"/", "/robot1"}),
+        (b'{"/robot1": null}', {"/", "/robot1"}),
+        (b'{"/XAVIER/X/": null}', {"/", "/XAVIER/X"}),
         (b"{" + GOOD + b"}", {"/robot2"}),
     ],
 )
@@ -49,7 +49,7 @@ def test_what_cannot_be_read_counts_as_a_stop_of_the_robots_of_the_gateway(
 ) -> None:
     path = tmp_path / "stops.json"
     path.write_bytes(content)
-    read = LatchFile(path).read("/fleet")
+    read = LatchFile(path).read()
     assert set(read) == held
     assert all(latch.since.tzinfo is not None for latch in read.values())
     assert read.get("/robot2", BOB) == BOB
@@ -67,12 +67,12 @@ def test_the_log_says_what_cannot_be_read(
 ) -> None:
     path = tmp_path / "stops.json"
     path.write_bytes(content)
-    LatchFile(path).read("/")
+    LatchFile(path).read()
     assert why in caplog.text
 
 
 def test_a_file_that_is_a_folder_counts_as_a_stop(tmp_path: Path) -> None:
-    assert set(LatchFile(tmp_path).read("/")) == {"/"}
+    assert set(LatchFile(tmp_path).read()) == {"/"}
 
 
 def test_it_is_on_the_disk_before_it_takes_the_place_of_the_old_one(
@@ -105,7 +105,7 @@ def test_a_disk_that_does_not_take_it_keeps_what_was_there(tmp_path: Path, monke
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space left"):
         file.write({})
-    assert file.read("/") == {"/": ADA}
+    assert file.read() == {"/": ADA}
     assert [path.name for path in tmp_path.iterdir()] == ["stops.json"]
 
 
@@ -139,7 +139,7 @@ async def test_it_tries_again_and_tells_when_that_changes_something(
     path.parent.unlink()
     assert await writer.wait(10.0)
     assert problems[1:] == [None]
-    assert set(LatchFile(path).read("/")) == {"/", "/robot1"}
+    assert set(LatchFile(path).read()) == {"/", "/robot1"}
     assert [record.levelname for record in caplog.records] == ["ERROR", "WARNING"]
     assert "would lose the latest stop" in caplog.messages[0]
     assert "on the disk again" in caplog.messages[1]
@@ -181,4 +181,4 @@ async def test_closing_waits_for_what_is_being_stored(tmp_path: Path) -> None:
     writer = LatchWriter(file, lambda: None)
     writer.put({"/": ADA})
     await writer.close()
-    assert file.read("/") == {"/": ADA}
+    assert file.read() == {"/": ADA}

@@ -272,7 +272,7 @@ class LateGoals:
         fanout, history = Fanout(queue_limit=10), MemoryHistory(100)
         with patch.object(latching, "LatchWriter", Stored):
             file: Any = SimpleNamespace(read=lambda _: {}, path=Path("/"))
-            self.interlock = interlock = latching.Interlock(fanout, file, "/")
+            self.interlock = interlock = latching.Interlock(fanout, file)
         interlock.join("/", FakeTopic())
         bridge: Any = None
         actions = ActionRegistry(settings, bridge, fanout, history, PendingFacts(0.05), interlock=interlock)

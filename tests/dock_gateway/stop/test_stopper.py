@@ -42,7 +42,8 @@ def failed(report: StopReport) -> list[tuple[str | None, str | None]]:
 async def test_all_that_a_stop_does(fleet: FakeFleet) -> None:
     fleet.goals["/robot1"].running = ["a"]
     report = await fleet.stopper.stop(by="Ada")
-    assert (report.canceling, report.failed, report.unconfirmed, report.problem) == (["a"], [], [], None)
+    assert (report.canceling, report.failed, report.unconfirmed, report.problems) == (["a"], [], [], [])
+    assert (report.stopped, report.not_stopped) == (list(NAMES), [])
     assert report.stop | {"since": None} == {
         "latched": True,
         "since": None,
@@ -50,7 +51,7 @@ async def test_all_that_a_stop_does(fleet: FakeFleet) -> None:
         "robots": list(NAMES),
         "persisted": True,
     }
-    assert list(fleet.file.read("/")) == list(NAMES)
+    assert list(fleet.file.read()) == list(NAMES)
     assert fleet.said() == [[True]] * 3
     await until(lambda: fleet.zeros() == [2, 2, 2])
 
@@ -85,7 +86,8 @@ async def test_a_robot_that_cannot_be_reached_keeps_none_of_the_others_from_bein
     fleet.robots["/"].velocity.failures = 1
     fleet.robots["/"].topic.failures = 2
     report = await fleet.stopper.stop()
-    assert failed(report) == [("/", "publish_failed")]
+    assert failed(report) == [("/", "publish_failed"), ("/", "latch_not_published")]
+    assert (report.stopped, report.not_stopped) == (["/robot1", "/robot2"], ["/"])
     assert report.stop["robots"] == list(NAMES)
     assert fleet.zeros() == [0, 1, 1]
     assert fleet.said()[1:] == [[True], [True]]
@@ -231,26 +233,26 @@ async def test_a_disk_that_hangs_does_not_hold_up_a_stop_which_says_so(
     began = time.monotonic()
     report = await fleet.stopper.stop()
     assert time.monotonic() - began < ANSWERED_WITHIN
-    assert report.problem is not None
-    assert report.problem.code == "stop_not_persisted"
-    assert "not on the disk yet" in report.problem.detail
+    (problem,) = report.problems
+    assert problem.code == "stop_not_persisted"
+    assert "not on the disk yet" in problem.detail
     assert (report.stop["latched"], report.stop["persisted"]) == (True, False)
     assert min(fleet.zeros()) == 1
     gate.set()
     await until(lambda: fleet.stopper.state()["persisted"])
-    assert list(fleet.file.read("/")) == list(NAMES)
+    assert list(fleet.file.read()) == list(NAMES)
 
 
 async def test_a_stop_is_stored_as_soon_as_the_disk_takes_it(fleet: FakeFleet) -> None:
     fleet.file.path.mkdir()  # is no place for a file
     report = await fleet.stopper.stop(by="Ada")
-    assert report.problem is not None
-    assert str(fleet.file.path) in report.problem.detail
+    (problem,) = report.problems
+    assert str(fleet.file.path) in problem.detail
     assert fleet.stopper.state()["persisted"] is False
     fleet.file.path.rmdir()
     await until(lambda: fleet.stopper.state()["persisted"])
-    assert fleet.file.read("/")["/"].by == "Ada"
-    assert (await fleet.stopper.stop()).problem is None
+    assert fleet.file.read()["/"].by == "Ada"
+    assert (await fleet.stopper.stop()).problems == []
 
 
 async def test_why_an_action_server_did_not_cancel_is_reported_and_what_the_others_cancel(fleet: FakeFleet) -> None:
@@ -304,7 +306,29 @@ async def test_one_robot_is_asked_about_and_released_by_itself(fleet: FakeFleet)
     assert (await fleet.stopper.release("/robot1"))["latched"] is False
     assert [fleet.stopper.state(name)["latched"] for name in NAMES] == [False, False, True]
     with pytest.raises(NotFound):
-        await fleet.stopper.stop("/robot9")
+        await fleet.stopper.release("/robot9")
+
+
+async def test_if_no_robot_is_known_the_name_may_be_misspelt_and_all_are_stopped(fleet: FakeFleet) -> None:
+    report = await fleet.stopper.stop("/robot9", "/robot8")
+    assert failed(report) == [("/robot9", "robot_not_found"), ("/robot8", "robot_not_found")]
+    assert [problem.code for problem in report.problems] == ["robot_not_found"]
+    assert (report.stopped, report.not_stopped) == (list(NAMES), [])
+    assert fleet.interlock.holds("/")
+
+
+async def test_the_robots_that_a_stop_is_not_for_are_named(fleet: FakeFleet) -> None:
+    report = await fleet.stopper.stop("/robot1")
+    assert (report.stopped, report.not_stopped) == (["/robot1"], ["/", "/robot2"])
+
+
+async def test_a_stop_whose_latch_cannot_be_published_says_so(fleet: FakeFleet) -> None:
+    fleet.robots["/robot1"].topic.failures = 3
+    report = await fleet.stopper.stop("/robot1")
+    assert failed(report) == [("/robot1", "latch_not_published")]
+    assert report.stopped == ["/robot1"]
+    await until(lambda: fleet.said()[1] == [True])
+    assert failed(await fleet.stopper.stop("/robot1")) == []
 
 
 async def test_a_robot_that_leaves_meanwhile_is_answered_for(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -324,10 +348,10 @@ async def test_a_robot_that_leaves_meanwhile_is_answered_for(fleet: FakeFleet, m
 async def test_a_stop_that_is_not_to_be_latched_is_not_told_and_does_not_wait_for_the_disk(fleet: FakeFleet) -> None:
     fleet.file.path.mkdir()  # is no place for a file
     report = await fleet.stopper.stop(latch=False)
-    assert (report.stop["latched"], report.problem) == (False, None)
+    assert (report.stop["latched"], report.problems) == (False, [])
     assert fleet.said() == [[]] * 3
-    assert (await fleet.stopper.stop()).problem is not None
-    assert (await fleet.stopper.stop(latch=False)).problem is None
+    assert (await fleet.stopper.stop()).problems != []
+    assert (await fleet.stopper.stop(latch=False)).problems == []
 
 
 async def test_who_waits_for_an_action_server_does_not_wait_longer(fleet: FakeFleet) -> None:
