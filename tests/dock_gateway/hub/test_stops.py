@@ -40,6 +40,7 @@ class FakeSite:
     reachable: bool = True
     loses_answers: bool = False
     delay: float = 0.0
+    gate: asyncio.Event | None = None  # what holds up the next requests
     refusal: Answer | None = None
     failed: list[dict[str, Any]] = field(default_factory=list)
     latched: bool = False
@@ -53,6 +54,8 @@ class FakeSite:
         if self.delay > deadline:
             await asyncio.sleep(deadline)
             raise ServerTimeout("the site did not answer", code="site_timeout")
+        if self.gate is not None:
+            await self.gate.wait()
         await asyncio.sleep(self.delay)
         assert path == "/stop"
         self.who.append((name, grant))
@@ -264,11 +267,13 @@ async def test_a_stop_before_that_forgets_none_of_the_last_process() -> None:
 async def test_a_stop_that_meets_a_release_is_sent_again() -> None:
     async with running() as scene:
         await scene.stop(BERLIN)
-        scene.berlin.delay = 0.3
+        gate = scene.berlin.gate = asyncio.Event()
         releasing = asyncio.create_task(scene.release())
         await until(lambda: scene.stops._site(BERLIN).release is not None)
-        scene.berlin.delay = 0.0  # so the stop overtakes it
+        scene.berlin.gate = None  # so the stop overtakes it
         stopping = asyncio.create_task(scene.stop(BERLIN))
+        await until(lambda: scene.berlin.stops == 2)
+        gate.set()
         assert (await releasing).released
         assert (await stopping)[BERLIN].stopped
         assert scene.berlin.latched

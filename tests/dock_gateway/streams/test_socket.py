@@ -15,9 +15,10 @@ from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.grant import Grant
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.robots import Robots
@@ -59,10 +60,12 @@ class FakeWebSocket:
 async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytest.MonkeyPatch) -> None:
     released = asyncio.Event()
 
+    @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
     async def hang(*_: object) -> dict[str, Any]:
         await released.wait()
         return {}
 
+    @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
     async def stop(*_: object) -> dict[str, Any]:
         return {"canceling": []}
 
