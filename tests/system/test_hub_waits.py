@@ -1,4 +1,4 @@
-"""A hub waits for a site as long as the request asks the site to wait: for a person, for a goal's end, for a service."""
+"""A hub waits for a site as long as the request asks the site to wait: for a person, a goal's end, a service."""
 
 import asyncio
 import time

@@ -271,7 +271,7 @@ class LateGoals:
         port, settings = self._port, Settings(accept_timeout=self._troubles.accept_timeout, cancel_timeout=1.0)
         fanout, history = Fanout(queue_limit=10), MemoryHistory(100)
         with patch.object(latching, "LatchWriter", Stored):
-            file: Any = SimpleNamespace(read=lambda: {}, path=Path("/"))
+            file: Any = SimpleNamespace(read=dict, path=Path("/"))
             self.interlock = interlock = latching.Interlock(fanout, file)
         interlock.join("/", FakeTopic())
         bridge: Any = None

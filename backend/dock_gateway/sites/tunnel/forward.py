@@ -31,7 +31,7 @@ CLIENT_GONE = ("client_gone", "the client at the hub has gone")
 BAD_GATEWAY, FORBIDDEN = 1014, 403
 
 
-async def forward_http(  # noqa: PLR0917 - both ends of a request
+async def forward_http(
     site: str, channel: Channel, rest: bytes, *, more: bool, receive: Receive, send: Send, silence: float
 ) -> None:
     """Pass the rest of a request on, and the answer back. Returns at once when the client has gone.
