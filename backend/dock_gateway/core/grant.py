@@ -19,6 +19,24 @@ LIMITS = ("robots", "actions", "topics")
 MAX_PATTERNS, MAX_PATTERN = 50, 255
 # Between the name of an action and those of its topics, `feedback` and `status`.
 ACTION_TOPICS = "/_action/"
+# Topics in the root whose messages are about all robots, by ROS's conventions: what all nodes log and which of their
+# parameters change, the frames, the health and the time of all. They are not the robot's that has no namespace.
+SHARED_TOPICS = frozenset(
+    {
+        "/bond",
+        "/clock",
+        "/diagnostics",
+        "/diagnostics_agg",
+        "/diagnostics_toplevel_state",
+        "/parameter_events",
+        "/rosout",
+        "/statistics",
+        "/tf",
+        "/tf_static",
+    }
+)
+# A namespace that no robot has: who may see it may see every robot in a namespace.
+NO_NAMESPACE = "/\0"
 # The topics of the events that are about several robots.
 MIXED = frozenset({"robots", "scenes", "maps"})
 
@@ -81,6 +99,11 @@ class Grant:
         return {"role": self.role, **{limit: getattr(self, limit) for limit in LIMITS}}
 
     @cached_property
+    def every_robot(self) -> bool:
+        """Whether it leaves out no robot, whatever its namespace."""
+        return all(self._robots.fullmatch(f"{namespace}/_") for namespace in ("", NO_NAMESPACE))
+
+    @cached_property
     def own(self) -> "Grant":
         """What the user may do at any gateway."""
         return self if self.share is None else replace(self, share=None)
@@ -121,9 +144,10 @@ class Grant:
             raise not_covered(f"the action {name[:100]}")
 
     def covers_topic(self, name: str) -> bool:
-        """Return whether they may read a topic. Those of an action show its goals."""
+        """Return whether they may read a topic. Those of an action show its goals; `SHARED_TOPICS` show every robot."""
         action, of_action, _ = name.rpartition(ACTION_TOPICS)
-        covered = self._robots.fullmatch(name) and self._topics.fullmatch(name)
+        of_robots = self.every_robot if name in SHARED_TOPICS else self._robots.fullmatch(name)
+        covered = of_robots and self._topics.fullmatch(name)
         return bool(covered and (not of_action or self._actions.fullmatch(action)))
 
     def shows(self, topic: str) -> bool:

@@ -17,7 +17,7 @@ from dock_gateway.core.event import (
     surroundings_event,
     utc_now,
 )
-from dock_gateway.core.grant import UNLIMITED, Grant, Role, narrow
+from dock_gateway.core.grant import SHARED_TOPICS, UNLIMITED, Grant, Role, narrow
 from dock_gateway.setting_types import PATTERN
 
 NAMES = st.lists(st.sampled_from(["robot1", "robot10", "hall_a", "dock", "x"]), max_size=3).map(
@@ -90,6 +90,35 @@ def test_robots(patterns: tuple[str, ...], inside: list[str], outside: list[str]
 )
 def test_patterns_of_names_have_no_empty_parts(pattern: str, valid: bool) -> None:
     assert (PATTERN.fullmatch(pattern) is not None) is valid
+
+
+@pytest.mark.parametrize("topic", sorted(SHARED_TOPICS))
+@pytest.mark.parametrize(
+    ("patterns", "covered"),
+    [
+        ((), True),
+        (("/",), False),
+        (("/", "/robot1"), False),
+        (("/*",), False),
+        (("/", "/*"), True),
+        (("**",), True),
+        (("*",), True),  # of a site, for a user of its hub
+        (("/robot1",), False),
+    ],
+)
+def test_topics_of_all_robots_need_a_grant_for_all_of_them(
+    topic: str, patterns: tuple[str, ...], covered: bool
+) -> None:
+    grant = robots(*patterns)
+    assert (grant.covers_topic(topic), grant.covers_publishing(topic)) == (covered, covered)
+    assert grant.covers_robot("/") is (patterns not in ((("/*",)), ("/robot1",)))
+    assert not Grant(Role.VIEWER, patterns, topics=("*/odom",)).covers_topic(topic)
+    assert robots(*patterns).narrowed(Role.VIEWER, ("/",)).covers_topic(topic) is False
+
+
+@given(own=st.lists(NAMES | st.sampled_from(["/", "*/robot1", "/*", "**"]), max_size=2).map(tuple), robot=NAMES)
+def test_who_reads_a_topic_of_all_robots_may_see_each_of_them(own: tuple[str, ...], robot: str) -> None:
+    assert robots(*own).covers_robot(robot) or not robots(*own).covers_topic("/rosout")
 
 
 def test_actions_and_topics_narrow_the_robots() -> None:

@@ -1,0 +1,109 @@
+"""Topics of all robots, such as `/rosout`, are read only by who may see every robot, at whichever door."""
+
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+
+import orjson
+import pytest
+from mcap.reader import make_reader
+from websockets.exceptions import InvalidStatus
+
+from tests.support.access import Site, bearer
+from tests.support.clients import connect
+from tests.support.gateway import RunningGateway, running_program
+from tests.support.waiting import wait_until
+from tests.system.test_gateway_foxglove import client_of as foxglove
+from tests.system.test_gateway_rosbridge import client_of as rosbridge
+
+pytestmark = pytest.mark.ros
+
+SHARED = ("/rosout", "/parameter_events", "/diagnostics", "/tf")
+OWN = "/battery_status"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
+    return Site(Path(tmp_path_factory.mktemp("site")))
+
+
+@pytest.fixture(scope="module")
+def root(site: Site) -> dict[str, str]:
+    """A user of the robot without a namespace."""
+    return bearer(site.token("root", "operator", "--robot", "/"))
+
+
+@pytest.fixture(scope="module")
+def everyone(site: Site) -> dict[str, str]:
+    return bearer(site.token("everyone", "operator"))
+
+
+@pytest.fixture(scope="module")
+def gateway(shared_domain: int, site: Site, root: dict[str, str], everyone: dict[str, str]) -> Iterator[RunningGateway]:
+    with (
+        running_program(shared_domain, "dock_simulator"),
+        running_program(shared_domain, "dock_simulator", "-r", "__ns:=/robot1"),
+        site.gateway(shared_domain, publish="/*", record="all") as gateway,
+    ):
+        for topic in (*SHARED, OWN):
+            path = f"/graph/topics{topic}"
+            wait_until(lambda path=path: gateway.http.get(path, headers=everyone).json().get("publishers"), topic)
+        yield gateway
+
+
+@pytest.mark.parametrize("topic", SHARED)
+def test_it_is_not_read(gateway: RunningGateway, topic: str, root: dict[str, str], everyone: dict[str, str]) -> None:
+    for path in (f"/topics{topic}", f"/graph/topics{topic}"):
+        assert gateway.http.get(path, headers=everyone).status_code == 200
+        assert gateway.http.get(path, headers=root).json()["code"] == "not_covered"
+    assert gateway.http.post(f"/topics{topic}", json={}, headers=root).json()["code"] == "not_covered"
+
+    url = f"{gateway.url.replace('http', 'ws')}/ws/topics?topic={topic}"
+    with pytest.raises(InvalidStatus) as refused:
+        connect(url, additional_headers=root)
+    assert orjson.loads(refused.value.response.body or b"")["code"] == "not_covered"
+
+    with rosbridge(gateway, additional_headers=root) as client:
+        client.send("subscribe", topic=topic)
+        client.error("not include")
+        client.send("subscribe", topic=OWN)
+        assert client.until("publish")["topic"] == OWN
+
+
+def test_it_is_in_no_list_and_no_recording(
+    gateway: RunningGateway, root: dict[str, str], everyone: dict[str, str]
+) -> None:
+    def listed(headers: dict[str, str]) -> set[str]:
+        graph = gateway.http.get("/graph", headers=headers).raise_for_status().json()
+        return {topic["name"] for topic in graph["topics"]}
+
+    def recorded(headers: dict[str, str]) -> set[str]:
+        file = gateway.http.get("/robots/recording.mcap?robot=/", headers=headers).raise_for_status().content
+        summary = make_reader(BytesIO(file)).get_summary()
+        assert summary is not None
+        return {channel.topic for channel in summary.channels.values()}
+
+    wait_until(lambda: {"/tf", "/diagnostics", OWN} <= recorded(everyone), "what is recorded")
+    assert set(SHARED) <= listed(everyone)
+    for names in (listed(root), recorded(root)):
+        assert OWN in names
+        assert not names & set(SHARED)
+        assert not any(name.startswith("/robot1/") for name in names)
+
+    with foxglove(gateway, additional_headers=root) as client:
+        assert client.channel(OWN)
+        channels = set(client.channels)
+    assert not channels & set(SHARED)
+
+    with rosbridge(gateway, additional_headers=root) as client:
+        topics = client.call("/rosapi/topics")["topics"]
+    assert OWN in topics
+    assert not set(topics) & set(SHARED)
+
+
+def test_the_map_shows_only_the_robot(gateway: RunningGateway, root: dict[str, str]) -> None:
+    """Its place comes from `/tf`: the gateway reads that, and tells of the robot alone."""
+    assert gateway.http.get("/robots/map?robot=/robot1", headers=root).json()["code"] == "not_covered"
+    answer = gateway.http.get("/robots/map?robot=/", headers=root)
+    assert answer.status_code == 200, answer.text
+    assert "robot1" not in orjson.dumps(answer.json()).decode()
