@@ -410,3 +410,58 @@ async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
     assert await scene.stop() == [A]
     assert goal.error == STOPPED
     assert not scene.canceler.uncanceled
+
+
+# ------------------------------------------------------------------ on their way when a stop comes
+
+
+async def test_a_goal_on_its_way_is_canceled_as_soon_as_its_status_shows_that_it_runs(scene: Scene) -> None:
+    """Whether the answer to its request is late, or lost."""
+    goal = scene.goal(S.PENDING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
+    assert await scene.stop() == []
+    assert scene.port.asked == [None]
+    scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
+    await until(lambda: goal.status is S.CANCELING)
+    assert (goal.error, scene.port.asked) == (STOPPED, [None, A])
+
+
+async def test_a_server_that_does_not_know_a_goal_has_not_refused(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.canceler.mark_unwanted(goal, STOPPED)
+    scene.port.script = [CancelAnswer(frozenset(), 2)] * 5 + [CancelAnswer(frozenset({A}), 0)]
+    scene.canceler.seen_again(goal)
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_a_goal_that_is_sent_again_may_run(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.port.script = [CancelAnswer(frozenset(), 0)]
+    await scene.stop()
+    scene.canceler.allow(goal)
+    scene.tracker.accept(goal, 1)
+    await asyncio.sleep(0.02)
+    assert (goal.status, scene.port.asked) == (S.ACCEPTED, [None])
+
+
+@pytest.mark.parametrize(
+    ("status", "error", "unwanted"),
+    [
+        (S.PENDING, STOPPED, True),
+        (S.EXECUTING, CANCELED, True),
+        (S.LOST, TOO_LATE, True),
+        (S.LOST, LOST, False),
+        (S.EXECUTING, None, False),
+    ],
+)
+async def test_a_goal_that_was_unwanted_before_a_restart_is_canceled(
+    scene: Scene, status: GoalStatus, error: GoalError | None, unwanted: bool
+) -> None:
+    goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC), status=status, error=error)
+    scene.tracker.take_up(goal)
+    scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
+    if unwanted:
+        await until(lambda: goal.status is S.CANCELING)
+    else:
+        await asyncio.sleep(0.03)
+        assert (goal.status, scene.port.asked) == (S.EXECUTING, [])

@@ -221,10 +221,12 @@ async def test_a_key_is_claimed_for_the_goal(scene: Scene) -> None:
 
 async def test_a_goal_that_is_sent_again_keeps_its_id_and_is_not_stored_anew(scene: Scene) -> None:
     goal = Goal(A, "/dock", "pkg/action/Dock", utc_now(), goal=b"{}")
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
     task = await scene.send(again=goal)
     scene.answer(ACCEPTED)
     assert await task is goal
     assert (list(scene.port.sent), scene.history.keys) == ([A], [])
+    assert (goal.status, scene.port.canceled) == (S.ACCEPTED, [])
 
 
 async def test_only_so_many_goals_wait_for_an_answer(scene: Scene) -> None:
@@ -355,6 +357,17 @@ async def test_a_goal_that_is_accepted_too_late_is_canceled(hasty: Scene) -> Non
     assert hasty.tracker.last_heard > 0.0, "the server lives"
     assert hasty.port.requested == [goal.goal_id]
     assert hasty.delivery.unanswered == {}
+
+
+async def test_a_goal_that_its_server_reports_is_not_given_up() -> None:
+    """The answer to its request has been lost."""
+    scene = Scene(accept_timeout=0.5)
+    task = await scene.send()
+    (goal,) = scene.tracker.live.values()
+    scene.tracker.move(goal, S.EXECUTING)
+    assert await task is goal
+    assert (goal.status, scene.delivery.unanswered, scene.port.canceled) == (S.EXECUTING, {}, [])
+    await scene.tracker.close()
 
 
 async def test_a_goal_that_is_rejected_too_late_says_what_its_sender_was_told(hasty: Scene) -> None:
