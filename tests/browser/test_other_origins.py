@@ -101,3 +101,18 @@ def test_a_page_reads_every_header(page: Page, gateway: RunningGateway, token: s
     absent = ask(page, f"{gateway.url}/dock", "POST", {}, **bearer, idempotency_key="1", prefer="wait=1")
     assert absent["status"] == 503
     assert {"retry-after", "x-request-id"} <= absent["headers"].keys()
+
+
+def test_a_page_loads_files_with_crossorigin(page: Page, gateway: RunningGateway) -> None:
+    """Pictures and scripts without it are loaded by no other page: the browser does not say whose page it is."""
+    load = """([url, crossOrigin]) => new Promise((resolve) => {
+        const script = document.createElement("script");
+        if (crossOrigin) script.crossOrigin = "anonymous";
+        script.onload = () => resolve(true);
+        script.onerror = () => resolve(false);
+        script.src = url;
+        document.head.append(script);
+    })"""
+    file = f"{gateway.url}/color-scheme.js"
+    assert page.evaluate(load, [file, True]) is True
+    assert page.evaluate(load, [file, False]) is False

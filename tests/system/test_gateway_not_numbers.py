@@ -8,6 +8,7 @@ from typing import Any
 
 import httpx2
 import pytest
+from geometry_msgs.msg import Twist, TwistStamped
 from sensor_msgs.msg import BatteryState, LaserScan
 from std_msgs.msg import Float64
 from websockets.sync.client import ClientConnection
@@ -23,6 +24,7 @@ pytestmark = pytest.mark.ros
 
 SCAN, BATTERY, NUMBER = "sensor_msgs/msg/LaserScan", "sensor_msgs/msg/BatteryState", "std_msgs/msg/Float64"
 TOPICS = {"/readings": SCAN, "/measured": BATTERY, "/number": NUMBER}
+TWISTS = {"/cmd_vel": "geometry_msgs/msg/Twist", "/cmd_vel_stamped": "geometry_msgs/msg/TwistStamped"}
 NAN, INF = math.nan, math.inf
 SAYS = "send null instead of NaN; infinite numbers are not accepted"
 
@@ -31,7 +33,9 @@ SAYS = "send null instead of NaN; infinite numbers are not accepted"
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
     with (
         running_program(shared_domain, "fibonacci_action_server"),
-        running_gateway(shared_domain, publish=",".join(TOPICS), mcp="true", set_parameters="/fibonacci*") as gateway,
+        running_gateway(
+            shared_domain, publish=",".join([*TOPICS, *TWISTS]), mcp="true", set_parameters="/fibonacci*"
+        ) as gateway,
     ):
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         yield gateway
@@ -138,6 +142,28 @@ def test_other_fields_refuse_them_and_the_client_is_told(gateway: RunningGateway
         ended = client.receive()
         assert (ended["op"], ended["result"]) == ("action_result", False)
         assert "order: expected int32" in ended["values"]
+
+
+@pytest.mark.parametrize("topic", TWISTS)
+def test_a_velocity_is_finite_at_every_door(gateway: RunningGateway, observer: Observer, topic: str) -> None:
+    """Also where null is NaN: what a base does with it is not known."""
+    stamped = topic == "/cmd_vel_stamped"
+    seen = observer.record(TwistStamped if stamped else Twist, topic)
+
+    def twist(**linear: float | None) -> dict[str, Any]:
+        return {"twist": {"linear": linear}} if stamped else {"linear": linear}
+
+    path = "twist.linear.y" if stamped else "linear.y"
+    with client_of(gateway) as client:
+        client.send(op="advertise", topic=topic, type=TWISTS[topic])
+        for number in (NAN, INF, -INF, None):
+            client.publish(topic, twist(x=0.1, y=number), id="p")
+            assert f"{path}: expected a finite number" in client.error("p")
+        refused = gateway.http.post(f"/topics{topic}", json=twist(y=None), params={"type": TWISTS[topic]})
+        assert (refused.status_code, refused.json()["errors"][0]["path"]) == (422, path)
+        client.publish(topic, twist(x=0.5))
+    last = seen.wait_for(lambda message: (message.twist if stamped else message).linear.x == 0.5)
+    assert seen.messages == [last]
 
 
 def test_a_stop_with_such_numbers_is_one(gateway: RunningGateway) -> None:

@@ -8,9 +8,11 @@ import asyncio
 import time
 from collections import OrderedDict
 from dataclasses import dataclass
+from math import isfinite
+from typing import Any
 
 from dock_gateway.core.allow_list import AllowList
-from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed, Unavailable
+from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed, Unavailable, got
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
@@ -26,11 +28,14 @@ from dock_gateway.ros.messages.types import MessageClass
 from dock_gateway.ros.topic_port import TopicPort
 from dock_gateway.setting_types import LONGEST_NAME
 from dock_gateway.settings import Settings
+from robot_io import velocity_types
 
 # Publishers that are kept for the next message, and the seconds for which one is kept.
 MAX_PUBLISHERS, KEEP = 50, 60.0
 # Seconds between two looks at the types of a topic that is published on.
 LOOK = 1.0
+# What a velocity consists of.
+PARTS = ("linear", "angular")
 # Messages that command nothing: published for stopped robots, too.
 REPORTS = frozenset({"sensor_msgs/msg/BatteryState", "diagnostic_msgs/msg/DiagnosticArray"})
 
@@ -177,7 +182,7 @@ class Publishing:
         if not publication.reached.done():
             await asyncio.wait({publication.reached})
         # Nothing is awaited from here on, so no stop can come between the check and the message.
-        message = codec(publication.kind).parse(fields)
+        message = _read(publication.topic, publication.kind, fields)
         act()
         self._require_released(publication.topic)
         if not publication.port.open:
@@ -189,7 +194,7 @@ class Publishing:
     async def _open(self, name: str, type_name: str | None, grant: Grant, fields: object) -> Publication:
         topic = await self.find(name, type_name, grant)
         kind = await self.load(topic)
-        codec(kind).parse(fields)  # before the gateway appears on the topic
+        _read(topic, kind, fields)  # before the gateway appears on the topic
         self._require_released(topic)
         async with self._opening:
             known = self._publications.get(name)
@@ -264,6 +269,24 @@ class Publishing:
         """Leave all topics."""
         for name in [*self._publications]:
             self._drop(name)
+
+
+def _read(topic: FoundTopic, kind: MessageClass, fields: object) -> Any:
+    """Return a message; a velocity has to be finite: what a base does with NaN is not known.
+
+    Raises:
+        InvalidField: It is no such message.
+    """
+    message = codec(kind).parse(fields)
+    if topic.type in velocity_types.TYPES:
+        twist, path = (message.twist, "twist.") if topic.type == velocity_types.STAMPED else (message, "")
+        values = {f"{path}{part}.{axis}": getattr(getattr(twist, part), axis) for part in PARTS for axis in "xyz"}
+        wrong = [
+            FieldError(name, "a finite number", got(value)) for name, value in values.items() if not isfinite(value)
+        ]
+        if wrong:
+            raise InvalidField(wrong)
+    return message
 
 
 def _wishes(topic: Topic, type_name: str) -> tuple[bool, int]:
