@@ -96,6 +96,7 @@ async def _open(
     if settings.authentication:
         await logins.open()
     history.on_loss = sites.read_again
+    history.retention.per_site = True
     parts = Parts(
         {
             Settings: settings,

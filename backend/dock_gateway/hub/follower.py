@@ -12,10 +12,12 @@ import orjson
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal, GoalError
+from dock_gateway.core.filters import GoalFilter
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import cancel
 from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.goal_documents import Happening, ends_of, finish_goal, read_goal, read_goal_id, read_time
+from dock_gateway.hub.goal_documents import Happening, ends_of, finish_goal, read_goal, read_goal_id, read_time, size_of
+from dock_gateway.hub.pace import Pace
 from dock_gateway.hub.reading import Reading, id_before, read_event_id
 from dock_gateway.hub.renaming import read_alerts, read_approvals, read_names, read_robots
 from dock_gateway.hub.site_client import Conversation, SiteClient
@@ -31,13 +33,12 @@ log = logging.getLogger(__name__)
 RETRY_FIRST, RETRY_LAST = 0.2, 5.0
 # Events of a site that wait for the store; beyond it, the site is not read on.
 MAX_WAITING = 500
-# Goals whose state is remembered, so that the end of one can be put together.
-MAX_GOALS = 1000
+# Goals whose state is remembered, so that the end of one can be put together; and the bytes of their messages. As many
+# may wait for the store.
+MAX_GOALS, MAX_GOAL_BYTES = 1000, 8 * 1024 * 1024
 # Goals in a page, and pages that are read of a site at most.
 PAGE, MAX_PAGES = 200, 50
-# What a site lets the hub work for without a break, in seconds; and how many times as long, or how long, others come
-# first after that.
-LONG_WORK, BREAK, LONGEST_BREAK = 0.005, 3.0, 0.5
+RUNNING = frozenset(status for status in GoalStatus if not status.final)
 # Seconds between two measurements of the round trip.
 MEASURE_INTERVAL = 15.0
 
@@ -68,6 +69,7 @@ class Follower:
         self._history = history
         self._mirror = mirror
         self._goals: dict[str, Goal] = {}
+        self._bytes = 0  # of the messages of those goals
         self._news = News(self._site)
         self._more, self._less = asyncio.Event(), asyncio.Event()
         view.behind = True
@@ -103,6 +105,7 @@ class Follower:
         cursor = self._view.cursor = await self._mirror.cursor(self._site)
         self._news = News(self._site)
         self._goals.clear()
+        self._bytes = 0
         async with self._client.events(cursor) as conversation:
             work = self._read_all(conversation, Reading(cursor)), self._write(), self._measure()
             tasks = [asyncio.create_task(each) for each in work]
@@ -115,15 +118,19 @@ class Follower:
                 task.result()
 
     async def _read_all(self, conversation: Conversation, reading: Reading) -> None:
+        pace = Pace()
         async for message in conversation:
             self._view.reported_at = began = time.monotonic()
             self._view.trouble = None
             await self._read(_decode(message), reading)
-            took = time.monotonic() - began
-            await asyncio.sleep(min(BREAK * took, LONGEST_BREAK) if took > LONG_WORK else 0)  # one site is not all
-            while len(self._news.happenings) >= MAX_WAITING:
-                self._less.clear()
-                await self._less.wait()
+            await pace.give_way(time.monotonic() - began)  # one site is not all
+            await self._make_room()
+
+    async def _make_room(self) -> None:
+        """Wait until the store has taken what was read."""
+        while len(self._news.happenings) >= MAX_WAITING or self._news.size > MAX_GOAL_BYTES:
+            self._less.clear()
+            await self._less.wait()
 
     async def _measure(self) -> None:
         while True:
@@ -187,10 +194,14 @@ class Follower:
         log.warning("the site %s sends what cannot be read: %s", self._site, error)
 
     def _note(self, goal: Goal) -> None:
-        self._goals.pop(goal.goal_id, None)
+        if (before := self._goals.pop(goal.goal_id, None)) is not None:
+            self._bytes -= size_of(before)
         self._goals[goal.goal_id] = self._news.goals[goal.goal_id] = goal
-        if len(self._goals) > MAX_GOALS:
-            del self._goals[next(iter(self._goals))]
+        size = size_of(goal)
+        self._news.size += size
+        self._bytes += size
+        while len(self._goals) > MAX_GOALS or self._bytes > MAX_GOAL_BYTES:
+            self._bytes -= size_of(self._goals.pop(next(iter(self._goals))))
 
     async def _find(self, goal_id: str) -> Goal:
         """Return a goal that has ended: as it was told before, as it is stored, or as the site has it."""
@@ -240,6 +251,8 @@ class Follower:
         """Take over goals as they are now; return their ids. Their ends are told, if they may not have been told."""
         found = set()
         for document in documents:
+            await self._make_room()
+            await asyncio.sleep(0)
             try:
                 goal = read_goal(self._site, document)
             except ForeignDocumentError as error:
@@ -249,7 +262,7 @@ class Follower:
             self._note(goal)
             if reading.tells_of(goal):
                 self._news.happenings += ends_of(copy(goal))
-        self._more.set()
+            self._more.set()
         return found
 
     async def _read_pages(self, reading: Reading) -> set[str]:
@@ -271,8 +284,9 @@ class Follower:
 
     async def _look_for_unfinished(self, found: set[str]) -> None:
         """Ask for the goals that run as far as the hub knows, and that the site has not named."""
-        for known in await self._history.unfinished():
-            if known.goal_id in found or not self._is_ours(known):
+        running = GoalFilter(statuses=RUNNING, namespace=f"/{self._site}")
+        for known in await self._history.page(running, limit=MAX_GOALS):
+            if known.goal_id in found:
                 continue
             try:
                 goal = await self._ask(known.goal_id)

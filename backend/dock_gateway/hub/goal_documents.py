@@ -11,8 +11,8 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.hub import fields
 from dock_gateway.hub.fields import ForeignDocumentError
 
-# Bytes of a goal, its feedback or its result. A larger one is left out; the site has it.
-MAX_MESSAGE = 128 * 1024
+# Bytes of a goal or its result, and of its last feedback. A larger one is left out; the site has it.
+MAX_MESSAGE, MAX_FEEDBACK = 128 * 1024, 4096
 ORIGINS = ("gateway", "automation", "external")
 VERBS = ("dock", "undock", None)
 
@@ -51,7 +51,7 @@ def read_goal(site: str, document: Any) -> Goal:
             verb=verb,
             status=GoalStatus(document["status"]),
             goal=_message(document["goal"]),
-            feedback=_message(document.get("feedback")),
+            feedback=_message(document.get("feedback"), MAX_FEEDBACK),
             result=_message(document.get("result")),
             error=read_error(document["error"]),
             stage=fields.maybe(fields.text)(site, document["stage"]),
@@ -137,10 +137,15 @@ def read_error(value: Any) -> GoalError | None:
     return GoalError(fields.text("", value.get("code")), fields.text("", value.get("detail")))
 
 
-def _message(value: Any) -> bytes | None:
+def size_of(goal: Goal) -> int:
+    """Return the bytes of the messages of a goal."""
+    return sum(len(message) for message in (goal.goal, goal.feedback, goal.result) if message is not None)
+
+
+def _message(value: Any, most: int = MAX_MESSAGE) -> bytes | None:
     if value is None:
         return None
     if not isinstance(value, dict):
         raise ForeignDocumentError(f"{value!r:.60} is not a message")
     message = orjson.dumps(value)
-    return message if len(message) <= MAX_MESSAGE else None
+    return message if len(message) <= most else None

@@ -28,6 +28,8 @@ log = logging.getLogger(__name__)
 TOPIC = "robots"
 # Seconds between two publications of what has changed.
 INTERVAL = 0.2
+# Bytes of robots of one site in a publication: a site whose robots change all the time is not all that readers get.
+MAX_PUBLISHED = 512 * 1024
 # The fields of a site that change all the time. A change of the others is published.
 RESTLESS = frozenset({"lag_ms", "round_trip_ms", "clock_offset_s", "cursor"})
 NO_SERVER = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
@@ -254,9 +256,9 @@ class Overview:
         gone: list[str] = []
         for view in views:
             state = self._sites.state(view.site)
-            changed, view.changed = view.changed, set()
-            robots += [view.robots[name] | {"site_state": state} for name in sorted(changed) if name in view.robots]
-            gone += sorted(changed - view.robots.keys())
+            changed = view.take_changed(MAX_PUBLISHED)
+            robots += [view.robots[name] | {"site_state": state} for name in changed if name in view.robots]
+            gone += [name for name in changed if name not in view.robots]
         if robots or gone:
             self._fanout.publish(fleet_event("robots", utc_now(), robots=robots, gone=gone))
         self._publish_alerts()

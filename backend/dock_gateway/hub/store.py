@@ -10,9 +10,10 @@ import logging
 from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import Event, nanoseconds, result_event, status_event
+from dock_gateway.core.event import Event, nanoseconds, result_event, status_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import Tasks
@@ -37,12 +38,14 @@ class News:
         goals: Goals as they are now, by id.
         happenings: How they changed.
         cursor: Id of the site's last event among these; None if that does not move.
+        size: Bytes of the messages of the goals.
     """
 
     site: str
     goals: dict[str, Goal] = field(default_factory=dict)
     happenings: list[Happening] = field(default_factory=list)
     cursor: str | None = None
+    size: int = 0
 
     def parts(self) -> Iterator["News"]:
         """Yield it goal by goal, and last the cursor."""
@@ -133,6 +136,7 @@ class HubStore:
 
     async def _prepare(self, every: Sequence[News]) -> MirrorBatch:
         """Give ids to the events that are new. It is done once: what is written again has the same ids."""
+        now = utc_now()
         happened: dict[str, Happening] = {}
         for news in every:
             for happening in news.happenings:
@@ -143,15 +147,27 @@ class HubStore:
         for goal in (goal for news in every for goal in news.goals.values()):
             if goals.setdefault(goal.goal_id, goal).action_name != goal.action_name:
                 raise RefusedError(f"two sites have a goal with the id {goal.goal_id}")
-            goals[goal.goal_id] = copy(goal)
+            goals[goal.goal_id] = arrived(goal, now)
         events = []
         for key, happening in happened.items():
-            event = _event(happening, self._fanout.clock.stamp(nanoseconds(happening.at)))
+            shown = replace(happening, goal=arrived(happening.goal, now))
+            event = _event(shown, self._fanout.clock.stamp(nanoseconds(happening.at)))
             events.append(replace(event, key=key))
             if happening.goal.goal_id in goals:
                 goals[happening.goal.goal_id].last_event_id = event.id
         cursors = {news.site: news.cursor for news in every if news.cursor is not None}
         return MirrorBatch(list(goals.values()), events, cursors)
+
+
+def arrived(goal: Goal, now: datetime) -> Goal:
+    """Return a copy of a goal of which no time is later than that of its arrival: the clock of a site may be wrong.
+
+    Else goals of a site with a later clock would be above all others in lists, and outlive them.
+    """
+    goal = copy(goal)
+    goal.created_at, goal.updated_at = min(goal.created_at, now), min(goal.updated_at, now)
+    goal.finished_at = None if goal.finished_at is None else min(goal.finished_at, now)
+    return goal
 
 
 def _event(happening: Happening, stamp_ns: int) -> Event:

@@ -15,7 +15,7 @@ from dock_gateway.core.event import time_id
 from dock_gateway.storage.tables import BEGINNING, audit_chain, horizons, metadata
 
 MIGRATIONS = Path(__file__).parent / "migrations"
-HEAD = "0020"  # the newest revision
+HEAD = "0021"  # the newest revision
 # The revisions before the baseline, 0018. No release has used them, and nothing upgrades them.
 EARLY = frozenset(f"{number:04}" for number in range(1, 18))
 

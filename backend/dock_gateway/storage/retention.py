@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import partial
@@ -13,8 +13,9 @@ import sqlalchemy as sa
 
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.storage import audit, notes, queries
+from dock_gateway.storage import audit, notes, queries, shares
 from dock_gateway.storage.database import DATABASE_ERRORS, Database
+from dock_gateway.storage.shares import Excess
 from dock_gateway.storage.tables import IS_DROPPABLE, IS_KEPT, events, goals, idempotency_keys
 
 log = logging.getLogger(__name__)
@@ -23,6 +24,8 @@ INTERVAL = 60.0  # seconds between two runs
 TIMEOUT = 10.0  # seconds per transaction
 # The maximum number of events, and of goals (with their events), deleted per transaction, to keep it short.
 CHUNK, GOAL_CHUNK = 1000, 20
+# The maximum number of transactions of one kind in a run: what is added meanwhile is for the next one.
+MAX_CHUNKS = 10_000
 # The maximum number of events, and of goals, that are added up to find the last one that is too much.
 LOOK, GOAL_LOOK = 20_000, 2000
 # Bytes of a status or result event in the file besides its text: ids, indexes and its share of the goal's row.
@@ -72,9 +75,13 @@ class Retention:
     Args:
         database: The database to delete from.
         limits: How much is kept.
+
+    Attributes:
+        per_site: Whether the goals are those of several sites, of which none may take the place of another.
     """
 
     def __init__(self, database: Database, limits: Limits) -> None:
+        self.per_site = False
         self._database = database
         self._limits = limits
 
@@ -96,7 +103,10 @@ class Retention:
         deleted = await self._delete(_delete_events, event_id)
         deleted += await self._delete_excess(_delete_events, partial(_last_event_beyond, limits.event_bytes))
         deleted += await self._delete(partial(_delete_goals, lost=True), created)
-        deleted += await self._delete_excess(_delete_goals, partial(_last_goal_beyond, limits.goal_bytes))
+        if self.per_site:
+            deleted += await self._delete_excess(_delete_goals_of_site, partial(_excess_of_a_site, limits.goal_bytes))
+        else:
+            deleted += await self._delete_excess(_delete_goals, partial(_last_goal_beyond, limits.goal_bytes))
         async with asyncio.timeout(TIMEOUT):
             await self._database.write(_delete_old_keys, durable=False)
         await self._delete_audit()
@@ -113,7 +123,7 @@ class Retention:
     async def _delete(self, delete: Callable[[sa.Connection, T], Deleted], last: T) -> int:
         """Delete what is not later than `last`, in small transactions; return the number of deleted events."""
         events = 0
-        while True:
+        for _ in range(MAX_CHUNKS):
             start = time.monotonic()
             async with asyncio.timeout(TIMEOUT):
                 deleted = await self._database.write(delete, last, durable=False)
@@ -121,6 +131,7 @@ class Retention:
                 return events
             events += deleted.events
             await asyncio.sleep(max(PAUSE, REST * (time.monotonic() - start)))
+        return events
 
     async def _delete_excess(
         self, delete: Callable[[sa.Connection, T], Deleted], find_last: Callable[[sa.Connection], T | None]
@@ -199,12 +210,43 @@ def _last_goal_beyond(most: int, connection: sa.Connection) -> datetime | None:
     return last
 
 
-def _delete_goals(connection: sa.Connection, last: datetime, *, lost: bool = False) -> Deleted:
+def _excess_of_a_site(most: int, connection: sa.Connection) -> Excess | None:
+    """Return which goals must go of the site that has the most; None if no site has more than its share."""
+    sizes = shares.sizes(connection, OVERHEAD)
+    if sizes.total() <= most:
+        return None
+    prefix, size = sizes.most_common(1)[0]
+    total = sa.select(sa.literal(size, sa.BigInteger))
+    events_of_goal = sa.select(sa.func.sum(events.c.size) + OVERHEAD * sa.func.count()).where(
+        IS_KEPT, events.c.goal_id == goals.c.goal_id
+    )
+    size_of_goal = sa.func.coalesce(events_of_goal.scalar_subquery(), 0) + OVERHEAD
+    for running in (False, True):
+        ended = () if running else (_HAS_ENDED,)
+        oldest = sa.select(goals.c.created_at, size_of_goal).where(shares.is_of(prefix), *ended)
+        oldest = oldest.order_by(goals.c.created_at).limit(GOAL_LOOK)
+        last = _last_beyond(connection, shares.share(sizes.values(), most), total, oldest)
+        if last is not None:
+            return Excess(prefix, last, running)
+    return None
+
+
+def _delete_goals_of_site(connection: sa.Connection, excess: Excess) -> Deleted:
+    return _delete_goals(connection, excess.last, among=(excess.condition, sa.true() if excess.running else _HAS_ENDED))
+
+
+def _delete_goals(
+    connection: sa.Connection,
+    last: datetime,
+    *,
+    lost: bool = False,
+    among: Sequence[sa.ColumnElement[bool]] = (_HAS_ENDED,),
+) -> Deleted:
     """Delete the oldest ended goals with their events, up to a time of creation; also those `lost` up to then.
 
-    If the goals have more events than fit in a transaction, only events are deleted first.
+    With `among`, those that it selects. If the goals have more events than fit in a transaction, only events are deleted first.
     """
-    gone: sa.ColumnElement[bool] = _HAS_ENDED
+    gone: sa.ColumnElement[bool] = sa.and_(*among)
     if lost:
         gone = sa.or_(gone, sa.and_(goals.c.status == GoalStatus.LOST.value, goals.c.updated_at <= last))
     query = sa.select(goals.c.goal_id).where(goals.c.created_at <= last, gone, _has_no_key())
