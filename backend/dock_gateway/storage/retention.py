@@ -154,7 +154,7 @@ def _delete_old_keys(connection: sa.Connection) -> None:
     connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= datetime.now(UTC)))
 
 
-def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[tuple[int]], oldest: sa.Select[Any]) -> Any:
+def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[Any], oldest: sa.Select[Any]) -> Any:
     """Return the last entry that must go so that `most` bytes are left, in one statement; None if nothing must go.
 
     Args:
@@ -232,7 +232,8 @@ def _excess_of_a_site(most: int, connection: sa.Connection) -> Excess | None:
 
 
 def _delete_goals_of_site(connection: sa.Connection, excess: Excess) -> Deleted:
-    return _delete_goals(connection, excess.last, among=(excess.condition, sa.true() if excess.running else _HAS_ENDED))
+    among = (excess.condition,) if excess.running else (excess.condition, _HAS_ENDED)
+    return _delete_goals(connection, excess.last, among=among)
 
 
 def _delete_goals(
@@ -244,7 +245,8 @@ def _delete_goals(
 ) -> Deleted:
     """Delete the oldest ended goals with their events, up to a time of creation; also those `lost` up to then.
 
-    With `among`, those that it selects. If the goals have more events than fit in a transaction, only events are deleted first.
+    With `among`, those that it selects. If the goals have more events than fit in a transaction, only events are deleted
+    first.
     """
     gone: sa.ColumnElement[bool] = sa.and_(*among)
     if lost:

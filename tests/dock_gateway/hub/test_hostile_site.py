@@ -60,7 +60,7 @@ async def hub_of(folder: Path, url: str = "", most: int = MOST) -> AsyncIterator
     async with open_at(url or f"sqlite:///{folder / 'hub.db'}", folder, goal_bytes=most) as history:
         await until(lambda: history.stats().database_reachable)
         history.retention.per_site = True
-        store = HubStore(history.mirror, Fanout(queue_limit=10, max_subscribers=10))
+        store = HubStore(history.mirror, Fanout(queue_limit=10))
         try:
             await store.keep(honest_news())
             yield history, store

@@ -13,5 +13,5 @@ depends_on = None
 def upgrade() -> None:
     """Make the index again, with the action."""
     op.drop_index("kept_events", "events")
-    where = {"sqlite_where": IS_KEPT, "postgresql_where": IS_KEPT}
-    op.create_index("kept_events", "events", ["action_name", "size", "droppable"], **where)
+    columns = ["action_name", "size", "droppable"]
+    op.create_index("kept_events", "events", columns, sqlite_where=IS_KEPT, postgresql_where=IS_KEPT)
