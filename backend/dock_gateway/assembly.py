@@ -29,6 +29,7 @@ from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import PendingFacts, Tasks, closed_by
+from dock_gateway.core.work import in_turn
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.findings import claimed_twice
@@ -321,6 +322,7 @@ def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, s
 
 def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Relays]:
     """Make what reads the graph, and the messages of any topic."""
+    stack.push_async_callback(in_turn.close)
     graph = closed_by(stack, GraphCache(bridge))
     return graph, closed_by(stack, Relays(bridge, graph))
 

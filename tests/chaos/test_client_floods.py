@@ -7,15 +7,21 @@ import pytest
 
 from tests.chaos.withstand import withstand
 from tests.support.domain import ros_domain
-from tests.support.floods import FLOODS, flooding
-from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.floods import FLOODS, MAPS, flooding
+from tests.support.gateway import RunningGateway, running_gateway, running_hostile_node
 
 pytestmark = pytest.mark.ros
 
 
 @pytest.fixture(scope="module")
-def gateway() -> Iterator[RunningGateway]:
-    with ros_domain() as domain, running_gateway(domain, mcp="true") as gateway:
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(domain, mcp="true", publish="/flood/*") as gateway:
         yield gateway
 
 
@@ -26,9 +32,16 @@ def gateway_with_few_files() -> Iterator[RunningGateway]:
         yield gateway
 
 
-@pytest.mark.parametrize("name", FLOODS)
+@pytest.mark.parametrize("name", [name for name in FLOODS if name not in MAPS])
 def test_a_flood(gateway: RunningGateway, name: str) -> None:
     withstand(gateway, f"Clients: {name}", flooding(name, gateway.url))
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_a_flood_of_large_messages(gateway: RunningGateway, domain: int, name: str) -> None:
+    """A map of many megabytes comes each second. Fast DDS keeps buffers of that size."""
+    with running_hostile_node(domain, "grid", "--size", f"{MAPS[name]}"):
+        withstand(gateway, f"Clients: {name}", flooding(name, gateway.url), megabytes=300)
 
 
 @pytest.mark.parametrize("name", ["half-open connections", "half-sent requests", "connections", "slow event streams"])

@@ -35,7 +35,9 @@ def frame(opcode: int, payload: bytes = b"", *, fin: bool = True) -> bytes:
     head = opcode | (FIN if fin else 0)
     if len(payload) < 126:
         return bytes((head, 0x80 | len(payload))) + bytes(4) + payload
-    return struct.pack("!BBH", head, 0x80 | 126, len(payload)) + bytes(4) + payload
+    if len(payload) < 65_536:
+        return struct.pack("!BBH", head, 0x80 | 126, len(payload)) + bytes(4) + payload
+    return struct.pack("!BBQ", head, 0x80 | 127, len(payload)) + bytes(4) + payload
 
 
 def open_websocket(address: Address, path: str, headers: bytes = b"") -> socket.socket:
@@ -156,6 +158,41 @@ def _slow_websockets(
     return flood
 
 
+def _readers(path: str, first: bytes, count: int, headers: bytes = b"") -> Flood:
+    """Open streams, send `first` on each, and read them as fast as they come."""
+
+    def flood(address: Address) -> None:
+        with selectors.DefaultSelector() as selector:
+            for _ in range(count):
+                connection = open_websocket(address, path, headers)
+                connection.sendall(first)
+                selector.register(connection, selectors.EVENT_READ)
+            while all(key.fileobj.recv(1 << 20) for key, _ in selector.select()):  # type: ignore[union-attr]
+                pass
+
+    return flood
+
+
+def _downloads(path: str, count: int) -> Flood:
+    """Ask for a document on some connections, read it as fast as it comes, and ask again."""
+
+    def flood(address: Address) -> None:
+        request = b"GET %s HTTP/1.1\r\n%sConnection: close\r\n\r\n" % (path.encode(), HOST)
+        with selectors.DefaultSelector() as selector:
+            for _ in range(count):
+                selector.register(_connect(address, request), selectors.EVENT_READ)
+            while True:
+                for key, _ in selector.select():
+                    connection = key.fileobj
+                    assert isinstance(connection, socket.socket)
+                    if not connection.recv(1 << 20):
+                        selector.unregister(connection)
+                        connection.close()
+                        selector.register(_connect(address, request), selectors.EVENT_READ)
+
+    return flood
+
+
 def _sessions(path: str, first: bytes, headers: bytes = b"") -> Flood:
     """Open a WebSocket, send `first` and leave, again and again, twenty at a time."""
 
@@ -199,6 +236,23 @@ CHURN = b"".join(
     + _operation(b'{"op":"unsubscribe","topic":"/flood%d"}' % n)
     for n in range(200)
 )
+# Views of a large map, and large messages of clients.
+VIEW_MAP = _operation(b'{"op":"subscribe","topic":"/map","type":"nav_msgs/OccupancyGrid"}')
+VIEW_MAP_IN_PIECES = _operation(
+    b'{"op":"subscribe","topic":"/map","type":"nav_msgs/OccupancyGrid","queue_length":1,"fragment_size":100}'
+)
+CALL_IN_PIECES = _operation(
+    b'{"op":"call_service","service":"/rosapi/topics_and_raw_types","id":"flood","fragment_size":100}'
+)
+ADVERTISE = _operation(b'{"op":"advertise","topic":"/flood/path","type":"nav_msgs/Path"}')
+# The longest path that is read, and one that is refused.
+POSES = b'{"poses":[%s]}' % b",".join([b"{}"] * 1_600)
+TOO_MANY_POSES = b'{"poses":[%s]}' % b",".join([b"{}"] * 10_000)
+MARKERS = b'{"markers":[%s]}' % b",".join([b'{"points":[%s]}' % b",".join([b"{}"] * 3_000)] * 70)
+PUBLISH = _operation(b'{"op":"publish","topic":"/flood/path","msg":%s}' % POSES)
+PUBLISH_TOO_MUCH = _operation(b'{"op":"publish","topic":"/flood/path","msg":%s}' % TOO_MANY_POSES)
+PUBLISH_MARKERS = _operation(b'{"op":"publish","topic":"/flood/markers","msg":%s}' % MARKERS)
+ADVERTISE_MARKERS = _operation(b'{"op":"advertise","topic":"/flood/markers","type":"visualization_msgs/MarkerArray"}')
 # Foxglove: subscriptions to channels that are not there, and binary messages that are none.
 NO_CHANNELS = b",".join(b'{"id":%d,"channelId":%d}' % (n, n) for n in range(1_000))
 SUBSCRIPTIONS = _operation(b'{"op":"subscribe","subscriptions":[%s]}' % NO_CHANNELS)
@@ -207,6 +261,8 @@ BINARY_NONSENSE = [frame(BINARY, data) for data in NOT_BINARY]
 # The channel of the battery has the same id for each connection, as soon as it is offered.
 BATTERY = zlib.crc32(b"/battery_status sensor_msgs/msg/BatteryState")
 VIEW = _operation(b'{"op":"subscribe","subscriptions":[{"id":1,"channelId":%d}]}' % BATTERY)
+MAP_CHANNEL = zlib.crc32(b"/map nav_msgs/msg/OccupancyGrid")
+VIEW_MAP_CHANNEL = _operation(b'{"op":"subscribe","subscriptions":[{"id":1,"channelId":%d}]}' % MAP_CHANNEL)
 # A frame that announces 100 GB.
 ENDLESS_FRAME = struct.pack("!BBQ", FIN | TEXT, 0xFF, 100_000_000_000) + bytes(4)
 
@@ -214,6 +270,12 @@ ENDLESS_FRAME = struct.pack("!BBQ", FIN | TEXT, 0xFF, 100_000_000_000) + bytes(4
 def _call(tool: bytes) -> bytes:
     """A call of a tool of agents."""
     return _message(b'{"jsonrpc":"2.0","id":1,"method":"tools/call","params":{"name":"%s","arguments":{}}}' % tool)
+
+
+def _posted(path: bytes, body: bytes) -> bytes:
+    """A request with a body of JSON."""
+    head = b"POST %s HTTP/1.1\r\n%sContent-Type: application/json\r\nContent-Length: %d\r\n\r\n"
+    return head % (path, HOST, len(body)) + body
 
 
 def _message(body: bytes) -> bytes:
@@ -258,7 +320,26 @@ FLOODS: dict[str, Flood] = {
     "slow readers of /foxglove": _slow_websockets("/foxglove", VIEW * 100, VIEW, FOXGLOVE),
     "sessions of /foxglove": _sessions("/foxglove", SUBSCRIPTIONS, FOXGLOVE),
     "unread answers": _slow_readers("/openapi.json", 200),
+    "a map in pieces on /rosbridge": _readers("/rosbridge", VIEW_MAP_IN_PIECES, 1),
+    "answers in pieces on /rosbridge": _websocket("/rosbridge", b"", CALL_IN_PIECES),
+    "paths on /rosbridge": _websocket("/rosbridge", ADVERTISE, PUBLISH),
+    "too long paths on /rosbridge": _websocket("/rosbridge", ADVERTISE, PUBLISH_TOO_MUCH),
+    "markers on /rosbridge": _websocket("/rosbridge", ADVERTISE_MARKERS, PUBLISH_MARKERS),
+    "paths by POST": _many(3, b"", _posted(b"/topics/flood/path?type=nav_msgs/msg/Path", POSES), pause=0.05),
+    "viewers of a large map on /rosbridge": _readers("/rosbridge", VIEW_MAP, 3),
+    "viewers of map.png": _downloads("/robots/map.png", 10),
+    "viewers of a large topic": _readers("/ws/topics?topic=/map", b"", 3),
+    "viewers of a large map on /foxglove": _readers("/foxglove", VIEW_MAP_CHANNEL, 3, FOXGLOVE),
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),
+}
+
+# Floods about a large topic, which `tests.support.hostile_node grid` publishes: the bytes of its messages.
+MAPS = {
+    "a map in pieces on /rosbridge": 4_000_000,
+    "viewers of a large map on /rosbridge": 16_000_000,
+    "viewers of a large map on /foxglove": 16_000_000,
+    "viewers of a large topic": 16_000_000,
+    "viewers of map.png": 16_000_000,
 }
 
 

@@ -18,10 +18,11 @@ from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist
+from nav_msgs.msg import OccupancyGrid
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_action_status_default
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import BatteryState
 from test_msgs.action import Fibonacci as OtherFibonacci
@@ -31,6 +32,7 @@ from action_tutorials_interfaces.action import ConnectToChargingDock, Fibonacci
 
 FeedbackMessage = ConnectToChargingDock.Impl.FeedbackMessage
 RELIABLE = QoSProfile(depth=10)
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # Bytes of a goal id, and where ids are in encoded messages: in feedback, the first and the second in a status, and the
 # distance of the others.
 ID_SIZE, ID_OF_FEEDBACK, FIRST_ID, SECOND_ID, NEXT_ID = 16, 4, 8, 33, 28
@@ -170,6 +172,25 @@ def diagnostics(node: Node, options: argparse.Namespace) -> Callable[[], None]:
     return flood
 
 
+def grid(node: Node, options: argparse.Namespace) -> Callable[[], None]:
+    """A map of so many bytes that is never the same, and a battery: its robot is known."""
+    publisher = node.create_publisher(OccupancyGrid, options.topic or "/map", LATCHED)
+    node.create_publisher(BatteryState, "/battery_status", RELIABLE)
+    message = OccupancyGrid()
+    message.header.frame_id = "map"
+    message.info.resolution, message.info.width = 0.05, 1000
+    message.info.height = options.size // message.info.width
+    message.info.origin.orientation.w = 1.0
+    cells = os.urandom(options.size)  # a photograph rather than a room: it hardly compresses
+    message.data.frombytes(bytes(min(cell % 128, 100) for cell in cells))
+
+    def flood() -> None:
+        message.data[0] = (message.data[0] + 1) % 100
+        publisher.publish(message)
+
+    return flood
+
+
 def actions(node: Node, options: argparse.Namespace) -> Callable[[], None]:
     """Hundreds of actions at once, of which only the topics are there."""
     for number in range(options.count):
@@ -234,6 +255,7 @@ MODES: dict[str, Mode] = {
         battery,
         velocity,
         diagnostics,
+        grid,
         actions,
         silent_servers,
         robots,

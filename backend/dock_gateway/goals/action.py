@@ -116,6 +116,23 @@ class Action:
         """The request that an empty body stands for; None if a body is required."""
         return None if self.adapter is None else self.adapter.default
 
+    async def read_goal(self, value: object, path: str = "") -> Any:
+        """Return the goal message with these fields. Others have their turn while a large one is read.
+
+        Args:
+            value: Decoded JSON.
+            path: Where it was, for errors.
+
+        Raises:
+            InvalidField: It is not valid.
+            Conflict: `stopped`: a stop was requested meanwhile.
+        """
+        stops = self.delivery.stops
+        message = await self.port.goal_codec.read(value, path)
+        if self.delivery.stops != stops:
+            self.delivery.require_no_stop_since(stops)
+        return message
+
     def parse_request(self, request: object, path: str = "") -> Any:
         """Return the goal message for a request: for docking and undocking a simple request, or the message's fields.
 

@@ -124,7 +124,7 @@ async def send_action_goal(name: GraphName, request: Request, actions: Part[Acti
     audited(request, action_name=action.name, robot=parent_of(action.name))
     wait, key = read_wait(request), read_own_key(request)
     # It must not be empty: to use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
-    message = action.port.goal_codec.parse(await read_json(request))
+    message = await action.read_goal(await read_json(request))
     goal = await action.submitter.submit(message, key)
     return await answer_sent(request, action, goal, f"/actions{action.name}/goals", wait)
 

@@ -18,9 +18,11 @@ from dock_gateway.core.errors import (
 )
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.request import hold, turn
+from dock_gateway.core.work import in_turn
 from dock_gateway.graph.names import not_found
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import node_names, read_service
+from dock_gateway.ros.messages.bounds import MAX_NESTED
 from dock_gateway.ros.parameter_port import ParameterPort
 from dock_gateway.ros.parameter_values import Parameter, unknown, value_document
 from dock_gateway.settings import Settings
@@ -125,10 +127,12 @@ class Parameters:
             ServerTimeout: `parameters_timeout`: it did not answer. It may have set them.
         """
         self.require_allowed(node)
+        if (items := sum(len(value) for value in values.values() if isinstance(value, list))) > MAX_NESTED:
+            raise InvalidField([FieldError("", f"at most {MAX_NESTED:,} values in all arrays", f"got {items:,}")])
         if not 0 < len(values) <= MAX_PARAMETERS:
             raise InvalidField([FieldError("", f"1 to {MAX_PARAMETERS} parameters by name", f"got {len(values)}")])
         async with self._port(node, grant) as port:
-            parsed = _parse(values, await _read(port))
+            parsed = await in_turn(_parse, values, await _read(port))
             results = await port.set(parsed, at_once=at_once)
             if len(results) != (1 if at_once else len(parsed)):
                 raise Conflict(f"{node} does not say whether it has set them", code="parameters_refused")

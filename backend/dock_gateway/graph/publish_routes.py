@@ -18,7 +18,7 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GraphName, json_response, known_query, read_json
+from dock_gateway.http.requests import GraphName, json_response, known_query, read_body, read_json
 
 router = APIRouter(tags=["Topics"], prefix="/topics", dependencies=[Depends(known_query("type"))])
 
@@ -69,13 +69,14 @@ async def publish_message(
     audited(request, subject=name, robot=parent_of(name))
     fields = await read_json(request)
     published = await publishing.publish(name, fields, type_name=type_name, grant=grant)
+    message = await published.encode(len(await read_body(request)))
     return Response(
         encode(
             {
                 "topic": name,
                 "type": published.type,
                 "subscribers": published.subscribers,
-                "message": fragment(published.message),
+                "message": fragment(message),
             }
         ),
         media_type="application/json",

@@ -18,6 +18,7 @@ from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.graph import ACTION_PART, Topic
 from dock_gateway.core.request import act
+from dock_gateway.core.work import SMALL, in_turn
 from dock_gateway.graph.names import choose_type, not_found, not_installed
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.bridge import Bridge
@@ -91,11 +92,17 @@ class Publication:
 
 @dataclass(frozen=True)
 class Published:
-    """A message that was published, its type, and the number of subscriptions that it reached."""
+    """A message that was published, its type, its class, and the number of subscriptions that it reached."""
 
     type: str
     subscribers: int
-    message: Json
+    kind: MessageClass
+    message: Any
+
+    async def encode(self, size: int) -> Json:
+        """Return the message as JSON, in a thread if it is large; `size` is the number of bytes that it had as such."""
+        encode = codec(self.kind).encode
+        return encode(self.message) if size <= SMALL else await in_turn(encode, self.message)
 
 
 class Publishing:
@@ -176,32 +183,32 @@ class Publishing:
             Unavailable: `interface_not_installed`, or `ros_unavailable`; also if its publisher left meanwhile.
         """
         self.require_allowed(name)
-        publication = self._publications.get(name)
+        publication, message = self._publications.get(name), fields
         if publication is None or not publication.serves(type_name):
-            publication = await self._open(name, type_name, grant, fields)
+            publication, message = await self._open(name, type_name, grant, fields)
+        message = await _read(publication.topic, publication.kind, message)
         if not publication.reached.done():
             await asyncio.wait({publication.reached})
         # Nothing is awaited from here on, so no stop can come between the check and the message.
-        message = _read(publication.topic, publication.kind, fields)
         act()
         self._require_released(publication.topic)
         if not publication.port.open:
             raise Unavailable(f"the publisher of {name} has left meanwhile: try again", code="ros_unavailable")
         publication.port.publish(message)
         publication.used = time.monotonic()
-        return Published(publication.topic.type, publication.port.subscribers, codec(publication.kind).encode(message))
+        return Published(publication.topic.type, publication.port.subscribers, publication.kind, message)
 
-    async def _open(self, name: str, type_name: str | None, grant: Grant, fields: object) -> Publication:
+    async def _open(self, name: str, type_name: str | None, grant: Grant, fields: object) -> tuple[Publication, object]:
         topic = await self.find(name, type_name, grant)
         kind = await self.load(topic)
-        _read(topic, kind, fields)  # before the gateway appears on the topic
+        message = await _read(topic, kind, fields)  # before the gateway appears on the topic
         self._require_released(topic)
         async with self._opening:
             known = self._publications.get(name)
             if known is None or known.topic.type != topic.type or topic.latched > known.topic.latched:
                 known = await self._replace(topic, kind)
             known.topic, known.looked = topic, time.monotonic()
-        return known
+        return known, message
 
     async def _replace(self, topic: FoundTopic, kind: MessageClass) -> Publication:
         self._drop(topic.name)
@@ -271,13 +278,13 @@ class Publishing:
             self._drop(name)
 
 
-def _read(topic: FoundTopic, kind: MessageClass, fields: object) -> Any:
+async def _read(topic: FoundTopic, kind: MessageClass, fields: object) -> Any:
     """Return a message; a velocity has to be finite: what a base does with NaN is not known.
 
     Raises:
         InvalidField: It is no such message.
     """
-    message = codec(kind).parse(fields)
+    message = await codec(kind).read(fields)
     if topic.type in velocity_types.TYPES:
         twist, path = (message.twist, "twist.") if topic.type == velocity_types.STAMPED else (message, "")
         values = {f"{path}{part}.{axis}": getattr(getattr(twist, part), axis) for part in PARTS for axis in "xyz"}

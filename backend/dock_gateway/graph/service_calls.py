@@ -205,7 +205,7 @@ class ServiceCalls:
         service = await self.find(name, type_name, grant)
         self.require_allowed(service)
         kind = await self.load(service)
-        request = codec(kind.Request).parse(fields)
+        request = await codec(kind.Request).read(fields)
         self._require_released(service)
 
         def before() -> None:

@@ -9,7 +9,7 @@ from pydantic import Field
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
 from dock_gateway.rosbridge.protocol import Identity, Operation, fragment
 
-# Messages of a connection that may be incomplete at a time, and the pieces of each.
+# Messages of a connection that may be incomplete at a time, and the pieces of each, as well as of one that it is sent.
 MAX_MESSAGES, MAX_PIECES = 8, 10_000
 
 
@@ -64,11 +64,12 @@ _numbers = itertools.count(1)
 
 
 def split(message: bytes, size: int | None) -> Iterator[bytes]:
-    """Yield a message as it is, or in pieces of at most this many characters."""
+    """Yield a message as it is, or in pieces of this many characters; of more, if there were more than `MAX_PIECES`."""
     if size is None or len(message) <= size:
         yield message
         return
     text, identity = message.decode(), f"fragment:{next(_numbers)}"
+    size = max(size, -(-len(text) // MAX_PIECES))
     total = -(-len(text) // size)
     for number in range(total):
         yield fragment(text[number * size : (number + 1) * size], number, total, identity)

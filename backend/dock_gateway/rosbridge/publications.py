@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.work import in_turn
 from dock_gateway.graph.publishing import Publishing
 from dock_gateway.http.parts import Parts
+from dock_gateway.ros.messages.bounds import is_long
 from dock_gateway.ros.messages.types import Nested, kinds, type_name
 from dock_gateway.rosbridge.protocol import stamp
 from dock_gateway.rosbridge.values import reader
@@ -87,7 +89,7 @@ class Publications:
             if isinstance(header, dict) and header.get("stamp") is None:
                 message = {**message, "header": {**header, "stamp": stamp(utc_now())}}
         if known.read is not None:
-            message = known.read(message)
+            message = await in_turn(known.read, message) if is_long(message) else known.read(message)
         await self._publishing.publish(topic, message, type_name=known.type, grant=self._rights.grant)
         return {}
 

@@ -6,7 +6,7 @@ Goals are the gateway's: they survive a broken connection. What a client may do 
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from contextlib import nullcontext, suppress
+from contextlib import AsyncExitStack, nullcontext, suppress
 from functools import partial
 from typing import Any
 
@@ -19,6 +19,7 @@ from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
+from dock_gateway.core.work import SMALL
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
@@ -66,6 +67,8 @@ from dock_gateway.streams.rights import Rights
 log = logging.getLogger(__name__)
 
 CANCEL, FRAGMENT = "cancel_action_goal", "fragment"
+# One of these is in each message that stops something; the last begins a letter that is written as a number.
+URGENT_WORDS = (CANCEL, STOP, "\\u")
 # What asks many nodes.
 PARAMETERS = "/rosapi/get_param_names"
 # Operations in progress, and cancels and stops in addition to them.
@@ -175,17 +178,23 @@ class Session:
         await self._report(Level.error, error.detail, None)
 
     async def _handle(self, received: Message) -> None:
-        op, identity = "", None
+        op, identity, text = "", None, _text(received)
         try:
-            op, identity, fields = read_operation(_text(received))
-            operate = OPERATIONS.get(op)
-            if operate is None:
-                known = ", ".join(OPERATIONS)
-                await self._report(Level.error, f"unknown operation {op[:60]!r}: expected one of {known}", identity)
-            elif op in IN_ORDER:
-                async with self._in_order:
-                    await operate(self, fields, identity)
-            else:
+            async with AsyncExitStack() as stack:
+                # Decoded, a long message takes twenty times as much memory: it is, once it is its turn.
+                long = len(text) > SMALL and not _is_urgent(received)
+                if long:
+                    await stack.enter_async_context(self._in_order)
+                op, identity, fields = read_operation(text)
+                operate = OPERATIONS.get(op)
+                if operate is None:
+                    known = ", ".join(OPERATIONS)
+                    await self._report(Level.error, f"unknown operation {op[:60]!r}: expected one of {known}", identity)
+                    return
+                if op not in IN_ORDER:
+                    await stack.aclose()
+                elif not long:
+                    await stack.enter_async_context(self._in_order)
                 await operate(self, fields, identity)
         except GatewayError as error:
             text = f"{op}: {error.detail}" if op else error.detail
@@ -343,7 +352,11 @@ def _text(received: Message) -> str | bytes:
 
 
 def _is_urgent(received: Message) -> bool:
-    """Whether a message stops something."""
+    """Whether a message stops something. What has none of the words for that is not decoded: it may be long."""
+    text = received.get("text") or (received.get("bytes") or b"").decode(errors="replace")
+    lower = text.lower()
+    if not any(word in lower for word in URGENT_WORDS):
+        return False
     try:
         op, _, fields = read_operation(_text(received))
     except GatewayError:

@@ -72,7 +72,7 @@ async def _submit_goal(parts: Parts, principal: Principal, command: SendGoalComm
     else:
         namespace = None if robot is None else parts[RobotRegistry].get(robot).namespace
         action = await parts[ActionRegistry].find(parts[Settings].resolve(name, namespace))
-        message = action.port.goal_codec.parse(goal, "goal")
+        message = await action.read_goal(goal, "goal")
     key = check_key(command.idempotency_key, "idempotency_key")
     own = None if key is None else principal.own(key)
     return {"goal": (await action.submitter.submit(message, own)).document()}

@@ -10,6 +10,11 @@ from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.work import SMALL
+
+# Bytes of the messages of a client that are in progress at a time. Beyond it, long ones are refused, unless there is
+# only one. Decoded, they take twenty times as much memory.
+MOST_BYTES = 250_000
 
 
 class Reads:
@@ -65,7 +70,7 @@ async def carry_out_all(
         most_urgent: Urgent ones in addition to them. Beyond this, the socket is not read until one is answered.
         what: What the messages are called, such as `commands`.
     """
-    tasks: set[asyncio.Task[None]] = set()
+    tasks: dict[asyncio.Task[None], int] = {}
     while True:
         received = await websocket.receive()
         if received["type"] == "websocket.disconnect":
@@ -75,11 +80,15 @@ async def carry_out_all(
             if whole is None:
                 continue
             received = whole
-        if len(tasks) >= most and not is_urgent(received):
-            await refuse(received, TooManyRequests(f"{most} {what} are already in progress"))
+        size = len(received.get("text") or received.get("bytes") or b"")
+        many = len(tasks) >= most
+        large = size > SMALL and bool(tasks) and sum(tasks.values()) + size > MOST_BYTES
+        if (many or large) and not is_urgent(received):
+            in_progress = f"{most} {what}" if many else f"{what} of {MOST_BYTES:,} bytes"
+            await refuse(received, TooManyRequests(f"{in_progress} are already in progress"))
             continue
         while len(tasks) >= most + most_urgent:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         task = asyncio.create_task(handle(received))
-        tasks.add(task)
-        task.add_done_callback(tasks.discard)
+        tasks[task] = size
+        task.add_done_callback(tasks.pop)

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import AsyncMock
 
 import pytest
 
@@ -23,9 +24,7 @@ def actions(action: Any) -> Any:
 
 
 async def test_no_goal_is_sent_for_an_empty_body() -> None:
-    action: Any = SimpleNamespace(
-        name="/fibonacci", port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value))
-    )
+    action: Any = SimpleNamespace(name="/fibonacci", read_goal=AsyncMock(side_effect=lambda value: value))
     with pytest.raises(InvalidField):
         await send_action_goal("fibonacci", request(b""), actions(action))
 
@@ -46,7 +45,7 @@ async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted()
 
     action: Any = SimpleNamespace(
         name="/robot1/spin",
-        port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)),
+        read_goal=AsyncMock(side_effect=lambda value: value),
         submitter=SimpleNamespace(submit=submit),
         tracker=SimpleNamespace(wait_terminal=wait_terminal),
     )

@@ -107,3 +107,11 @@ def test_a_goal_id_as_others_write_it(text: str) -> None:
 def test_what_is_no_goal_id(text: str) -> None:
     with pytest.raises(InvalidField):
         read_goal_id(text)
+
+
+@pytest.mark.parametrize("text", [b"[%s]" % b",".join([b"{}"] * 20_000), b"[" * 10_001 + b"{" * 10_000])
+def test_json_with_too_many_parts_is_refused_before_it_is_decoded(text: bytes) -> None:
+    with pytest.raises(MalformedRequest, match="the body has more than 20,000 objects and arrays") as refused:
+        decode_json(text, "the body")
+    assert (refused.value.status, refused.value.code) == (413, "body_too_large")
+    assert decode_json(b"[%s]" % b",".join([b"1"] * 20_000), "the body") == [1] * 20_000

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, cast
 
 from dock_gateway.http.edge.limits import ConnectionLimits, Priority
-from dock_gateway.http.edge.scheduler import InputScheduler
+from dock_gateway.http.edge.scheduler import TurnScheduler
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
@@ -35,7 +35,7 @@ class Edge:
 
     settings: Settings
     limits: ConnectionLimits
-    scheduler: InputScheduler = field(default_factory=InputScheduler)
+    scheduler: TurnScheduler = field(default_factory=TurnScheduler)
     unfinished: Counter[str] = field(default_factory=Counter)
 
 

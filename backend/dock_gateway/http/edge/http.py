@@ -5,11 +5,13 @@ import contextlib
 import logging
 import socket
 import sys
+from collections.abc import Callable, Coroutine
 from http import HTTPStatus
 from typing import Any
 
 import h11
 from starlette.requests import Request
+from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from dock_gateway.core.errors import GatewayError, MalformedRequest, Unavailable
@@ -37,6 +39,7 @@ END_OF_TLS = 0.3
 PIECE_COST = 0.0001
 
 EXTENSION = "dock_gateway.socket"
+Send = Callable[[ASGISendEvent], Coroutine[Any, Any, None]]
 
 
 def limit_unsent(request: Request, size: int) -> None:
@@ -178,12 +181,23 @@ class HttpProtocol(H11Protocol):
         if self.cycle is not before:
             self.scope["extensions"] = {EXTENSION: {"socket": self.transport.get_extra_info("socket")}}
             self._edge.scheduler.charge(REQUEST_COST)
+            self.cycle.send = self._in_turn(self.cycle.send)  # type: ignore[method-assign, assignment]
             # A careless proxy takes a connection on which it has seen a WebSocket's upgrade for a tunnel, whatever the
             # answer: its client could send any request through it.
             if not self.transport.connection.regular or super()._get_upgrade() == b"websocket":
                 self.cycle.keep_alive = False
         if self.transport.connection.protocol is self:
             self._watch(incomplete=self._has_begun or self.unread)
+
+    def _in_turn(self, send: Send) -> Send:
+        """Return a `send` that gives way after each piece of a streamed answer."""
+
+        async def send_and_give_way(message: ASGISendEvent) -> None:
+            await send(message)
+            if message["type"] == "http.response.body" and message.get("more_body"):
+                await self._edge.scheduler.sent(len(message["body"]))
+
+        return send_and_give_way
 
     def _watch(self, *, incomplete: bool) -> None:
         if incomplete and self._deadline is None and not self._refused:

@@ -1,4 +1,4 @@
-"""Shares the event loop's time between connections that send."""
+"""Shares the event loop's time between connections: what clients send, and what they are sent."""
 
 import asyncio
 from collections import deque
@@ -7,11 +7,14 @@ from time import perf_counter
 
 Work = Callable[[], None]
 
+# Seconds that a message or a piece of an answer costs that a client is sent: by itself, and for each byte.
+SEND_COST, BYTE_COST = 0.00005, 1e-9
 
-class InputScheduler:
-    """Handles the input of connections: now if this turn of the loop has time, else in turn.
 
-    A turn of the loop spends at most `TURN` seconds on input, so one client's flood delays the others by that much and
+class TurnScheduler:
+    """Handles the input and output of connections: now if this turn of the loop has time, else in turn.
+
+    A turn of the loop spends at most `TURN` seconds on both, so one client's flood delays the others by that much and
     not by the length of the flood. Queued input is handled round robin, one piece per connection.
 
     Attributes:
@@ -56,6 +59,15 @@ class InputScheduler:
 
         self.enqueue(grant)
         await granted
+
+    async def sent(self, size: int) -> None:
+        """Charge an output of this many bytes. If this turn is used up, wait for another one.
+
+        Sending does not wait while the socket takes what is sent: a loop that sends would block all others.
+        """
+        self.charge(SEND_COST + size * BYTE_COST)
+        if self._spent >= self.TURN:
+            await self.wait(SEND_COST)
 
     def charge(self, seconds: float) -> None:
         """Charge time to this turn, including time that its work will cost elsewhere."""

@@ -193,9 +193,11 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     # Output.
 
     async def send(self, message: ASGISendEvent) -> None:
-        """Send a message of the application. A client that was cut off counts as disconnected."""
+        """Send a message of the application, then give way. A client that was cut off counts as disconnected."""
         try:
             await super().send(message)
+            data: Any = message.get("text") or message.get("bytes") or b""
+            await self._edge.scheduler.sent(len(data))
             if message["type"] == "websocket.http.response.body" and self.close_sent:
                 self.handshake_complete = True  # refused, which is no error of the application
         except RuntimeError:

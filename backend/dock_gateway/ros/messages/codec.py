@@ -14,6 +14,8 @@ import orjson
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.goal import Json, encode
+from dock_gateway.core.work import in_turn
+from dock_gateway.ros.messages.bounds import FEW_NESTED, MAX_NESTED, NUMBERS, Errors, TooLong, nested_in
 from dock_gateway.ros.messages.constants import constants_by_field
 from dock_gateway.ros.messages.fields import MAX_ERRORS, Field, compile_field, wrong
 from dock_gateway.ros.messages.schema import Schema, message_schema
@@ -50,6 +52,17 @@ class MessageCodec:
         """Encode a message as JSON text."""
         return encode(self.document(message))
 
+    async def read(self, value: object, path: str = "") -> Any:
+        """Build a message as `parse` does, and give way while that takes long.
+
+        Raises:
+            InvalidField: With all errors, up to a limit.
+        """
+        try:
+            return self._parse(value, path, FEW_NESTED)
+        except TooLong:
+            return await in_turn(self.parse, value, path)
+
     def parse(self, value: object, path: str = "") -> Any:
         """Build a message from decoded JSON; missing fields get their default, NaN if the message type wants it.
 
@@ -58,15 +71,23 @@ class MessageCodec:
         Raises:
             InvalidField: With all errors, up to a limit.
         """
+        try:
+            return self._parse(value, path, MAX_NESTED)
+        except TooLong:
+            most = f"at most {MAX_NESTED:,} nested messages and texts in all, a number counting 1/{NUMBERS}"
+            raise InvalidField([FieldError(path, most, "got more")]) from None
+
+    def _parse(self, value: object, path: str, most: int) -> Any:
         if isinstance(value, self._class):
             return value
-        errors: list[FieldError] = []
+        errors = Errors(most)
+        errors.take(nested_in(self._class))
         message = self.parse_into(value, path, errors)
         if errors:
             raise InvalidField(errors[:MAX_ERRORS])
         return message
 
-    def parse_into(self, value: object, path: str, errors: list[FieldError]) -> Any:
+    def parse_into(self, value: object, path: str, errors: Errors) -> Any:
         """Like `parse`, but append the errors to `errors`."""
         message = self.default()
         if not isinstance(value, Mapping):

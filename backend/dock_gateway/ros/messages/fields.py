@@ -18,6 +18,7 @@ import numpy as np
 
 from dock_gateway.core.errors import FieldError
 from dock_gateway.core.json_text import Infinite
+from dock_gateway.ros.messages.bounds import Errors, weight_of_item
 from dock_gateway.ros.messages.constants import Constant
 from dock_gateway.ros.messages.types import Boolean, Float, Integer, Kind, MessageClass, Nested, Sequence, Text
 
@@ -32,7 +33,7 @@ FLOAT32_MAX = 3.4028235e38  # its shortest text, slightly more than the exact va
 DECIMAL = r"-?(0|[1-9][0-9]{0,19})"
 
 Encoder = Callable[[Any], Any]
-Parser = Callable[[Any, str, list[FieldError]], Any]
+Parser = Callable[[Any, str, Errors], Any]
 Names = tuple[Constant, ...]
 
 
@@ -43,7 +44,7 @@ class NestedCodec(Protocol):
     def document(self) -> Encoder:
         """Converts a message to plain data."""
 
-    def parse_into(self, value: object, path: str, errors: list[FieldError]) -> Any:
+    def parse_into(self, value: object, path: str, errors: Errors) -> Any:
         """Build a message from decoded JSON; append the errors to `errors`."""
 
     def default(self) -> Any:
@@ -104,7 +105,7 @@ def wrong(path: str, expected: str, value: object) -> FieldError:
     return FieldError(path[:200], expected, got)
 
 
-def _parse_boolean(value: Any, path: str, errors: list[FieldError]) -> Any:
+def _parse_boolean(value: Any, path: str, errors: Errors) -> Any:
     if not isinstance(value, bool):
         errors.append(wrong(path, "a boolean", value))
     return value
@@ -119,7 +120,7 @@ def _integer(kind: Integer, constants: Names) -> Field:
     if constants:
         expected += f" or one of {', '.join(constant.name for constant in constants)}"
 
-    def parse(value: Any, path: str, errors: list[FieldError]) -> Any:
+    def parse(value: Any, path: str, errors: Errors) -> Any:
         number = value
         if isinstance(value, str):
             number = values.get(value.upper())
@@ -150,7 +151,7 @@ def _float(kind: Float) -> Field:
     limit = FLOAT32_MAX if kind.single else sys.float_info.max
     expected = "float32 (-3.4e38 to 3.4e38) or null" if kind.single else "float64 or null"
 
-    def parse(value: Any, path: str, errors: list[FieldError]) -> Any:
+    def parse(value: Any, path: str, errors: Errors) -> Any:
         if value is None:
             return math.nan
         if isinstance(value, Infinite):
@@ -164,7 +165,7 @@ def _float(kind: Float) -> Field:
 
 
 def _text(maximum: int) -> Parser:
-    def parse(value: Any, path: str, errors: list[FieldError]) -> Any:
+    def parse(value: Any, path: str, errors: Errors) -> Any:
         if not isinstance(value, str):
             errors.append(wrong(path, "a string", value))
         elif len(value) > maximum:
@@ -220,9 +221,9 @@ def _sequence_parser(kind: Sequence, item: Parser) -> Parser:
     expected = f"an array of {low} items" if kind.fixed else f"an array of at most {high} items"
     if kind.binary:
         expected += ", or base64"
-    pack, whole = _packer(kind), _whole(kind)
+    pack, whole, weight = _packer(kind), _whole(kind), weight_of_item(kind)
 
-    def parse(value: Any, path: str, errors: list[FieldError]) -> Any:
+    def parse(value: Any, path: str, errors: Errors) -> Any:
         if kind.binary and isinstance(value, str):
             value = _decode(value, path, expected, errors)
             if value is None:
@@ -233,6 +234,7 @@ def _sequence_parser(kind: Sequence, item: Parser) -> Parser:
         if not low <= len(value) <= high:
             errors.append(FieldError(path[:200], expected, f"got {len(value)}"))
             return None
+        errors.take(int(len(value) * weight))
         done = whole(value)
         if done is not None:
             return done
@@ -246,7 +248,7 @@ def _sequence_parser(kind: Sequence, item: Parser) -> Parser:
     return parse
 
 
-def _decode(text: str, path: str, expected: str, errors: list[FieldError]) -> list[int] | None:
+def _decode(text: str, path: str, expected: str, errors: Errors) -> list[int] | None:
     try:
         return list(binascii.a2b_base64(text.encode("ascii"), strict_mode=True))
     except (binascii.Error, UnicodeEncodeError) as error:

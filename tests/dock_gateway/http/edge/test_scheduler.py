@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from dock_gateway.http.edge import scheduler as edge_scheduler
-from dock_gateway.http.edge.scheduler import InputScheduler
+from dock_gateway.http.edge.scheduler import TurnScheduler
 
 
 @pytest.fixture
@@ -17,11 +17,11 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 async def test_work_is_done_at_once_until_the_turn_is_used_up(clock: list[float]) -> None:
-    scheduler = InputScheduler()
+    scheduler = TurnScheduler()
     done = []
 
     def work() -> None:
-        clock[0] += InputScheduler.TURN / 2
+        clock[0] += TurnScheduler.TURN / 2
         done.append(len(done))
 
     for _ in range(2):
@@ -33,12 +33,12 @@ async def test_work_is_done_at_once_until_the_turn_is_used_up(clock: list[float]
 
 
 async def test_what_has_to_wait_is_done_in_turn(clock: list[float]) -> None:
-    scheduler = InputScheduler()
+    scheduler = TurnScheduler()
     done: list[tuple[str, int]] = []
     turn = 0
 
     def work(name: str, times: int) -> None:
-        clock[0] += InputScheduler.TURN / 2
+        clock[0] += TurnScheduler.TURN / 2
         done.append((name, turn))
         if times > 1:
             scheduler.enqueue(lambda: work(name, times - 1))
@@ -53,18 +53,18 @@ async def test_what_has_to_wait_is_done_in_turn(clock: list[float]) -> None:
 
 
 async def test_work_that_costs_time_elsewhere_is_charged_for_it(clock: list[float]) -> None:
-    scheduler = InputScheduler()
-    scheduler.run(lambda: scheduler.charge(InputScheduler.TURN))
+    scheduler = TurnScheduler()
+    scheduler.run(lambda: scheduler.charge(TurnScheduler.TURN))
     assert not scheduler.free
 
 
 async def test_a_task_waits_for_its_turn_and_is_charged_for_it(clock: list[float]) -> None:
-    scheduler = InputScheduler()
+    scheduler = TurnScheduler()
     turns: list[int] = []
     turn = 0
 
     async def wait() -> None:
-        await scheduler.wait(InputScheduler.TURN / 2)
+        await scheduler.wait(TurnScheduler.TURN / 2)
         turns.append(turn)
 
     tasks = [asyncio.create_task(wait()) for _ in range(6)]

@@ -1,0 +1,74 @@
+"""How much one message of a client may hold as a whole: it is read, and given to ROS, while others wait."""
+
+from functools import cache
+
+from dock_gateway.core.errors import FieldError
+from dock_gateway.ros.messages.types import Kind, MessageClass, Nested, Sequence, kinds
+
+# Nested messages and texts in a message, in all its arrays together. That many take ROS some 10 ms, all at once.
+MAX_NESTED = 10_000
+# Those of a message that is read on the event loop: about a millisecond. A longer one is read in a thread.
+FEW_NESTED = 300
+# Numbers in an array that take as long as a nested message.
+NUMBERS = 50
+
+
+class TooLong(Exception):
+    """A message holds more than may be read."""
+
+
+class Errors(list[FieldError]):
+    """The errors of a message that is being read, and how much more of it may be read.
+
+    Args:
+        most: Maximum number of nested messages and texts.
+    """
+
+    def __init__(self, most: int = MAX_NESTED) -> None:
+        super().__init__()
+        self._left = most
+
+    def take(self, items: int) -> None:
+        """Take nested messages and texts, before they are read.
+
+        Raises:
+            TooLong: There are too many.
+        """
+        self._left -= items
+        if self._left < 0:
+            raise TooLong
+
+
+def is_long(value: object) -> bool:
+    """Return whether decoded JSON has more values than are worked on on the event loop."""
+    waiting = [value]
+    for _ in range(FEW_NESTED):
+        if not waiting:
+            return False
+        item = waiting.pop()
+        if isinstance(item, dict):
+            waiting.extend(item.values())
+        elif isinstance(item, list):
+            waiting.extend(item)
+    return True
+
+
+@cache
+def nested_in(message_class: MessageClass) -> int:
+    """Return the number of messages that a message consists of if its arrays are empty, with itself."""
+    return 1 + sum(map(_weight, kinds(message_class).values()))
+
+
+def weight_of_item(kind: Sequence) -> float:
+    """Return what an item of an array counts."""
+    return 1 / NUMBERS if kind.code else max(1, _weight(kind.item))
+
+
+def _weight(kind: Kind) -> int:
+    match kind:
+        case Nested(message_class):
+            return nested_in(message_class)
+        case Sequence(item=item, low=low):
+            return low * _weight(item)
+        case _:
+            return 0

@@ -1,0 +1,102 @@
+"""What a client sends has a bound as a whole, not for each of its arrays alone; what is long is read in turn."""
+
+import threading
+from typing import Any
+
+import orjson
+import pytest
+from geometry_msgs.msg import PoseArray
+from hypothesis import given
+from hypothesis import strategies as st
+from nav_msgs.msg import Path
+from trajectory_msgs.msg import JointTrajectory
+from visualization_msgs.msg import MarkerArray
+
+from dock_gateway.core.errors import InvalidField
+from dock_gateway.ros.messages import codec as message_codec
+from dock_gateway.ros.messages.bounds import FEW_NESTED, MAX_NESTED, is_long
+from dock_gateway.ros.messages.codec import codec
+from dock_gateway.ros.messages.types import Nested, Sequence, kinds
+from tests.support.waiting import PATIENCE
+
+A_FEW = 100
+
+
+def count(message: Any) -> int:
+    """How many messages a message consists of, itself and its texts in arrays included."""
+    total = 1
+    for name, kind in kinds(type(message)).items():
+        value = getattr(message, name)
+        if isinstance(kind, Nested):
+            total += count(value)
+        elif isinstance(kind, Sequence) and kind.code is None:
+            total += sum(count(item) if isinstance(kind.item, Nested) else 1 for item in value)
+    return total
+
+
+few = st.integers(0, 12)
+markers = st.lists(
+    st.fixed_dictionaries({"points": few.map(lambda n: [{}] * n), "colors": few.map(lambda n: [{}] * n)}), max_size=8
+)
+trajectories = st.tuples(few, few).map(lambda n: {"joint_names": ["joint"] * n[0], "points": [{}] * n[1]})
+values = st.one_of(
+    st.tuples(st.just(MarkerArray), markers.map(lambda each: {"markers": each})),
+    st.tuples(st.just(Path), few.map(lambda n: {"poses": [{}] * n * 3})),
+    st.tuples(st.just(PoseArray), few.map(lambda n: {"poses": [{}] * n * 5})),
+    st.tuples(st.just(JointTrajectory), trajectories),
+)
+
+
+@given(values)
+def test_no_message_holds_more_than_the_bound_however_it_is_nested(case: tuple[Any, Any]) -> None:
+    message_class, value = case
+    whole = codec(message_class).parse(value)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(message_codec, "MAX_NESTED", A_FEW)
+        if count(whole) > A_FEW:
+            with pytest.raises(InvalidField, match=f"at most {A_FEW} nested messages"):
+                codec(message_class).parse(value)
+        else:
+            assert codec(message_class).parse(value) == whole
+
+
+@pytest.mark.parametrize(
+    ("message_class", "text"),
+    [
+        (Path, b'{"poses":[%s]}' % b",".join([b"{}"] * 10_000)),
+        (MarkerArray, b'{"markers":[%s]}' % b",".join([b'{"points":[%s]}' % b",".join([b"{}"] * 5_000)] * 40)),
+        (JointTrajectory, b'{"joint_names":[%s]}' % b",".join([b'""'] * 10_001)),
+    ],
+)
+def test_many_short_arrays_are_refused_as_one_long_one_is(message_class: Any, text: bytes) -> None:
+    with pytest.raises(InvalidField, match=r"at most 10,?000"):
+        codec(message_class).parse(orjson.loads(text))
+
+
+def test_a_long_trajectory_is_read() -> None:
+    """Numbers count little: a thousand points of six joints are no burden."""
+    points = [{"positions": [1.0] * 6, "velocities": [0.1] * 6, "effort": [2.0] * 6}] * 1_000
+    message = codec(JointTrajectory).parse({"joint_names": list("abcdef"), "points": points})
+    assert len(message.points) == 1_000
+
+
+@pytest.mark.timeout(PATIENCE)
+@pytest.mark.parametrize(("poses", "in_thread"), [(3, False), (MAX_NESTED // 7, True)])
+async def test_what_is_long_is_read_in_a_thread(poses: int, in_thread: bool) -> None:
+    seen: list[int] = []
+
+    class Pose(dict[str, Any]):
+        def items(self) -> Any:
+            seen.append(threading.get_ident())
+            return super().items()
+
+    message = await codec(Path).read({"poses": [Pose() for _ in range(poses)]})
+    assert len(message.poses) == poses
+    assert (seen[-1] != threading.get_ident()) is in_thread
+    assert len(seen) <= FEW_NESTED + poses
+
+
+@given(st.recursive(st.integers(), lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=20))
+def test_short_values_are_not_long(value: Any) -> None:
+    assert not is_long(value)
+    assert is_long([value] * FEW_NESTED)
