@@ -29,7 +29,7 @@ from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import PendingFacts, Tasks, closed_by
-from dock_gateway.core.work import in_turn
+from dock_gateway.core.work import Work, in_turn
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.findings import claimed_twice
@@ -138,7 +138,7 @@ async def _open(
     if settings.store_poses:
         recorder = closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
         _listen_to_poses(settings, robots, PosePort, recorder, stack)
-    graph, relays = _read_topics(bridge, stack)
+    graph, relays, work = _read_topics(bridge, stack)
     recordings = _record(settings, relays, robots, actions, audit=audit, stack=stack)
     publishing = closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
     await bridge.call(
@@ -262,7 +262,8 @@ async def _open(
             Maps: closed_by(stack, Maps(settings, relays, graph, fanout, robots.namespaces)),
             Cameras: closed_by(stack, Cameras(settings, fanout, robots, graph, relays)),
             Recordings: recordings,
-            EchoRegistry: closed_by(stack, EchoRegistry(bridge, graph)),
+            Work: work,
+            EchoRegistry: closed_by(stack, EchoRegistry(bridge, graph, work)),
             ServiceCalls: closed_by(stack, ServiceCalls(settings, bridge, interlock)),
             Parameters: closed_by(stack, Parameters(settings, bridge)),
             Publishing: publishing,
@@ -320,11 +321,11 @@ def _make_publishing(settings: Settings, bridge: Bridge, interlock: Interlock, s
     return publishing
 
 
-def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Relays]:
-    """Make what reads the graph, and the messages of any topic."""
+def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Relays, Work]:
+    """Make what reads the graph, and the messages of any topic, and what decodes them."""
     stack.push_async_callback(in_turn.close)
-    graph = closed_by(stack, GraphCache(bridge))
-    return graph, closed_by(stack, Relays(bridge, graph))
+    graph, work = closed_by(stack, GraphCache(bridge)), closed_by(stack, Work())
+    return graph, closed_by(stack, Relays(bridge, graph)), work
 
 
 def _record(

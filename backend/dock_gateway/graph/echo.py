@@ -14,10 +14,11 @@ from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.graph import Topic
 from dock_gateway.core.tasks import cancel
+from dock_gateway.core.work import Work
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.subscription import TopicSubscription, listening_for
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.raw_port import EchoType, Heard, Reading
+from dock_gateway.ros.raw_port import EchoType, Heard, Reading, read_message
 
 log = logging.getLogger(__name__)
 
@@ -52,11 +53,13 @@ class Echo:
         bridge: Runs calls on the ROS thread.
         graph: Knows the endpoints of the topic.
         topic: The current state of the topic.
+        work: Decodes messages.
         tick: See `TICK`.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, work: Work, tick: float = TICK) -> None:
         self._tick = tick
+        self._work = work
         self._subscription = TopicSubscription(bridge, graph, topic)
         self._viewers: set[Viewer] = set()
         self._unreadable: str | None = None
@@ -145,7 +148,7 @@ class Echo:
         before, self._unreadable = self._unreadable, None
         reading: Reading | None = None
         try:
-            reading = await asyncio.to_thread(kind.read, message)
+            reading = await self._work(len(message), read_message, kind.name, message)
         except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
             self._unreadable = f"its messages cannot be read as {kind.name}: {error}"
             if before is None:

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from dock_gateway.core.fanout import Subscriber
+from dock_gateway.core.work import Work
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.echo import TICK, Echo, Viewer
 from dock_gateway.ros.bridge import Bridge
@@ -19,11 +20,13 @@ class EchoRegistry:
     Args:
         bridge: Runs calls on the ROS thread.
         graph: Knows the endpoints of a topic.
+        work: Decodes messages.
         tick: Seconds between two rate events and two checks of a topic.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache, tick: float = TICK) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, work: Work, tick: float = TICK) -> None:
         self._tick = tick
+        self._work = work
         self._bridge = bridge
         self._graph = graph
         self._echoes: dict[str, Echo] = {}
@@ -53,7 +56,7 @@ class EchoRegistry:
 
     async def _open(self, topic: str) -> Echo:
         found = await self._graph.topic(topic)
-        echo = Echo(self._bridge, self._graph, found, self._tick)
+        echo = Echo(self._bridge, self._graph, found, self._work, self._tick)
         await echo.open()
         self._echoes[topic] = echo
         log.info("subscribed to %s", topic)

@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -90,6 +91,21 @@ class EchoType:
             Exception: The bytes are not such a message.
         """
         return deserialize_message(message, self.message_class)
+
+
+@cache
+def echo_type(name: str) -> EchoType:
+    """Return a type, made once: in a process that only decodes messages, too."""
+    return EchoType(name)
+
+
+def read_message(name: str, message: bytes) -> "Reading":
+    """Decode a message of the type of this name to abbreviated JSON.
+
+    Raises:
+        Exception: The bytes are not such a message.
+    """
+    return echo_type(name).read(message)
 
 
 class Reading(NamedTuple):

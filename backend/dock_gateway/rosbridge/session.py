@@ -19,7 +19,7 @@ from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
-from dock_gateway.core.work import SMALL
+from dock_gateway.core.work import SMALL, Work
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
@@ -29,6 +29,7 @@ from dock_gateway.http.problems import INTERNAL
 from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
+from dock_gateway.rosbridge.encoding import Payload
 from dock_gateway.rosbridge.fragments import Fragment, Fragments, split
 from dock_gateway.rosbridge.goals import ClientGoals, failure
 from dock_gateway.rosbridge.protocol import (
@@ -53,7 +54,6 @@ from dock_gateway.rosbridge.protocol import (
     stop_request,
 )
 from dock_gateway.rosbridge.publications import Publications
-from dock_gateway.rosbridge.published import Payload
 from dock_gateway.rosbridge.services import Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
@@ -105,7 +105,8 @@ class Session:
         self._goals = ClientGoals(self._send)
         self._services = Services(parts, self._rights)
         self._publications = Publications(parts, self._rights)
-        self._subscriptions = Subscriptions(parts[Relays], writer)
+        self._subscriptions = Subscriptions(parts[Relays], parts[Work], writer)
+        self._framed = writer is not None
         self._connection = ClientConnection(websocket, parts[Settings].subscriber_timeout)
         self._in_order = asyncio.Lock()
         self._asking = asyncio.Lock()
@@ -117,7 +118,9 @@ class Session:
 
     async def run(self, place: Subscriber) -> None:
         """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
-        await until_one_ends(self._read(), self._follow(place), self._subscriptions.send_all(self._send_payload))
+        await until_one_ends(
+            self._read(), self._follow(place), self._subscriptions.send_all(self._send_payload, self._report_error)
+        )
         await self._connection.close("too_slow")
 
     async def close(self) -> None:
@@ -315,15 +318,22 @@ class Session:
             with suppress(WebSocketDisconnect, TimeoutError, RuntimeError):
                 await self._send(status(level, text, identity))
 
+    async def _report_error(self, text: str) -> None:
+        await self._report(Level.error, text, None)
+
     async def _send(self, message: bytes, fragment_size: int | None = None) -> None:
         for piece in split(message, fragment_size):
             await self._connection.send({"type": "websocket.send", "text": piece.decode()})
 
     async def _send_payload(self, payload: Payload, fragment_size: int | None) -> None:
-        if payload.binary:
+        if not payload.binary and fragment_size is not None and payload.size > fragment_size:
+            await self._send(payload.data, fragment_size)
+        elif self._framed:
+            await self._connection.send({"type": "websocket.send", "frame": payload.frame})
+        elif payload.binary:
             await self._connection.send({"type": "websocket.send", "bytes": payload.data})
         else:
-            await self._send(payload.data, fragment_size)
+            await self._send(payload.data)
 
 
 Operate = Callable[[Session, Json, Identity], Awaitable[None]]

@@ -2,17 +2,18 @@
 
 import asyncio
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import ExitStack
-from typing import Any
 
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.fanout import FrameWriter
 from dock_gateway.core.request import hold
+from dock_gateway.core.work import TooLarge, Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.rosbridge.encoding import Payload
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
-from dock_gateway.rosbridge.published import Payload, Published
+from dock_gateway.rosbridge.published import Published
 
 # Topics of a client, and its subscriptions of all of them together.
 MAX_TOPICS, MAX_SUBSCRIPTIONS = 64, 500
@@ -26,12 +27,16 @@ class TopicOutlet:
 
     Args:
         topic: Absolute name.
+        work: Encodes messages.
         write: Writes a frame at once, if nothing waits; returns whether it did.
-        wake: Called when a message waits.
+        wake: Called when a message or a problem waits.
     """
 
-    def __init__(self, topic: str, write: Callable[[bytes], bool], wake: Callable[[], None]) -> None:
+    def __init__(self, topic: str, work: Work, write: Callable[[bytes], bool], wake: Callable[[], None]) -> None:
         self.topic = topic
+        self._work = work
+        self._too_large: str | None = None
+        self._told: str | None = None
         self.requests: dict[Identity, Subscribe] = {}
         self.compression = Compression.none
         self.fragment_size: int | None = None
@@ -61,10 +66,10 @@ class TopicOutlet:
         """Send a message now if that is possible, else keep it."""
         message = received.once(Published)
         if not self._queue and self._due <= _now():
-            payload = await message.payload(self.compression)
+            payload = await self._encode(message)
             if payload is None:
                 return
-            whole = self.fragment_size is None or payload.binary or len(payload.data) <= self.fragment_size
+            whole = self.fragment_size is None or payload.binary or payload.size <= self.fragment_size
             if whole and not self._queue and self._write(payload.frame):
                 self._due = _now() + self._period
                 return
@@ -79,7 +84,22 @@ class TopicOutlet:
         message = self._queue.popleft()
         self._size -= message.size
         self._due = _now() + self._period
-        return await message.payload(self.compression)
+        return await self._encode(message)
+
+    async def _encode(self, message: Published) -> Payload | None:
+        try:
+            payload = await message.payload(self.compression, self._work)
+        except TooLarge as error:
+            self._too_large = str(error)
+            self._wake()
+            return None
+        self._too_large = None
+        return payload
+
+    def problem(self) -> str | None:
+        """Return why the last message was not sent, once for all messages for which it is so."""
+        told, self._told = self._told, self._too_large
+        return None if told else self._told
 
 
 class Subscriptions:
@@ -87,11 +107,13 @@ class Subscriptions:
 
     Args:
         relays: The relayed topics.
+        work: Encodes messages.
         writer: Writes frames past the queue; None if the connection cannot.
     """
 
-    def __init__(self, relays: Relays, writer: FrameWriter | None) -> None:
+    def __init__(self, relays: Relays, work: Work, writer: FrameWriter | None) -> None:
         self._relays = relays
+        self._work = work
         self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
         self._outlets: dict[str, TopicOutlet] = {}
         self._places: dict[str, ExitStack] = {}
@@ -110,7 +132,7 @@ class Subscriptions:
         known = outlet is not None and identity in outlet.requests
         if not known and sum(len(each.requests) for each in self._outlets.values()) >= MAX_SUBSCRIPTIONS:
             raise TooManyRequests(f"this connection already has {MAX_SUBSCRIPTIONS} subscriptions")
-        joined = outlet or TopicOutlet(topic, self._write, self._changed.set)
+        joined = outlet or TopicOutlet(topic, self._work, self._write, self._changed.set)
         joined.requests[identity] = request
         joined.configure()
         if outlet is None:
@@ -135,8 +157,15 @@ class Subscriptions:
             with self._places.pop(topic):
                 await self._relays.leave(topic, outlet)
 
-    async def send_all(self, send: Callable[[Payload, int | None], Any]) -> None:
-        """Send what waits, when it is due and in pieces of its size, for as long as the client is connected."""
+    async def send_all(
+        self, send: Callable[[Payload, int | None], Awaitable[None]], report: Callable[[str], Awaitable[None]]
+    ) -> None:
+        """Send what waits, when it is due and in pieces of its size, for as long as the client is connected.
+
+        Args:
+            send: Sends a message, in pieces of a size.
+            report: Tells the client what is not sent, and why.
+        """
         while True:
             due = min((outlet.due for outlet in self._outlets.values()), default=NEVER)
             try:
@@ -148,6 +177,8 @@ class Subscriptions:
             for outlet in list(self._outlets.values()):
                 if outlet.due <= _now() and (payload := await outlet.take()) is not None:
                     await send(payload, outlet.fragment_size)
+                if (problem := outlet.problem()) is not None:
+                    await report(f"{outlet.topic}: {problem}")
 
     async def close(self) -> None:
         """End all subscriptions."""

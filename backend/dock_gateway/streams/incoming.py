@@ -12,8 +12,8 @@ from starlette.websockets import WebSocketDisconnect
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.work import SMALL
 
-# Bytes of the messages of a client that are in progress at a time. Beyond it, long ones are refused, unless there is
-# only one. Decoded, they take twenty times as much memory.
+# Bytes of the long messages of a client that are in progress at a time, unless there is only one. Decoded, they take
+# twenty times as much memory.
 MOST_BYTES = 250_000
 
 
@@ -82,7 +82,8 @@ async def carry_out_all(
             received = whole
         size = len(received.get("text") or received.get("bytes") or b"")
         many = len(tasks) >= most
-        large = size > SMALL and bool(tasks) and sum(tasks.values()) + size > MOST_BYTES
+        long = sum(each for each in tasks.values() if each > SMALL)
+        large = size > SMALL and long > 0 and long + size > MOST_BYTES
         if (many or large) and not is_urgent(received):
             in_progress = f"{most} {what}" if many else f"{what} of {MOST_BYTES:,} bytes"
             await refuse(received, TooManyRequests(f"{in_progress} are already in progress"))

@@ -13,6 +13,8 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.graph import Endpoint, Quality, Topic
+from dock_gateway.core.work import Work
+from dock_gateway.graph import echo as echo_module
 from dock_gateway.graph import subscription as module
 from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.graph.subscription import Listening, listening_for
@@ -129,6 +131,7 @@ class Viewing:
 def fakes(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(module, "EchoPort", FakePort)
     monkeypatch.setattr(module, "EchoType", FakeType)
+    monkeypatch.setattr(echo_module, "read_message", lambda name, message: FakeType(name).read(message))
     FakePort.ports.clear()
     FakeType.read_count = 0
     yield
@@ -142,7 +145,7 @@ def graph() -> FakeGraph:
 
 @pytest.fixture
 def echoes(graph: FakeGraph) -> EchoRegistry:
-    return EchoRegistry(FakeBridge(), graph, tick=0.05)  # type: ignore[arg-type]
+    return EchoRegistry(FakeBridge(), graph, Work(), tick=0.05)  # type: ignore[arg-type]
 
 
 async def test_the_topic_comes_first_then_messages_then_rates(echoes: EchoRegistry) -> None:

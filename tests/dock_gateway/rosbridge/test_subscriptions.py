@@ -7,10 +7,11 @@ from unittest.mock import AsyncMock
 import pytest
 
 from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.work import MOST, TooLarge, Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.rosbridge.encoding import Payload
 from dock_gateway.rosbridge.protocol import Compression, Subscribe
-from dock_gateway.rosbridge.published import Payload
 from dock_gateway.rosbridge.subscriptions import MAX_SUBSCRIPTIONS, QUEUE, QUEUE_BYTES, Subscriptions, TopicOutlet
 
 
@@ -23,8 +24,10 @@ class FakeMessage:
     def once(self, _: object) -> "FakeMessage":
         return self
 
-    async def payload(self, compression: Compression) -> Payload:
-        return Payload(f"{self.number}{compression.name}".encode(), binary=False)
+    async def payload(self, compression: Compression, _: Work) -> Payload:
+        if self.size > MOST:
+            raise TooLarge(self.size)
+        return Payload.of(f"{self.number}{compression.name}".encode(), binary=False)
 
 
 def message(number: int, size: int = 10) -> Received:
@@ -40,7 +43,7 @@ def outlet(*, writable: bool, **request: Any) -> Any:
             written.append(frame[2:])
         return writable
 
-    made = TopicOutlet("/topic", write, lambda: woken.append(None))
+    made = TopicOutlet("/topic", Work(), write, lambda: woken.append(None))
     made.requests[None] = Subscribe(topic="/topic", **request)
     made.configure()
     return SimpleNamespace(end=made, written=written, woken=woken)
@@ -95,7 +98,7 @@ async def test_several_subscriptions_of_one_topic_share_their_messages() -> None
 
 async def test_a_client_cannot_subscribe_without_end() -> None:
     relays = AsyncMock(Relays)
-    client, request = Subscriptions(relays, None), Subscribe(topic="/topic")
+    client, request = Subscriptions(relays, Work(), None), Subscribe(topic="/topic")
     for number in range(MAX_SUBSCRIPTIONS):
         await client.subscribe(f"/topic{number % 2}", None, number, request)
     for topic in ("/topic0", "/topic2"):
@@ -104,3 +107,15 @@ async def test_a_client_cannot_subscribe_without_end() -> None:
     await client.subscribe("/topic0", None, 0, request)  # another setting of one that it has
     await client.unsubscribe("/topic0", 0)
     await client.subscribe("/topic0", None, "new", request)
+
+
+async def test_what_is_too_large_is_told_once_until_something_comes_through() -> None:
+    client = outlet(writable=True)
+    said = []
+    for size in (MOST + 1, MOST + 2, 10, MOST + 1):
+        await client.end.offer(message(1, size))
+        said.append(client.end.problem())
+    too_large = "a message of 20.0 MB is too large: at most 20 MB are read"
+    assert said == [too_large, None, None, too_large]
+    assert client.written == [b"1none"]
+    assert client.end.due == float("inf")

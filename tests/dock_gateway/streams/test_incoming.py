@@ -52,11 +52,11 @@ async def test_what_is_in_progress_has_a_limit_in_bytes_that_lets_stops_pass() -
         refused.append((received["text"][:4], error.detail))
 
     huge, large = "huge" + "x" * 2 * MOST_BYTES, "more" + "x" * MOST_BYTES
-    client: Any = Client(huge, "tiny", large, "stop" + "x" * MOST_BYTES)
+    client: Any = Client("tiny", huge, "tiny", large, "stop" + "x" * MOST_BYTES)
     await carry_out_all(
         client, handle, refuse, lambda each: each["text"].startswith("stop"), most=9, most_urgent=9, what="commands"
     )
     await asyncio.sleep(0)
-    assert handled == ["huge", "tiny", "stop"]  # one of any size, small ones, and what stops something
+    assert handled == ["tiny", "huge", "tiny", "stop"]  # one of any size, small ones, and what stops something
     assert refused == [("more", "commands of 250,000 bytes are already in progress")]
     go.set()

@@ -193,10 +193,19 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     # Output.
 
     async def send(self, message: ASGISendEvent) -> None:
-        """Send a message of the application, then give way. A client that was cut off counts as disconnected."""
+        """Send a message of the application, then give way. A client that was cut off counts as disconnected.
+
+        It may have a whole `frame` (`EXTENSION`), which needs no encoding for each client.
+        """
+        frame: Any = message.get("frame")
         try:
-            await super().send(message)
-            data: Any = message.get("text") or message.get("bytes") or b""
+            if frame is None:
+                await super().send(message)
+            else:
+                await self.writable.wait()
+                if not self.write_frame(frame):
+                    raise ClientDisconnected
+            data: Any = frame or message.get("text") or message.get("bytes") or b""
             await self._edge.scheduler.sent(len(data))
             if message["type"] == "websocket.http.response.body" and self.close_sent:
                 self.handshake_complete = True  # refused, which is no error of the application
