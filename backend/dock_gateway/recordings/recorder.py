@@ -27,6 +27,8 @@ log = logging.getLogger(__name__)
 BEFORE, AFTER = 5.0, 2.0
 # Seconds between two pieces of a file, and between two looks at what is to be deleted.
 FLUSH, CLEAN = 0.5, 60.0
+# Seconds after each attempt to read the parameters of a goal's server.
+PARAMETER_PAUSES = (1.0, 3.0, 10.0)
 # Seconds that the end of the gateway waits for the disk.
 CLOSE_TIMEOUT = 2.0
 # Bytes of a recording, as a file and without compression, after which only its end is written.
@@ -173,8 +175,13 @@ class Recorder:
     async def _note_parameters(self, running: _Running) -> None:
         """Keep the parameters of the goal's server: by them its decisions can be replayed."""
         goal = running.goal
-        if (parameters := await read_parameters(self._bridge, goal.action_name)) is not None:
-            running.ear.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
+        for pause in PARAMETER_PAUSES:  # a busy server may not answer at once
+            if (parameters := await read_parameters(self._bridge, goal.action_name)) is not None:
+                running.ear.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
+                return
+            await asyncio.sleep(pause)
+            if running.ends_at is not None:
+                return
 
     @staticmethod
     def _note_state(running: _Running) -> None:

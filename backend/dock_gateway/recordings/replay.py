@@ -20,6 +20,8 @@ SCAN, ODOMETRY, BATTERY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", 
 VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
 # Nanoseconds between two messages of a topic that are used, the most of each kind, and the most points of a scan.
 INTERVAL_NS, MOST, MOST_POINTS = 200_000_000, 400, 180
+# What is held of each kind while a recording is read; of one that has more, messages that are farther apart are used.
+MOST_SCANS, MOST_HELD = 4_000, 100_000
 # Parts of the time whose extreme values are kept; two quantities need at most half of `MOST`.
 PARTS = 50
 
@@ -40,6 +42,7 @@ class Replay:
         self._kinds: dict[str, EchoType] = {}
         self._topics: dict[str, str] = {}  # the first of each kind
         self._used_ns: dict[str, int] = {}
+        self._interval_ns: dict[str, int] = {}
         self._found: dict[str, list[dict[str, Any]]] = {"scans": [], "velocity": [], "battery": []}
 
     def read(self, path: Path, covered: Callable[[str], bool]) -> dict[str, Any]:
@@ -73,7 +76,7 @@ class Replay:
         """Return whether a message is of the topic that is used, and not too soon after the last one that was used."""
         if self._topics.setdefault(what, sample.topic) != sample.topic:
             return False
-        return sample.received_ns - self._used_ns.get(what, 0) >= INTERVAL_NS
+        return sample.received_ns - self._used_ns.get(what, 0) >= self._interval_ns.get(what, INTERVAL_NS)
 
     def _use(self, sample: Sample, what: str, describe: Callable[[Any], dict[str, Any]]) -> None:
         if sample.received_ns < self._began_ns - INTERVAL_NS or not self._is_due(sample, what):
@@ -83,6 +86,9 @@ class Replay:
         self._found[what].append({"at": at, **described})
         if _shows(described):  # else the next one may
             self._used_ns[what] = sample.received_ns
+        if len(self._found[what]) >= (most := MOST_SCANS if what == "scans" else MOST_HELD):
+            self._found[what] = thinned(self._found[what])
+            self._interval_ns[what] = self._interval_ns.get(what, INTERVAL_NS) * most // MOST
 
     def _decoded(self, sample: Sample) -> Any:
         kind = self._kinds.get(sample.kind) or self._kinds.setdefault(sample.kind, EchoType(sample.kind))

@@ -1,8 +1,13 @@
 """What the replay of a goal shows of its recording."""
 
+import asyncio
 import math
+import shutil
+from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from uuid import UUID
 
 import pytest
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
@@ -10,12 +15,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
 from rclpy.serialization import serialize_message
-from sensor_msgs.msg import BatteryState, LaserScan
+from sensor_msgs.msg import BatteryState, CompressedImage, LaserScan
 
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.http.requests import json_response
+from dock_gateway.recordings import replay as module
 from dock_gateway.recordings.mcap_file import McapFile
+from dock_gateway.recordings.recordings import Recordings
 from dock_gateway.recordings.replay import MOST, Replay, thinned
+from dock_gateway.recordings.store import Recording, RecordingStore
+from dock_gateway.recordings.topics import CAMERA
 from dock_gateway.ros.messages.types import type_name
-from robot_io.recording import Sample
+from robot_io.recording import Sample, event_sample
+from tests.support.odd_recordings import as_file, damaged, odd_samples
 from tf2_msgs.msg import TFMessage
 
 BEGAN = 1_000_000_000_000
@@ -132,3 +145,56 @@ def test_of_many_scans_those_that_show_something_are_kept(pattern: list[bool], c
     seen, there = (sum(bool(each["points"]) for each in some) for some in (shown, found))
     assert len(shown) <= MOST
     assert seen == there if count <= MOST else seen >= min(there, MOST)
+
+
+def test_of_a_recording_of_any_length_a_part_is_held(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From its beginning to its end, evenly."""
+    monkeypatch.setattr(module, "MOST_HELD", 1000)
+    held = []
+    monkeypatch.setattr(module, "thinned", lambda found: held.append(len(found)) or thinned(found))
+    batteries = [sample("/robot1/battery_status", BatteryState(voltage=8.0), at) for at in range(5000)]
+    times = [each["at"] for each in replay(tmp_path / "goal.mcap", *batteries)["battery"]]
+    assert max(held) <= 1000
+    assert len(times) <= MOST
+    assert (times[0], times[-1] > 4900) == (0.0, True)
+    assert max(later - before for before, later in pairwise(times)) < 100
+
+
+SOUND = [
+    laser_at(0.5, 0.0),
+    sample("/robot1/odom", Odometry(child_frame_id="base"), -4),
+    *(sample("/robot1/scan", SCAN, at) for at in range(5)),
+    *(sample("/robot1/cmd_vel", Twist(), at) for at in range(5)),
+    *(sample("/robot1/battery_status", BatteryState(voltage=8.0), at) for at in range(5)),
+    Sample("/robot1/camera", CAMERA, serialize_message(CompressedImage(data=b"\xff\xd8\xff picture")), BEGAN, BEGAN),
+    event_sample(b'{"type": "status", "status": "executing"}', BEGAN),
+]
+
+
+@given(odd_samples(SOUND).map(as_file) | damaged(as_file(SOUND)))
+def test_whatever_a_file_has_each_reader_of_recordings_ends_without_an_error(
+    tmp_path_factory: pytest.TempPathFactory, data: bytes
+) -> None:
+    """The replay, the picture, the copy for a limited grant, and the file that a killed gateway left."""
+    folder = tmp_path_factory.mktemp("odd")
+    store = RecordingStore(folder, 10**9, 30, reserve=0)
+    goal_id = str(UUID(int=1))
+    (folder / f"{goal_id}.failed.mcap").write_bytes(data)
+    (left := folder / f"{UUID(int=2)}.part").write_bytes(data)
+    recording = store.find(goal_id)
+    assert recording is not None
+    shown = Replay(BEGAN, "cmd_vel").read(recording.path, lambda _: True)
+    assert shown.keys() == {"scans", "velocity", "battery"}
+    json_response(shown)
+    asyncio.run(check(store, recording))
+    store.recover()
+    assert not left.exists()
+    assert {each.goal_id for each in store.all()} == {goal_id, str(UUID(int=2))}
+    shutil.rmtree(folder)
+
+
+async def check(store: RecordingStore, recording: Recording) -> None:
+    recordings = Recordings(store, None)
+    with suppress(NotFound):
+        await recordings.picture(recording, UNLIMITED)
+    assert bytes(await recordings.narrowed(recording, UNLIMITED)).startswith(b"\x89MCAP")
