@@ -71,6 +71,11 @@ class Goal:
         """Have the detector of the marker switched on before the plan begins; call it before the first step."""
         self._detector = detector
 
+    def was_commanded(self, velocity: Velocity) -> None:
+        """Note that the robot follows another velocity than that of the last step, as in a replay."""
+        if self._watch is not None:
+            self._watch.commanded = velocity
+
     # A step: is the goal reached, is the battery heard, and what moves the robot?
 
     def step(self, observation: Observation) -> Command | Outcome:

@@ -10,19 +10,25 @@ from tempfile import NamedTemporaryFile
 from typing import Any
 
 import yaml
+from rclpy.exceptions import ParameterException
 
 from docking.nodes.dock_server import DockAction
 from docking.nodes.undock_server import UndockAction
-from docking.replay.comparison import differences
+from docking.replay.comparison import Difference, differences
 from docking.replay.course import Course
 from docking.replay.recorded_goal import RecordedGoal, read_goal
-from docking.ros.process import ros_context, run_process
-from docking.ros.replay import Replay
+from docking.ros.process import EXIT_USAGE, ros_context, run_process
+from docking.ros.recorded_course import as_the_server_said
+from docking.ros.replay import LAGS, Replay
 from docking.ros.robot_action import RobotAction
+from robot_io.children import run_apart
+from robot_io.rclpy_private import RCLError
 
 USAGE = "usage: docking_replay FILE.mcap [--ros-args …]"
 EXIT_DIFFERENT = 1
 """Exit code: it would decide otherwise."""
+WITHIN = 3600
+"""Seconds of real time that a replay may take: the longest one needs less on a slow machine."""
 ACTIONS: dict[str, type[RobotAction[Any]]] = {
     "action_tutorials_interfaces/action/ConnectToChargingDock": DockAction,
     "action_tutorials_interfaces/action/DisconnectFromChargingDock": UndockAction,
@@ -39,12 +45,18 @@ def main(args: Sequence[str] | None = None) -> int:
     """Replay a recording.
 
     Returns:
-        0 if the goal takes the recorded course, 1 if it does not, 2 if it cannot be replayed.
+        0 if the goal takes the recorded course, 1 if it does not, 2 if it cannot be replayed, or if a difference is no
+        judgement.
     """
     # Nobody may hear the velocities that are commanded here.
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
     os.environ.pop("ROS_STATIC_PEERS", None)
-    return run_process(_replay, sys.argv[1:] if args is None else args)
+    arguments = sys.argv[1:] if args is None else args
+    code = run_apart(lambda: run_process(_replay, arguments), WITHIN)
+    if code is None:
+        print("error: the replay crashed, or took too long", file=sys.stderr)  # noqa: T201 - there is no node to log with
+        return EXIT_USAGE
+    return code
 
 
 def _replay(args: Sequence[str] | None) -> int:
@@ -54,17 +66,43 @@ def _replay(args: Sequence[str] | None) -> int:
     goal = read_goal(Path(files[0]))
     if (action := ACTIONS.get(goal.action_type)) is None:
         raise ValueError(f"{goal.action_type} is not an action of our docking server: only its goals can be replayed")
+    if not goal.parameters and not ros_args:
+        raise ValueError(
+            "the recording does not have the parameters of the action server, which did not tell them: give those that"
+            " it had, after --ros-args"
+        )
+    try:
+        return _compare(as_the_server_said(goal), action, ros_args)
+    except (ParameterException, ValueError, RCLError):
+        raise
+    except Exception as error:  # whatever a made up recording brings about
+        raise ValueError(f"the goal cannot be replayed: {type(error).__name__}: {error}") from error
+
+
+def _compare(goal: RecordedGoal, action: type[RobotAction[Any]], ros_args: Sequence[str]) -> int:
+    """Replay a goal with each lag, until it takes the recorded course; print the replay that comes nearest."""
+    found: list[tuple[Replay, list[Difference]]] = []
     with NamedTemporaryFile("w", suffix=".yaml") as file:
         yaml.safe_dump({"/**": {"ros__parameters": goal.parameters}}, file)
         file.flush()
         given = ["--params-file", file.name] if goal.parameters else []
         with ros_context(["replay", "--ros-args", *given, *_arguments(goal), *ros_args]) as context:
-            replay = Replay(goal, action(), context)
-            try:
-                replay.run()
-            finally:
-                replay.close()
-    return _tell(goal, replay)
+            for lag in LAGS:
+                replay = Replay(goal, action(), context, lag)
+                try:
+                    replay.run()
+                finally:
+                    replay.close()
+                found.append((replay, differences(replay.recorded, replay.replayed)))
+                if not found[-1][1]:
+                    break
+    replay, others = min(found, key=lambda each: len(each[1]))
+    _tell(goal, replay, others)
+    if not others:
+        return 0
+    if (doubt := replay.find_doubt(min(each.at for each in others))) is not None:
+        raise ValueError(f"that is no judgement: {doubt}")
+    return EXIT_DIFFERENT
 
 
 def _split(args: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -86,20 +124,20 @@ def _arguments(goal: RecordedGoal) -> list[str]:
             remaps.append(f"{name}:={of_kind[0]}")
     remaps += [f"{name}:=/{name}" for name in ("tf", "tf_static") if robot and f"{robot}/{name}" not in topics]
     arguments = [argument for remap in remaps for argument in ("-r", remap)]
-    return [*arguments, "-p", "use_sim_time:=true", "--log-level", "error"]
+    return [*arguments, "-p", "use_sim_time:=true", "--log-level", "fatal"]
 
 
-def _tell(goal: RecordedGoal, replay: Replay) -> int:
-    """Print the comparison; return the exit code."""
+def _tell(goal: RecordedGoal, replay: Replay, found: Sequence[Difference]) -> None:
+    """Print the comparison."""
     say = partial(print, flush=True)
     say(f"goal {goal.goal_id} on {goal.action}: {_course(replay.recorded)}")
     say(f"replayed with {len(goal.samples):,} messages of {len(goal.topics())} topics: {_course(replay.replayed)}")
-    found = differences(replay.recorded, replay.replayed)
-    for sentence in found:
-        say(sentence)
+    if replay.cut_at is not None:
+        say(f"the recording has a gap after {replay.cut_at:.1f} s, or is too long: it is replayed up to there")
+    for difference in found:
+        say(difference)
     if not found:
         say("it takes the same course")
-    return EXIT_DIFFERENT if found else 0
 
 
 def _course(course: Course) -> str:

@@ -4,6 +4,7 @@ import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from itertools import pairwise, zip_longest
+from typing import NamedTuple
 
 from docking.core.errors import ErrorCode
 from docking.core.observation import STANDSTILL, Velocity
@@ -24,23 +25,34 @@ ENDED_FROM_OUTSIDE = frozenset(
 """Errors that no sensor causes: whoever caused them is not in the recording."""
 
 
-def differences(recorded: Course, replayed: Course) -> list[str]:
-    """Return where the replayed course differs from the recorded one, as sentences; none where they are the same."""
+class Difference(NamedTuple):
+    """Where a replayed course differs from the recorded one: the seconds since the goal was accepted, and how."""
+
+    at: float
+    how: str
+
+    def __str__(self) -> str:
+        """Return it as a line of text."""
+        return f"{self.at:6.1f} s  {self.how}"
+
+
+def differences(recorded: Course, replayed: Course) -> list[Difference]:
+    """Return where the replayed course differs from the recorded one; nothing where they are the same."""
     return [*_stages(recorded, replayed), *_velocities(recorded, replayed), *_ends(recorded, replayed)]
 
 
-def _stages(recorded: Course, replayed: Course) -> Iterator[str]:
+def _stages(recorded: Course, replayed: Course) -> Iterator[Difference]:
     for then, now in zip_longest(_lasting(recorded), _lasting(replayed)):
         if now is None:
-            yield f"{then[0]:6.1f} s  the stage {then[1]} does not come"
+            yield Difference(then[0], f"the stage {then[1]} does not come")
         elif then is None:
-            yield f"{now[0]:6.1f} s  the stage {now[1]} comes, which was not recorded"
+            yield Difference(now[0], f"the stage {now[1]} comes, which was not recorded")
         elif then[1] != now[1]:
-            at = min(then[0], now[0])
-            yield f"{at:6.1f} s  the stage {now[1]} comes ({now[0]:.1f} s) instead of {then[1]} ({then[0]:.1f} s)"
+            how = f"the stage {now[1]} comes ({now[0]:.1f} s) instead of {then[1]} ({then[0]:.1f} s)"
+            yield Difference(min(then[0], now[0]), how)
             return  # those that follow are of another story
         elif abs(then[0] - now[0]) > BRIEF:
-            yield f"{then[0]:6.1f} s  the stage {then[1]} comes at {now[0]:.1f} s"
+            yield Difference(then[0], f"the stage {then[1]} comes at {now[0]:.1f} s")
 
 
 def _lasting(course: Course) -> list[tuple[float, str]]:
@@ -52,21 +64,21 @@ def _lasting(course: Course) -> list[tuple[float, str]]:
     return found.stages
 
 
-def _ends(recorded: Course, replayed: Course) -> Iterator[str]:
+def _ends(recorded: Course, replayed: Course) -> Iterator[Difference]:
     if not recorded.end or recorded.end == "CANCELED" or recorded.error_code in ENDED_FROM_OUTSIDE:
         if replayed.end:
-            yield f"{replayed.ended_at:6.1f} s  it ends as {_end(replayed)}, before it was ended from outside"
+            yield Difference(replayed.ended_at, f"it ends as {_end(replayed)}, before it was ended from outside")
     elif not replayed.end:
-        yield f"{recorded.ended_at:6.1f} s  it goes on, where {_end(recorded)} was recorded"
+        yield Difference(recorded.ended_at, f"it goes on, where {_end(recorded)} was recorded")
     elif (recorded.end, recorded.error_code) != (replayed.end, replayed.error_code):
-        yield f"{replayed.ended_at:6.1f} s  it ends as {_end(replayed)}; recorded was {_end(recorded)}"
+        yield Difference(replayed.ended_at, f"it ends as {_end(replayed)}; recorded was {_end(recorded)}")
 
 
 def _end(course: Course) -> str:
     return f"{course.end} ({course.error_code})" if course.error_code else course.end or "nothing"
 
 
-def _velocities(recorded: Course, replayed: Course) -> Iterator[str]:
+def _velocities(recorded: Course, replayed: Course) -> Iterator[Difference]:
     """Yield one sentence for each time span in which other velocities are commanded."""
     until = min(recorded.ended_at, replayed.ended_at)
     times = [at for at, _ in recorded.velocities]
@@ -103,10 +115,9 @@ def _same(one: Velocity, other: Velocity) -> bool:
     return _apart(one, other) <= 1.0
 
 
-def _span(began: float, last: float, now: Velocity, then: Velocity) -> str:
-    return (
-        f"{began:6.1f} s  another velocity until {last:.1f} s: up to {_words(now)}, where {_words(then)} were recorded"
-    )
+def _span(began: float, last: float, now: Velocity, then: Velocity) -> Difference:
+    how = f"another velocity until {last:.1f} s: up to {_words(now)}, where {_words(then)} were recorded"
+    return Difference(began, how)
 
 
 def _words(velocity: Velocity) -> str:

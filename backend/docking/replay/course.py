@@ -1,6 +1,6 @@
 """The course of a goal: its stages, its velocities and its end."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from docking.core.observation import Velocity
 
@@ -29,3 +29,9 @@ class Course:
         """Note a stage, unless it goes on."""
         if not self.stages or self.stages[-1][1] != stage:
             self.stages.append((at, stage))
+
+    def until(self, at: float) -> "tuple[Course, float | None]":
+        """Return a copy without the velocities and without what came after a moment; the moment, if something did."""
+        if self.ended_at <= at:
+            return replace(self, stages=list(self.stages), velocities=[]), None
+        return Course([each for each in self.stages if each[0] <= at], ended_at=at), at

@@ -58,6 +58,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         battery: Battery,
         *,
         active_goal: ActiveGoal | None = None,
+        clock_watch: ClockWatch | None = None,
         context: Context | None = None,
         **options: Any,
     ) -> None:
@@ -67,6 +68,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             action: The action.
             battery: Where the battery subscriber puts its readings.
             active_goal: Shared by all servers that drive this robot; None where there is no other.
+            clock_watch: Sees whether a simulated clock stands still; None is one that compares it with real time.
             context: The ROS context; None is the default one.
             options: For rclpy's Node.
 
@@ -81,7 +83,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._running: Execution | None = None  # None also while a goal of another server runs
         self._closing = self._active = False
         self._fed_back_at = -math.inf
-        self._clock_watch = ClockWatch(self)
+        self._clock_watch = clock_watch or ClockWatch(self)
         self._transforms = Transforms(self)
         self._sensors = Sensors(self, self._transforms, self._repeat_report)
         self._navigation = NavigationClient(self)

@@ -31,27 +31,27 @@ def test_what_is_brief_does_not_count() -> None:
 def test_other_stages() -> None:
     recorded = course((0.0, "INITIAL_PERCEPTION"), (2.0, "CONTROLLING"), (6.0, "RETRY"))
     (late,) = differences(recorded, course((0.0, "INITIAL_PERCEPTION"), (3.5, "CONTROLLING"), (6.0, "RETRY")))
-    assert "CONTROLLING comes at 3.5 s" in late
+    assert "CONTROLLING comes at 3.5 s" in late.how
     (missing,) = differences(recorded, course((0.0, "INITIAL_PERCEPTION"), (2.0, "CONTROLLING")))
-    assert "RETRY does not come" in missing
+    assert "RETRY does not come" in missing.how
     (other,) = differences(recorded, course((0.0, "INITIAL_PERCEPTION"), (2.0, "RETRY"), (6.0, "CONTROLLING")))
-    assert "RETRY comes (2.0 s) instead of CONTROLLING (2.0 s)" in other
+    assert "RETRY comes (2.0 s) instead of CONTROLLING (2.0 s)" in other.how
 
 
 def test_another_velocity() -> None:
     (found,) = differences(course(), course(speeds={3.0: LEFT, 5.0: AHEAD}))
-    assert found.strip().startswith("3.0 s  another velocity until 4.9 s: up to 0.00 m/s and 0.50 rad/s")
+    assert str(found).startswith("   3.0 s  another velocity until 4.9 s: up to 0.00 m/s and 0.50 rad/s")
 
 
 def test_other_ends() -> None:
     (other,) = differences(course(end="ABORTED LOST_MARKER"), course())
-    assert "it ends as SUCCEEDED; recorded was ABORTED (LOST_MARKER)" in other
+    assert "it ends as SUCCEEDED; recorded was ABORTED (LOST_MARKER)" in other.how
     (on,) = differences(course(), course(end=""))
-    assert "it goes on, where SUCCEEDED was recorded" in on
+    assert "it goes on, where SUCCEEDED was recorded" in on.how
 
 
 def test_an_end_from_outside_is_nobody_s_decision() -> None:
     for end in ("CANCELED", "ABORTED STOP_LATCHED"):
         assert differences(course(end=end), course(end="")) == []
         (early,) = differences(course(end=end), course())
-        assert "before it was ended from outside" in early
+        assert "before it was ended from outside" in early.how
