@@ -4,7 +4,8 @@ It stands at (1, 0) in `odom`, which begins at (2, 3) in `map`, turned left by 9
 each SIGUSR1 it publishes the next of the maps `KINDS`.
 
 With `--fixed 120`, its frames are on topics of its own, and each frame that never moves has a publisher of its own: the
-first says where `odom` is in `map`, 120 others are parts. With `--odd`, only each second ray of its laser comes back.
+first says where `odom` is in `map`, 120 others are parts. A map of its own is advertised, and silent. With `--odd`, only
+each second ray of its laser comes back.
 """
 
 import argparse
@@ -86,6 +87,7 @@ class MappedRobot:
         self._links = [link("odom", "base_link", 1.0, 0.0, 0.0)]
         laser = link("base_link", "laser", 0.1, 0.0, 0.0)
         if fixed:
+            node.create_publisher(OccupancyGrid, "map", LATCHED)  # silent, as a map server that is not active
             publish_fixed(node, [laser, *(link("base_link", f"part{index}", 0.0, 0.0, 0.0) for index in range(fixed))])
         else:
             node.create_publisher(TFMessage, "/tf_static", LATCHED).publish(TFMessage(transforms=[laser]))

@@ -109,6 +109,7 @@ def test_a_robot_with_many_publishers_of_fixed_frames_whose_laser_misses_each_se
         with gateway.stream("?robot=/robot2&include=map,scan") as stream:
             shown = stream.until(lambda event: event["type"] == "map" and event["map"]["odom"] is not None)["map"]
             assert shown["odom"] == {"x": 2.0, "y": 3.0, "theta": 1.5708}
+            assert shown["topic"] == "/map"  # its own is silent
             scan = stream.once_seen(lambda event: event["type"] == "scan" and event["scan"]["frame"] == "odom")["scan"]
             assert (len(scan["points"]), scan["hint"]) == (360, None)
             assert all(abs(x - 2.1) < 0.01 for x, _ in scan["points"])

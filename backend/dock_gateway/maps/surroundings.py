@@ -74,6 +74,8 @@ class Surroundings:
             return newest, TopicReader(relays, graph, settings.resolve(name, robot), type_name, newest, most=most)
 
         self.feed: MapFeed | None = None
+        self._preferred: MapFeed | None = None
+        self._spare: MapFeed | None = None
         self._graph = graph
         self._robot = robot
         self._map_names = _names(settings, settings.map_topic, robot)
@@ -81,7 +83,7 @@ class Surroundings:
         self._feeds = feeds
         self._pool = frames
         self._frames: Frames | None = None
-        self._taken: dict[str, str] = {}  # by pool, the topic that is in use
+        self._taken: dict[str, str] = {}  # by purpose, the topic that is in use
         self._odometry, self._odometry_reader = topic("odom", "nav_msgs/msg/Odometry")
         self._scan, self.scan_reader = topic(settings.scan_topic, "sensor_msgs/msg/LaserScan", SCAN_BYTES)
         self._path, self.path_reader = topic(settings.path_topic, "nav_msgs/msg/Path")
@@ -93,9 +95,11 @@ class Surroundings:
 
     async def look(self, kinds: set[str]) -> None:
         """Join the topics of what is wanted, and leave the others."""
-        self.feed = await self._use(self._feeds, self.feed, self._map_names, GRID_TYPE, wanted=MAP in kinds)
-        self._frames = await self._use(self._pool, self._frames, self._frame_names, TRANSFORMS, wanted=bool(kinds))
-        for part in (self.feed, self._frames):
+        await self._choose_map(wanted=MAP in kinds)
+        self._frames = await self._use(
+            "frames", self._pool, self._frames, self._frame_names, TRANSFORMS, wanted=bool(kinds)
+        )
+        for part in (self._preferred, self._spare, self._frames):
             if part is not None:
                 await part.look()
         await self._learn_frames(wanted=bool(kinds))
@@ -106,19 +110,33 @@ class Surroundings:
         """Leave all topics."""
         await self.look(set())
 
-    async def _use(self, pool: Pool[P], used: P | None, names: list[str], type_name: str, *, wanted: bool) -> P | None:
+    async def _choose_map(self, *, wanted: bool) -> None:
+        """Read the robot's own map, and that of all robots while its own is advertised and silent."""
+        before = self._preferred
+        preferred = await self._use("map", self._feeds, before, self._map_names, GRID_TYPE, wanted=wanted)
+        others = [name for name in self._map_names if preferred is not None and name != preferred.topic]
+        silent = preferred is not None and preferred is before and preferred.grid is None
+        spare = await self._use(
+            "spare map", self._feeds, self._spare, others, GRID_TYPE, wanted=silent and bool(others)
+        )
+        self._preferred, self._spare = preferred, spare
+        self.feed = spare if spare is not None and spare.grid is not None else preferred
+
+    async def _use(
+        self, purpose: str, pool: Pool[P], used: P | None, names: list[str], type_name: str, *, wanted: bool
+    ) -> P | None:
         """Take what is wanted out of a pool, or another one if another topic is published now."""
         suffixes = ("", STATIC) if type_name == TRANSFORMS else ("",)
         topic = await find_topic(self._graph, names, type_name, suffixes=suffixes) if wanted else None
-        before = self._taken.get(type_name)
+        before = self._taken.get(purpose)
         if topic == before:
             return used
         if before is not None:
-            del self._taken[type_name]
+            del self._taken[purpose]
             await pool.give(before)
         if topic is None:
             return None
-        self._taken[type_name] = topic
+        self._taken[purpose] = topic
         return pool.take(topic)
 
     async def _learn_frames(self, *, wanted: bool) -> None:
