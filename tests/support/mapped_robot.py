@@ -4,8 +4,8 @@ It stands at (1, 0) in `odom`, which begins at (2, 3) in `map`, turned left by 9
 each SIGUSR1 it publishes the next of the maps `KINDS`.
 
 With `--fixed 120`, its frames are on topics of its own, and each frame that never moves has a publisher of its own: the
-first says where `odom` is in `map`, 120 others are parts. A map of its own is advertised, and silent. With `--odd`, only
-each second ray of its laser comes back.
+first says where `odom` is in `map`, 120 others are parts. A map of its own is advertised, and silent. With `--odd`,
+only each second ray of its laser comes back.
 """
 
 import argparse
