@@ -141,6 +141,10 @@ async def _never(_: Request) -> Response:
     return Response()
 
 
+async def _stop(_: Request) -> Response:
+    return JSONResponse({"stopped": []})
+
+
 async def _slow(request: Request) -> Response:
     """Answer after some seconds, as a goal that waits for a person."""
     await asyncio.sleep(float(request.query_params["seconds"]))
@@ -168,6 +172,7 @@ APP = Starlette(
         Route("/elsewhere", _elsewhere, methods=["POST"]),
         Route(f"/alerts/{ALERT['id']}/acknowledgement", _acknowledge, methods=["PUT"]),
         Route("/never", _never, methods=["POST"]),
+        Route("/stop", _stop, methods=["POST"]),
         Route("/slow", _slow, methods=["GET", "POST"]),
         Route("/goals", _goals),
         Route("/healthz", _echo),

@@ -42,6 +42,8 @@ METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 COMMANDING = frozenset({"ws", "rosbridge", "foxglove"})
 # The code with which a WebSocket is closed whose site was lost.
 SITE_LOST = 1014
+# The headers of a stop at a site, and the bytes of a value.
+STOP_HEADERS, LONGEST_VALUE = frozenset({b"content-type", b"prefer", b"idempotency-key"}), 1000
 Pairs = list[tuple[bytes, bytes]]
 
 
@@ -222,8 +224,13 @@ def _sign(client: SiteClient, method: str, path: str, scope: Scope, body: bytes 
 
 
 def _headers(connection: HTTPConnection) -> Pairs:
-    """Return the headers of a request. What may be sent twice gets a key, so that it is done once."""
+    """Return the headers of a request. What may be sent twice gets a key, so that it is done once.
+
+    A stop has only those that it needs: a site refuses requests with too many, or with odd ones.
+    """
     headers: Pairs = list(connection.scope["headers"])
+    if connection.scope["path"].endswith("/stop"):
+        headers = [(name, value) for name, value in headers if name in STOP_HEADERS and len(value) < LONGEST_VALUE]
     if connection.scope.get("method") == "POST" and "idempotency-key" not in connection.headers:
         headers.append((b"idempotency-key", uuid.uuid4().hex.encode()))
     return headers

@@ -16,6 +16,8 @@ from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, r
 WHOLE = "/"
 # Seconds that a stop waits for the rest of its request: who made it, for example.
 BODY_WITHIN = 0.5
+# Characters of the robots that a stop of a site names. For more, the whole site is stopped.
+MAX_QUERY = 60_000
 # Everyone may stop every robot.
 STOPS_ALL = Grant(Role.VIEWER)
 # Answers of a site that will not change: it does not know the robot, or does not let the hub do it.
@@ -112,6 +114,8 @@ class SiteStopper:
     async def _stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
         body = encode({"latch": latch, "by": entry.by})
         query = urlencode([("robot", robot) for robot in entry.robots])
+        if len(query) > MAX_QUERY:  # the site would refuse it
+            query = urlencode({"robot": WHOLE})
         answer = await self._ask(name, "POST", "/stop", body, query=query, user=entry.user)
         if answer.status != 200:
             code, detail = read_problem(answer.body, answer.status)

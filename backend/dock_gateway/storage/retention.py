@@ -245,8 +245,8 @@ def _delete_goals(
 ) -> Deleted:
     """Delete the oldest ended goals with their events, up to a time of creation; also those `lost` up to then.
 
-    With `among`, those that it selects. If the goals have more events than fit in a transaction, only events are deleted
-    first.
+    With `among`, those that it selects. If the goals have more events than fit in a transaction, only events are
+    deleted first.
     """
     gone: sa.ColumnElement[bool] = sa.and_(*among)
     if lost:

@@ -1,5 +1,6 @@
 """A hub that asks for a login, with a small site, over a real NATS server."""
 
+import asyncio
 import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -285,3 +286,18 @@ async def test_a_gateway_that_never_was_welcome_is_forgotten(
     assert hub.parts[Sites].names() == ["berlin", "paris"]
     monkeypatch.setattr(directory, "SILENT_AFTER", 0.0)
     await until(lambda: hub.parts[Sites].names() == ["berlin"])
+
+
+async def test_a_stop_of_a_site_is_carried_whatever_its_request_is_like(hub: Hub) -> None:
+    """What the site would refuse as a message is left out: the stop is not."""
+    _, header = await hub.token("ada", Role.VIEWER)
+    host, port = hub.url.removeprefix("http://").split(":")
+    many = "".join(f"x-{number}: 1\r\n" for number in range(95))
+    for query, more in (("robot=/%C3%BC", ""), ("robot=/r1", many), ("a=%", f"x-{'y' * 300}: 1\r\n")):
+        reader, writer = await asyncio.open_connection(host, int(port))
+        head = f"POST /sites/berlin/stop?{query} HTTP/1.1\r\nhost: localhost\r\n{more}content-length: 0\r\n"
+        login = "".join(f"{name}: {value}\r\n" for name, value in header.items())
+        writer.write(f"{head}{login}connection: close\r\n\r\n".encode())
+        answer = await reader.read()
+        assert b'"stopped"' in answer, answer
+        writer.close()

@@ -1,6 +1,7 @@
 """`/stop` of a hub."""
 
 import asyncio
+import json
 from collections.abc import Iterator
 from contextlib import asynccontextmanager
 from types import SimpleNamespace
@@ -8,6 +9,8 @@ from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.application import Contents, build_app
@@ -138,3 +141,55 @@ def test_everyone_may_stop_every_robot_and_release_what_is_theirs(role: Role) ->
     else:
         assert (wrong, mine.status_code) == ({"not_covered"}, 200)
         assert hub.site(BERLIN).who[1:] == [("ada", Grant(role, robots=("*",)))]
+
+
+names = st.one_of(
+    st.sampled_from(["/berlin", "/berlin/robot1", "berlin/robot2", "/oslo/", "/", "", "/nowhere/robot1", "/berlin//x"]),
+    st.text(max_size=8),
+)
+anything = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | names,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=6,
+)
+orders = st.fixed_dictionaries(
+    {}, optional={"robot": names | st.lists(names | anything, max_size=3) | anything, "by": anything, "more": anything}
+)
+bodies = st.one_of(orders.map(json.dumps).map(str.encode), anything.map(json.dumps).map(str.encode), st.binary())
+
+
+def test_whatever_a_request_says_it_stops_the_sites_that_it_can_mean(hub: Hub) -> None:
+    """All sites, unless each name is clear. No request is refused instead."""
+
+    @settings(max_examples=150, deadline=None)
+    @given(bodies, st.lists(names, max_size=2), st.sampled_from(["application/json", "text/plain", "", "x" * 50]))
+    def stops(body: bytes, query: list[str], media_type: str) -> None:
+        for name in (BERLIN, OSLO):
+            hub.site(name).latched = False
+        headers = {"Content-Type": media_type} if media_type else {}
+        answer = hub.http.post("/stop", params={"robot": query}, content=body, headers=headers)
+        assert answer.status_code in {200, 504}, answer.text
+        stopped = {name for name in (BERLIN, OSLO) if hub.site(name).latched}
+        sites = answer.json()["sites"]
+        assert {name for name, site in sites.items() if site["stopped"]} == stopped
+        if answer.status_code == 504:  # one that is not there
+            assert all(site["code"] == "site_not_found" for site in sites.values() if not site["stopped"])
+        try:
+            said = json.loads(body) if media_type in {"application/json", ""} else None
+        except ValueError:
+            said = None
+        robot = said.get("robot") if isinstance(said, dict) else None
+        named = [*query, *(robot if isinstance(robot, list) else [robot])]
+        firsts = {each.strip().strip("/").split("/")[0] for each in named if isinstance(each, str) and each.strip()}
+        assert firsts & {BERLIN, OSLO} <= stopped  # who is named is stopped, whatever else it says
+        if not firsts & {BERLIN, OSLO}:
+            assert stopped == {BERLIN, OSLO}
+
+    stops()
+
+
+def test_more_robots_than_a_query_has_room_for_are_all_of_the_site(hub: Hub) -> None:
+    robots = [f"/{BERLIN}/{'long_' * 30}{number}" for number in range(900)]
+    answer = hub.http.post("/stop", json={"robot": robots})
+    assert answer.status_code == 200
+    assert hub.site(BERLIN).asked == [("POST", ("/",))]
