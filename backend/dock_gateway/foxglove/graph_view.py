@@ -81,13 +81,15 @@ class GraphView:
         if seen is not self._seen:
             self._seen = seen
             async with self.changing:
-                new, gone = await self.channels.update(seen)
+                async with self._rights.turn("graph views"):
+                    new, gone = await self.channels.update(seen)
                 for channel in gone:
                     await self._subscriptions.leave(channel)
             await self._tell(protocol.unadvertise, [each.id for each in gone])
             await self._tell(protocol.advertise, [each.document() for each in new])
             await self._show_connections()
-        offered, withdrawn = await self._services.update(seen)  # actions are known a moment after their topics
+        async with self._rights.turn("graph views"):
+            offered, withdrawn = await self._services.update(seen)  # actions are known a moment after their topics
         await self._tell(protocol.unadvertise_services, [each.id for each in withdrawn])
         await self._tell(protocol.advertise_services, [each.document() for each in offered])
 
@@ -112,6 +114,7 @@ class GraphView:
         before = self._connections
         if before is None or self._seen is None:
             return
-        self._connections = now = await asyncio.to_thread(Connections.of, self._seen, self._rights.grant)
+        async with self._rights.turn("graph views"):
+            self._connections = now = await asyncio.to_thread(Connections.of, self._seen, self._rights.grant)
         if (update := now.changes_since(before)) is not None:
             await self._send(encode(update))

@@ -1,7 +1,7 @@
 """The services that one client may call: actions, those of ROS nodes by permission, and the gateway's own."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
@@ -92,8 +92,7 @@ class Services:
         self._actions = ActionCalls(parts, rights)
         self._services: dict[int, Service] = {}
         self._unusable: set[Key] = set()
-        self._seen: Seen | None = None
-        self._of_nodes: dict[Key, Draft] = {}
+        self._known: tuple[Seen, list[Key]] | None = None  # the graph and the actions at the last update
 
     def find(self, identity: int) -> Service | None:
         """Return a service by its id."""
@@ -122,10 +121,12 @@ class Services:
 
     async def update(self, seen: Seen) -> tuple[list[Service], list[Service]]:
         """Follow the graph; return the services that are new, and those that are gone."""
+        actions = self._usable_actions()
+        if self._known is not None and self._known[0] is seen and self._known[1] == actions:
+            return [], []
         known = {(each.name, each.type): each for each in self._services.values()}
-        if seen is not self._seen:
-            self._of_nodes, self._seen = await asyncio.to_thread(self._find, seen), seen
-        wanted = dict(islice(self._of_nodes.items(), MAX_SERVICES)) | dict(self._of_gateway())
+        wanted = await asyncio.to_thread(self._find, seen, actions)
+        self._known = seen, actions
         self._unusable &= wanted.keys()
         missing = {key: draft for key, draft in wanted.items() if key not in known and key not in self._unusable}
         forms = await asyncio.to_thread(_find_forms, missing) if missing else {}
@@ -138,16 +139,23 @@ class Services:
         self._unusable |= missing.keys() - forms.keys()
         return [each for each in self._services.values() if (each.name, each.type) not in known], gone
 
-    def _of_gateway(self) -> Iterator[tuple[Key, Draft]]:
-        """Yield the gateway's own services, and the actions that the user may use."""
+    def _usable_actions(self) -> list[Key]:
+        """Return the actions that have a server and are not hidden, with their types."""
+        return [
+            (action.name, action.type)
+            for action in self._parts[ActionRegistry].all()
+            if action.watch.state.available and (action.verb is not None or not is_hidden(action.name))
+        ]
+
+    def _of_gateway(self, actions: Iterable[Key]) -> Iterator[tuple[Key, Draft]]:
+        """Yield the gateway's own services, and those of the actions that the user may use."""
         role = self._rights.grant.role
         for name, command in OWN_SERVICES.items():
             if command == STOP or role.includes(Role.SUPERVISOR):
                 yield self._own(name, command)
-        for action in self._parts[ActionRegistry].all():
-            hidden = is_hidden(action.name) and action.verb is None
-            if action.watch.state.available and not hidden and self._rights.grant.covers_action(action.name):
-                yield from self._of_action(action.name, action.type)
+        for name, kind in actions:
+            if self._rights.grant.covers_action(name):
+                yield from self._of_action(name, kind)
 
     def _own(self, name: str, command: str) -> tuple[Key, Draft]:
         async def call(request: Json) -> Json:
@@ -179,9 +187,10 @@ class Services:
             Draft(result, lambda request: actions.result(name, request), reads=True),
         )
 
-    def _find(self, seen: Seen) -> dict[Key, Draft]:
-        """Return the services of nodes that the user may call; takes long, so it runs in a thread."""
-        return dict(self._callable(seen)) if self._rights.grant.role.includes(Role.OPERATOR) else {}
+    def _find(self, seen: Seen, actions: Iterable[Key]) -> dict[Key, Draft]:
+        """Return the services that the user may call; takes long, so it runs in a thread."""
+        of_nodes = self._callable(seen) if self._rights.grant.role.includes(Role.OPERATOR) else ()
+        return dict(islice(of_nodes, MAX_SERVICES)) | dict(self._of_gateway(actions))
 
     def _callable(self, seen: Seen) -> Iterator[tuple[Key, Draft]]:
         calls, grant = self._parts[ServiceCalls], self._rights.grant

@@ -39,10 +39,14 @@ class GraphCache:
         self._bridge = bridge
         self._clock = clock
         self._looking: asyncio.Task[View] | None = None
+        self._last: View | None = None
         self._began = 0.0
 
     async def graph(self, grant: Grant = UNLIMITED) -> View:
         """Return the graph, at most one second old: all of it, or what a limited grant includes.
+
+        It is the same object for as long as the graph is the same, so that who follows it sees at once that nothing has
+        changed.
 
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
@@ -77,12 +81,17 @@ class GraphCache:
         survey = await self._bridge.call(lambda: Survey(self._bridge.node))
         while not await self._bridge.call(survey.proceed):
             pass
-        return await asyncio.to_thread(_view, survey.seen)
+        self._last = await asyncio.to_thread(_view_after, self._last, survey.seen)
+        return self._last
 
     async def close(self) -> None:
         """Cancel the scan."""
         if self._looking is not None:
             await cancel(self._looking)
+
+
+def _view_after(last: View | None, seen: Seen) -> View:
+    return last if last is not None and last.seen == seen else _view(seen)
 
 
 def _view(seen: Seen) -> View:

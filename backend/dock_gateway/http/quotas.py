@@ -80,7 +80,7 @@ def limits(settings: Settings) -> dict[str, Limit]:
 
 
 # How many of something that takes long a user may do at the same time; the others wait, without being refused.
-TURNS = {"large reads": 1, "parameters of many": 2}
+TURNS = {"large reads": 1, "parameters of many": 2, "graph views": 1}
 
 
 @dataclass

@@ -1,6 +1,7 @@
 """What the user of a connection may do: each operation is authorized and audited as it is at `/ws`."""
 
 from collections.abc import Awaitable, Callable
+from contextlib import AbstractAsyncContextManager
 from typing import Any
 
 from starlette.types import Scope
@@ -13,6 +14,7 @@ from dock_gateway.core.filters import parent_of
 from dock_gateway.core.grant import Grant
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.streams.commands import COMMANDS
 
 Json = dict[str, Any]
@@ -37,6 +39,10 @@ class Rights:
     def grant(self) -> Grant:
         """The grant of the user."""
         return self._principal.grant
+
+    def turn(self, what: str) -> AbstractAsyncContextManager[None]:
+        """Wait for the user's turn (`Quotas.turn`)."""
+        return self._parts[Quotas].turn(self._principal, what)
 
     async def require(self, function: Callable[..., object], fields: Json) -> None:
         """Refuse an operation that is not allowed.

@@ -19,6 +19,7 @@ class FakeNode:
 
     def __init__(self) -> None:
         self.looks = 0
+        self.gid = bytes(16)
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         self.looks += 1
@@ -33,7 +34,8 @@ class FakeNode:
     def get_publishers_info_by_topic(self, name: str) -> list[Any]:
         assert name == "/battery"
         qos = QoSProfile(depth=3, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
-        return [endpoint("driver", "/", qos), endpoint("_NODE_NAME_UNKNOWN_", "_NODE_NAMESPACE_UNKNOWN_", qos)]
+        unknown = ("_NODE_NAME_UNKNOWN_", "_NODE_NAMESPACE_UNKNOWN_")
+        return [endpoint("driver", "/", qos, self.gid), endpoint(*unknown, qos, self.gid)]
 
     def get_subscriptions_info_by_topic(self, _: str) -> list[Any]:
         return []
@@ -47,13 +49,13 @@ class FakeNode:
         return [("/reset", ["std_srvs/srv/Empty"])] if name == "twin" else []
 
 
-def endpoint(name: str, namespace: str, qos: QoSProfile) -> Any:
+def endpoint(name: str, namespace: str, qos: QoSProfile, gid: bytes) -> Any:
     return SimpleNamespace(
         node_name=name,
         node_namespace=namespace,
         topic_type="sensor_msgs/msg/BatteryState",
         qos_profile=qos,
-        endpoint_gid=bytes(16),
+        endpoint_gid=gid,
     )
 
 
@@ -94,8 +96,18 @@ async def test_one_look_serves_everybody_for_a_second(bridge: FakeBridge) -> Non
     bridge.now += 0.2
     again = await cache.graph()
     assert bridge.node.looks == 2
-    assert (again.tag, again.body) == (views[0].tag, views[0].body)
+    assert again is views[0]  # who follows the graph sees at once that nothing has changed
     await cache.close()
+
+
+async def test_what_the_document_does_not_show_is_a_change_too(bridge: FakeBridge) -> None:
+    cache = looking(bridge)
+    before = await cache.graph()
+    bridge.node.gid = bytes(range(16))  # another participant, of the same name
+    bridge.now += 1.1
+    after = await cache.graph()
+    assert after.seen != before.seen
+    assert after.body == before.body
 
 
 async def test_one_who_leaves_does_not_take_the_look_from_the_others(bridge: FakeBridge) -> None:
