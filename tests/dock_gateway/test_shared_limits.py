@@ -33,6 +33,8 @@ OLDEST_GO = "remembered or kept for the next time; the oldest go, and cost a lit
 OF_GRAPH = "of what is on the ROS graph; no user makes more of it"
 OF_GATEWAY = "of the gateway itself, or of one message, request or goal"
 OF_SITES = "of sites at a hub; no user makes more of them"
+# It is known whose message it is only when it has been read.
+FIRST_COME = "shared by large messages before they are read; small ones, and so stops, pass"
 STORED = "stored: who may add may also remove, and a lower role may not add"
 
 BOUNDS = {
@@ -44,6 +46,8 @@ BOUNDS = {
     "core.line:Line._insert": OLDEST_GO,
     "core.log_limit:LogLimit._forget": OLDEST_GO,
     "core.log_limit:LogLimit.filter": OF_GATEWAY,
+    "core.work:Lane.__call__": FIRST_COME,
+    "core.work:Work.__init__": OF_GATEWAY,
     "foxglove.parameters:ClientParameters.offer": OF_CONNECTION,
     "foxglove.parameters:ClientParameters.subscribe": OF_CONNECTION,
     "foxglove.publications:Publications.advertise": OF_CONNECTION,
@@ -66,11 +70,12 @@ BOUNDS = {
     "http.quotas:limits": SHARES,
     "hub.directory:Directory.judge": OF_SITES,
     "hub.follower:Follower._note": OF_SITES,
-    "hub.follower:Follower._read_all": OF_SITES,
+    "hub.follower:Follower._make_room": OF_SITES,
     "hub.site_view:SiteView.put_robots": OF_SITES,
     "hub.sites:Sites._on_hello": OF_SITES,
     "latch.latch_file:LatchWriter.__init__": OF_GATEWAY,
     "maps.feed:MapFeed.offer": OF_GRAPH,
+    "recordings.replay:Replay._use": OF_GATEWAY,
     "recordings.store:RecordingStore.note": OLDEST_GO,
     "robots.labels:Labels.replace.check": STORED,
     "ros.action_port:ActionPort.__init__": OF_GATEWAY,

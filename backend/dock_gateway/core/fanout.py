@@ -4,6 +4,8 @@ import asyncio
 import itertools
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from operator import attrgetter
 from typing import Protocol
 
 from dock_gateway.core.errors import Unavailable
@@ -21,8 +23,16 @@ class FrameWriter(Protocol):
         """Write a whole frame now. Return False, without writing, if it would have to wait."""
 
 
+@dataclass(slots=True)
+class Queued:
+    """An event in a reader's queue, with its place in the order."""
+
+    number: int
+    event: Event
+
+
 class Subscriber:
-    """One reader's queue.
+    """One reader's queue. What an event costs does not depend on how many wait: a slow reader slows no other.
 
     Feedback beyond `limit` events is dropped, oldest first, and counted. Events that must not be lost (status, result)
     are kept up to a hard limit. Beyond it the reader is `overrun` and must be disconnected.
@@ -47,8 +57,10 @@ class Subscriber:
         self.dropped = 0
         self._waiting = False
         self._limit = limit
-        self._queue: deque[Event] = deque()
-        self._droppable = 0
+        self._numbers = itertools.count()
+        self._kept: deque[Queued] = deque()
+        self._droppable: deque[Queued] = deque()
+        self._newest: dict[tuple[str, str | None], Queued] = {}  # of what is superseded, by topic and robot
         self._unreported = 0  # dropped events that the next `take` reports
         self._wake = asyncio.Event()
 
@@ -61,32 +73,35 @@ class Subscriber:
         if shown is None:
             return
         event = shown
-        if self._waiting and self.writer is not None and not self._queue and self.writer.write_frame(event.frame):
+        if self._waiting and self.writer is not None and self._empty and self.writer.write_frame(event.frame):
             return
-        if event.supersedes and self._supersede(event):
+        key = event.topic, event.robot
+        if event.supersedes and (queued := self._newest.get(key)) is not None:
+            queued.event = event
             return
+        queued = Queued(next(self._numbers), event)
         if event.droppable:
-            if self._droppable >= self._limit:
+            if len(self._droppable) >= self._limit:
                 self._drop_oldest()
-            self._droppable += 1
-        elif len(self._queue) - self._droppable >= self.HARD_LIMIT:
+            self._droppable.append(queued)
+        elif len(self._kept) >= self.HARD_LIMIT:
             self.overrun = True
             self._wake.set()
             return
-        self._queue.append(event)
+        else:
+            self._kept.append(queued)
+        if event.supersedes:
+            self._newest[key] = queued
         self._wake.set()
 
-    def _supersede(self, event: Event) -> bool:
-        for index, queued in enumerate(self._queue):
-            if queued.supersedes and (queued.topic, queued.robot) == (event.topic, event.robot):
-                self._queue[index] = event
-                return True
-        return False
+    @property
+    def _empty(self) -> bool:
+        return not (self._kept or self._droppable)
 
     def _drop_oldest(self) -> None:
-        index = next(i for i, queued in enumerate(self._queue) if queued.droppable)
-        del self._queue[index]
-        self._droppable -= 1
+        event = self._droppable.popleft().event
+        if event.supersedes:
+            del self._newest[event.topic, event.robot]
         self._unreported += 1
         self.dropped += 1
 
@@ -102,15 +117,20 @@ class Subscriber:
 
     def clear(self) -> None:
         """Empty the queue, for a reader that gets a snapshot instead."""
-        self._queue.clear()
-        self._droppable = self._unreported = 0
+        self._kept.clear()
+        self._droppable.clear()
+        self._newest.clear()
+        self._unreported = 0
 
     def catch_up(self, event_id: str) -> None:
         """Drop queued events up to this one; the reader gets them another way."""
         self.after = event_id
-        kept = [event for event in self._queue if event.id is None or event.id > event_id]
-        self._queue = deque(kept)
-        self._droppable = sum(event.droppable for event in kept)
+        for events in (self._kept, self._droppable):
+            later = [each for each in events if each.event.id is None or each.event.id > event_id]
+            events.clear()
+            events.extend(later)
+        waiting = (*self._kept, *self._droppable)
+        self._newest = {(each.event.topic, each.event.robot): each for each in waiting if each.event.supersedes}
 
     async def take(self, timeout: float) -> tuple[list[Event], int]:
         """Wait up to `timeout` seconds; return all queued events and the number dropped, `([], 0)` at a timeout."""
@@ -123,7 +143,8 @@ class Subscriber:
         finally:
             self._waiting = False
         self._wake.clear()
-        events, unreported = list(self._queue), self._unreported
+        queued = sorted((*self._kept, *self._droppable), key=attrgetter("number"))
+        events, unreported = [each.event for each in queued], self._unreported
         self.clear()
         return events, unreported
 

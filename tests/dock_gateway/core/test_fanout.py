@@ -1,8 +1,11 @@
 """Fan-out: who gets what, and what a slow reader loses."""
 
 import asyncio
+import time
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, event_id
@@ -222,3 +225,71 @@ async def test_events_are_counted_by_kind() -> None:
     fanout.unsubscribe(gone)
     assert (await texts(slow))[1] == 3
     assert fanout.dropped == 5
+
+
+STATUS, FEEDBACK, SCENE, STATE = "status", "feedback", "scene", "state"
+
+
+def made(kind: str, number: int) -> Event:
+    text = f"{kind}{number}".encode()
+    match kind:
+        case "status" | "feedback":
+            return Event(text, "goals", A, "/dock", droppable=kind == FEEDBACK, id=f"{number:03}")
+        case _:
+            return Event(text, kind, droppable=kind == SCENE, supersedes=True)
+
+
+@given(
+    st.lists(st.one_of(st.sampled_from([STATUS, FEEDBACK, SCENE, STATE]), st.just("take"), st.integers(0, 60))),
+    st.integers(1, 4),
+)
+async def test_what_a_slow_reader_gets_is_what_a_plain_list_would_have(steps: list[str | int], limit: int) -> None:
+    """The oldest droppable event goes, a superseded one changes in its place, an id cuts off what is before it."""
+    fanout = Fanout(queue_limit=limit)
+    reader = fanout.subscribe(EventFilter(frozenset({"goals", SCENE, STATE})))
+    waiting: list[Event] = []
+    lost = 0
+    for number, step in enumerate(steps):
+        if step == "take":
+            assert await reader.take(0.01) == (waiting, lost)
+            waiting, lost = [], 0
+        elif isinstance(step, int):
+            reader.catch_up(f"{step:03}")
+            waiting = [each for each in waiting if each.id is None or each.id > reader.after]
+        else:
+            event = made(step, number)
+            reader.put(event)
+            if event.id is not None and event.id <= reader.after:
+                continue
+            same = [each for each in waiting if each.supersedes and each.topic == event.topic]
+            if event.supersedes and same:
+                waiting[waiting.index(same[0])] = event
+                continue
+            droppable = [each for each in waiting if each.droppable]
+            if event.droppable and len(droppable) >= limit:
+                waiting.remove(droppable[0])
+                lost += 1
+            waiting.append(event)
+    reader.wake()
+    assert await reader.take(0.01) == (waiting, lost)
+
+
+def test_what_an_event_costs_does_not_depend_on_how_many_wait() -> None:
+    """A hundred readers that read nothing, each with thousands of events: they slow no one down."""
+
+    def cost(waiting: int, kind: str) -> float:
+        reader = Subscriber(100, EventFilter(frozenset({"goals", SCENE})))
+        for number in range(waiting):
+            reader.put(status(f"{number}"))
+        for number in range(100):
+            reader.put(feedback(number))
+        reader.put(made(SCENE, 0))
+        events = [feedback(number) if kind == FEEDBACK else made(kind, number) for number in range(200)]
+        began = time.thread_time()
+        for event in events:
+            reader.put(event)
+        return time.thread_time() - began
+
+    for kind in (FEEDBACK, SCENE):
+        few, many = (min(cost(waiting, kind) for _ in range(5)) for waiting in (0, 9_000))
+        assert many < 10 * few + 0.002, kind
