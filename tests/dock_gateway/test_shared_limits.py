@@ -10,16 +10,23 @@ import re
 from collections import defaultdict
 from contextlib import ExitStack
 from pathlib import Path
+from unittest.mock import AsyncMock
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dock_gateway.core.access import HUB, Principal
-from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.errors import NotFound, TooManyRequests
 from dock_gateway.core.grant import Role
 from dock_gateway.core.request import PERMIT, hold, turn
+from dock_gateway.core.work import Work
+from dock_gateway.foxglove.channels import Channel
+from dock_gateway.foxglove.subscriptions import Subscriptions as FoxgloveSubscriptions
+from dock_gateway.graph.relays import Relays
 from dock_gateway.http.quotas import TURNS, Quotas, limits
+from dock_gateway.rosbridge.protocol import Subscribe
+from dock_gateway.rosbridge.subscriptions import Subscriptions as RosbridgeSubscriptions
 from dock_gateway.settings import Settings
 from tests.support.bounds import ROOT, bounds
 from tests.support.permits import acting, permit, user
@@ -33,8 +40,6 @@ OLDEST_GO = "remembered or kept for the next time; the oldest go, and cost a lit
 OF_GRAPH = "of what is on the ROS graph; no user makes more of it"
 OF_GATEWAY = "of the gateway itself, or of one message, request or goal"
 OF_SITES = "of sites at a hub; no user makes more of them"
-# It is known whose message it is only when it has been read.
-FIRST_COME = "shared by large messages before they are read; small ones, and so stops, pass"
 STORED = "stored: who may add may also remove, and a lower role may not add"
 
 BOUNDS = {
@@ -46,7 +51,7 @@ BOUNDS = {
     "core.line:Line._insert": OLDEST_GO,
     "core.log_limit:LogLimit._forget": OLDEST_GO,
     "core.log_limit:LogLimit.filter": OF_GATEWAY,
-    "core.work:Lane.__call__": FIRST_COME,
+    "core.work:Lane.__call__": SHARES,  # `large messages` come first
     "core.work:Work.__init__": OF_GATEWAY,
     "foxglove.parameters:ClientParameters.offer": OF_CONNECTION,
     "foxglove.parameters:ClientParameters.subscribe": OF_CONNECTION,
@@ -265,3 +270,19 @@ def test_what_the_gateway_does_by_itself_needs_no_place() -> None:
             assert sum(1 for _ in range(75) if stack.enter_context(hold("topics")) is None) == 75
             with pytest.raises(TooManyRequests):
                 stack.enter_context(hold("topics"))
+
+
+async def test_a_subscription_that_fails_keeps_no_place() -> None:
+    """Such as one of a type that is not installed, again and again."""
+    relays = AsyncMock(Relays)
+    relays.join.side_effect = NotFound("its package is not installed", code="interface_not_found")
+    rosbridge, foxglove = RosbridgeSubscriptions(relays, AsyncMock(Work), None), FoxgloveSubscriptions(relays, None)
+    quotas = Quotas(Settings())
+    with acting(quotas, VIEWER):
+        for number in range(100):
+            topic = f"/topic{number}"
+            with pytest.raises(NotFound):
+                await rosbridge.subscribe(topic, "bad_package/msg/Bad", number, Subscribe(topic=topic))
+            with pytest.raises(NotFound):
+                await foxglove.subscribe(number, Channel(number, topic, "bad_package/msg/Bad", ""))
+    assert not quotas._places

@@ -19,6 +19,7 @@ from threading import Lock, Timer
 from typing import IO, ParamSpec, TypeVar
 
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.request import hold
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
@@ -156,7 +157,8 @@ class Lane:
         """Return what a function returns. It is Python code, which lets other threads run at any time.
 
         Raises:
-            Unavailable: `too_much_input`: too many are waiting.
+            TooManyRequests: Too many of the user wait, or of all users together.
+            Unavailable: `too_much_input`: too many are waiting, with those of the gateway itself.
             Exception: What the function raises.
         """
         if self._waiting >= MOST_WAITING:
@@ -173,7 +175,8 @@ class Lane:
 
         self._waiting += 1
         try:
-            return await asyncio.get_running_loop().run_in_executor(thread, run)
+            with hold("large messages"):
+                return await asyncio.get_running_loop().run_in_executor(thread, run)
         finally:
             self._waiting -= 1
 

@@ -72,6 +72,7 @@ def limits(settings: Settings) -> dict[str, Limit]:
         "calls": Limit("calls of services in progress", 32, 8, 8, "too_many_calls", Role.SUPERVISOR),
         "calls of one": Limit("calls in progress of", 8, 4, 2, "too_many_calls", Role.SUPERVISOR),
         "parameters": Limit("requests for parameters in progress", 8, 3, 2, "too_many_calls"),
+        "large messages": Limit("large messages waiting to be read", 32, 8, 8),
         "logins": Limit("logins in progress", 100, 10, 10, "too_many_logins", of_address=20),
         "provider logins": Limit("logins in progress", 20, 5, code="too_many_logins", of_address=5),
         "requests": Limit("requests to sites in progress", 5000, streams, 500, "too_many_streams"),
