@@ -169,6 +169,8 @@ class SimulatedSite:
             self.end(goal, GoalStatus.CANCELED)
         self._stops_changed()
         return {
+            "stopped": self.stop_state(robots[0] if robots else "/")["robots"],
+            "not_stopped": [],
             "canceling": sorted({goal.action_name for goal in canceled}),
             "failed": [],
             "unconfirmed": [],
