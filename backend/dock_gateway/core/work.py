@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from threading import Lock, Timer
 from typing import IO, ParamSpec, TypeVar
@@ -23,6 +23,7 @@ from dock_gateway.core.request import hold
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
+Item = TypeVar("Item")
 
 # Bytes of a message that is worked on on the event loop, in a thread, and at all; what is between goes to the process.
 SMALL, MEDIUM, MOST = 4096, 65_536, 20_000_000
@@ -30,6 +31,8 @@ SMALL, MEDIUM, MOST = 4096, 65_536, 20_000_000
 WITHIN = 30.0
 # After a client's message was read in a thread, the next one waits this many times as long: others work meanwhile.
 REST = 4
+# Seconds that a loop over what a client has sent takes until others have their turn.
+TURN = 0.001
 # Large messages of clients that wait to be read.
 MOST_WAITING = 32
 # Bytes that a pipe to the process holds, and how much less urgent it is than the gateway.
@@ -188,6 +191,16 @@ class Lane:
 
 
 in_turn = Lane()
+
+
+async def in_turns(items: Iterable[Item]) -> AsyncIterator[Item]:
+    """Yield items, and give way each time that what is done with them has taken a millisecond."""
+    since = time.perf_counter()
+    for item in items:
+        if time.perf_counter() - since > TURN:
+            await asyncio.sleep(0)
+            since = time.perf_counter()
+        yield item
 
 
 def serve(requests: IO[bytes], answers: IO[bytes]) -> None:

@@ -10,6 +10,7 @@ import orjson
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
 from dock_gateway.core.goal import encode, fragment
 from dock_gateway.core.json_text import decode_json
+from dock_gateway.core.work import SMALL, in_turn
 from dock_gateway.foxglove.protocol import ENCODINGS, SCHEMA_ENCODING
 from dock_gateway.ros.messages.cdr import from_cdr, to_cdr
 from dock_gateway.ros.messages.codec import codec
@@ -59,6 +60,16 @@ def require_encoding(encoding: str) -> None:
     """
     if encoding not in ENCODINGS:
         raise InvalidField([FieldError("encoding", f"one of {', '.join(ENCODINGS)}", f"got {encoding[:60]!r}")])
+
+
+async def read_form(form: Form, encoding: str, data: bytes) -> Any:
+    """Return what a client has sent. What is long is read in turn, while others work.
+
+    Raises:
+        MalformedRequest, InvalidField: It is not of this form.
+        Unavailable: `too_much_input`: too much waits to be read.
+    """
+    return form.read(encoding, data) if len(data) <= SMALL else await in_turn(form.read, encoding, data)
 
 
 class MessageForm:

@@ -8,6 +8,7 @@ from typing import Any
 
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotAllowed, TooManyRequests
 from dock_gateway.core.grant import Role
+from dock_gateway.core.work import in_turns
 from dock_gateway.foxglove.protocol import MAX_PARAMETERS, Json, ParameterIn
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
@@ -50,8 +51,7 @@ class ClientParameters:
             return [parameter_document(node, each.name, each.value) for node in nodes for each in nodes[node]], []
         found: list[Json] = []
         errors: list[str] = []
-        for node, wanted in _by_node(names).items():
-            await asyncio.sleep(0)  # thousands may come at once, and a stop waits for none of them
+        async for node, wanted in in_turns(_by_node(names).items()):
             try:
                 known = {each.name: each.value for each in await self._operations.get_param(node)}
             except GatewayError as error:
@@ -64,14 +64,13 @@ class ClientParameters:
         """Set parameters, those of each node all or none; return what was not possible."""
         nodes: dict[str, Json] = {}
         errors = []
-        for parameter in parameters:
+        async for parameter in in_turns(parameters):
             try:
                 node, name = split_name(parameter.name)
                 nodes.setdefault(node, {})[name] = _value(parameter)
             except GatewayError as error:
                 errors.append(error.detail)
-        for node, values in nodes.items():
-            await asyncio.sleep(0)
+        async for node, values in in_turns(nodes.items()):
             try:
                 await self._operations.set_param(node, values)
             except GatewayError as error:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.errors import Conflict, NotFound, TooManyRequests
-from dock_gateway.foxglove.forms import MessageForm, require_encoding
+from dock_gateway.foxglove.forms import MessageForm, read_form, require_encoding
 from dock_gateway.foxglove.protocol import ClientChannel, ClientMessage
 from dock_gateway.graph.publishing import Publishing
 from dock_gateway.http.parts import Parts
@@ -80,7 +80,7 @@ class Publications:
             raise NotFound(f"the channel {message.channel} is not advertised", code="channel_not_found")
 
         async def publish() -> dict[str, Any]:
-            fields = channel.form.read(channel.encoding, message.message)
+            fields = await read_form(channel.form, channel.encoding, message.message)
             await self._publishing.publish(channel.topic, fields, type_name=channel.type, grant=self._rights.grant)
             return {}
 

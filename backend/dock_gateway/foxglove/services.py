@@ -14,7 +14,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.core.graph import ACTION_PART, Seen, is_noise
 from dock_gateway.foxglove.action_calls import ActionCalls
 from dock_gateway.foxglove.channels import unused_id
-from dock_gateway.foxglove.forms import Form, MessageForm, ResultForm, TextForm, form_document
+from dock_gateway.foxglove.forms import Form, MessageForm, ResultForm, TextForm, form_document, read_form
 from dock_gateway.foxglove.protocol import Call, Json
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
@@ -108,7 +108,10 @@ class Services:
         if service is None:
             raise NotFound(f"there is no service {call.service}", code="service_not_found")
         try:
-            request = service.request.read(call.encoding, call.request)
+            form, encoding = service.request, call.encoding
+            # What stops something does not wait.
+            urgent = service.draft.urgent
+            request = form.read(encoding, call.request) if urgent else await read_form(form, encoding, call.request)
         except GatewayError as error:
             if service.name != STOP_SERVICE:  # a stop is carried out anyway
                 raise

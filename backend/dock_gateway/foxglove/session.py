@@ -3,7 +3,6 @@
 What a client may do is what it may do at `/ws`.
 """
 
-import asyncio
 import logging
 import os
 from collections.abc import Awaitable, Callable, Iterable
@@ -19,6 +18,7 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests
 from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
 from dock_gateway.core.grant import Role
+from dock_gateway.core.work import in_turns
 from dock_gateway.foxglove import protocol
 from dock_gateway.foxglove.graph_view import GraphView
 from dock_gateway.foxglove.parameters import ClientParameters
@@ -57,8 +57,6 @@ log = logging.getLogger(__name__)
 
 # Operations in progress, and cancels and stops in addition to them.
 MAX_OPERATIONS, MAX_URGENT = 64, 64
-# Parts of an operation that are done before others have their turn: about a millisecond.
-AT_ONCE = 20
 CAPABILITIES = ("services", "parameters", "parametersSubscribe", "connectionGraph")
 # Errors in one status message.
 MAX_ERRORS = 10
@@ -221,7 +219,7 @@ class Session:
 
     async def unsubscribe(self, fields: Json) -> None:
         """Send no more messages of channels."""
-        for identity in read_fields(Unsubscribe, fields).subscriptions:
+        async for identity in in_turns(read_fields(Unsubscribe, fields).subscriptions):
             await self._subscriptions.unsubscribe(identity)
 
     async def advertise(self, fields: Json) -> None:
@@ -230,7 +228,7 @@ class Session:
 
     async def unadvertise(self, fields: Json) -> None:
         """Forget channels of the client."""
-        for identity in read_fields(Unadvertise, fields).channels:
+        async for identity in in_turns(read_fields(Unadvertise, fields).channels):
             self._publications.unadvertise(identity)
 
     async def get_parameters(self, fields: Json) -> None:
@@ -273,9 +271,7 @@ class Session:
     async def _each(self, op: str, items: Iterable[Item], do: Callable[[Item], Awaitable[None]]) -> None:
         """Do something with each item, and report those with which it was not possible."""
         errors: list[str] = []
-        for number, item in enumerate(items):
-            if number % AT_ONCE == 0:
-                await asyncio.sleep(0)  # thousands may come at once, and a stop does not wait for them
+        async for item in in_turns(items):
             try:
                 await do(item)
             except TooManyRequests as error:

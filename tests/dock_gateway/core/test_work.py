@@ -10,7 +10,7 @@ import pytest
 
 from dock_gateway.core import work as core_work
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.work import MEDIUM, MOST, MOST_WAITING, SMALL, Lane, TooLarge, Work
+from dock_gateway.core.work import MEDIUM, MOST, MOST_WAITING, SMALL, TURN, Lane, TooLarge, Work, in_turns
 from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.timeout(PATIENCE)
@@ -128,3 +128,27 @@ async def test_what_waits_has_a_limit(lane: Lane) -> None:
     go.set()
     await asyncio.gather(*waiting)
     assert await lane(int) == 0
+
+
+async def test_a_long_list_gives_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+
+    def clock() -> float:
+        nonlocal now
+        now += TURN / 10
+        return now
+
+    monkeypatch.setattr(core_work.time, "perf_counter", clock)
+    turns, seen = 0, 0
+
+    def turn() -> None:
+        nonlocal turns
+        turns += 1
+        asyncio.get_running_loop().call_soon(turn)
+
+    turn()
+    async for item in in_turns(range(1_000)):
+        assert item == seen
+        seen += 1
+    assert seen == 1_000
+    assert 80 <= turns <= 130

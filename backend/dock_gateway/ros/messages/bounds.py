@@ -3,7 +3,7 @@
 from functools import cache
 
 from dock_gateway.core.errors import FieldError
-from dock_gateway.ros.messages.types import Kind, MessageClass, Nested, Sequence, kinds
+from dock_gateway.ros.messages.types import Float, Integer, Kind, MessageClass, Nested, Sequence, Text, kinds
 
 # Nested messages and texts in a message, in all its arrays together. That many take ROS some 10 ms, all at once.
 MAX_NESTED = 10_000
@@ -72,3 +72,37 @@ def _weight(kind: Kind) -> int:
             return low * _weight(item)
         case _:
             return 0
+
+
+def most_nested(message_class: MessageClass, size: int) -> float:
+    """Return how many nested messages and texts a serialized message of so many bytes (CDR) may have at most."""
+    return nested_in(message_class) + size * _density(Nested(message_class))
+
+
+@cache
+def _density(kind: Kind) -> float:
+    """Return how many nested messages and texts there may be for each byte."""
+    match kind:
+        case Nested(message_class):
+            return max(map(_density, kinds(message_class).values()), default=0.0)
+        case Sequence(item=item, code=None):
+            return max(max(1, _weight(item)) / max(1, _least_size(item)), _density(item))
+        case _:
+            return 0.0
+
+
+def _least_size(kind: Kind) -> int:
+    """Return the least number of bytes of a value."""
+    match kind:
+        case Integer(high=high):
+            return -(-high.bit_length() // 8)
+        case Float(single=single):
+            return 4 if single else 8
+        case Text():
+            return 4
+        case Sequence(item=item, low=low, fixed=fixed):
+            return low * _least_size(item) + (0 if fixed else 4)
+        case Nested(message_class):
+            return sum(map(_least_size, kinds(message_class).values()))
+        case _:
+            return 1

@@ -9,12 +9,14 @@ from geometry_msgs.msg import PoseArray
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Path
+from sensor_msgs.msg import Image
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
-from dock_gateway.core.errors import InvalidField
+from dock_gateway.core.errors import InvalidField, MalformedRequest
 from dock_gateway.ros.messages import codec as message_codec
-from dock_gateway.ros.messages.bounds import FEW_NESTED, MAX_NESTED, is_long
+from dock_gateway.ros.messages.bounds import FEW_NESTED, MAX_NESTED, is_long, most_nested
+from dock_gateway.ros.messages.cdr import from_cdr, to_cdr
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.types import Nested, Sequence, kinds
 from tests.support.waiting import PATIENCE
@@ -58,6 +60,25 @@ def test_no_message_holds_more_than_the_bound_however_it_is_nested(case: tuple[A
                 codec(message_class).parse(value)
         else:
             assert codec(message_class).parse(value) == whole
+
+
+@given(values)
+def test_a_message_in_bytes_holds_no_more_than_its_size_allows(case: tuple[Any, Any]) -> None:
+    message = codec(case[0]).parse(case[1])
+    data = to_cdr(message)
+    assert count(message) <= most_nested(case[0], len(data))
+    assert from_cdr(data, case[0]) == message
+
+
+@pytest.mark.parametrize("poses", [1_500, 1_600])
+def test_many_nested_messages_in_bytes_are_refused_before_they_are_decoded(poses: int) -> None:
+    data = to_cdr(Path())[:-4] + poses.to_bytes(4, "little") + bytes(72 * poses)
+    if poses == 1_500:
+        assert len(from_cdr(data, Path).poses) == poses
+    else:
+        with pytest.raises(MalformedRequest, match="may hold more than 10,000 nested"):
+            from_cdr(data, Path)
+    assert len(from_cdr(to_cdr(Image(data=bytes(900_000))), Image).data) == 900_000
 
 
 @pytest.mark.parametrize(
