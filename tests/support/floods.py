@@ -158,13 +158,14 @@ def _slow_websockets(
     return flood
 
 
-def _readers(path: str, first: bytes, count: int, headers: bytes = b"") -> Flood:
-    """Open streams, send `first` on each, and read them as fast as they come."""
+def _readers(path: str, first: bytes, count: int, headers: bytes = b"", pause: float = 0.0) -> Flood:
+    """Open streams, send `first` on each after a pause, and read them as fast as they come."""
 
     def flood(address: Address) -> None:
         with selectors.DefaultSelector() as selector:
             for _ in range(count):
                 connection = open_websocket(address, path, headers)
+                time.sleep(pause)
                 connection.sendall(first)
                 selector.register(connection, selectors.EVENT_READ)
             while all(key.fileobj.recv(1 << 20) for key, _ in selector.select()):  # type: ignore[union-attr]
@@ -329,7 +330,7 @@ FLOODS: dict[str, Flood] = {
     "viewers of a large map on /rosbridge": _readers("/rosbridge", VIEW_MAP, 3),
     "viewers of map.png": _downloads("/robots/map.png", 10),
     "viewers of a large topic": _readers("/ws/topics?topic=/map", b"", 3),
-    "viewers of a large map on /foxglove": _readers("/foxglove", VIEW_MAP_CHANNEL, 3, FOXGLOVE),
+    "viewers of a large map on /foxglove": _readers("/foxglove", VIEW_MAP_CHANNEL, 3, FOXGLOVE, 0.3),
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),
 }
 
