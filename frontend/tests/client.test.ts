@@ -43,13 +43,16 @@ describe("commands", () => {
 
   it("stop with the name of who stops, and release", async () => {
     const stopping = answer(200, stopReport());
-    expect(await gateway.stop("Ada")).toEqual(stopReport());
+    expect(await gateway.stop("Ada", [])).toEqual(stopReport());
     expect(await stopping.mock.calls[0]?.[0].json()).toEqual({ by: "Ada" });
     await gateway.stop("Ada", ["/a", "/b"]);
     expect(decodeURIComponent(stopping.mock.calls[1]?.[0].url ?? "")).toMatch(/\/stop\?robot=\/a&robot=\/b$/);
     const releasing = answer(200, released);
-    expect(await gateway.release()).toEqual(released);
-    expect(releasing.mock.calls[0]?.[0]).toMatchObject({ method: "DELETE", url: "http://gateway:8000/stop" });
+    expect(await gateway.release("/a")).toEqual(released);
+    expect(releasing.mock.calls[0]?.[0]).toMatchObject({
+      method: "DELETE",
+      url: "http://gateway:8000/stop?robot=%2Fa",
+    });
   });
 
   it("send a goal to its action, and cancel it whatever its action is", async () => {
@@ -130,9 +133,9 @@ describe("errors", () => {
 
   it("tell a proxy's page from the gateway", async () => {
     answer(502, "<html>Bad gateway</html>", "text/html");
-    expect((await failure(gateway.stop("Ada"))).code).toBe("gateway_unreachable");
+    expect((await failure(gateway.stop("Ada", []))).code).toBe("gateway_unreachable");
     answer(404, "nothing", "text/plain");
-    expect((await failure(gateway.stop("Ada"))).code).toBe("http_error");
+    expect((await failure(gateway.stop("Ada", []))).code).toBe("http_error");
   });
 
   it("tell a time-out from a refused connection", async () => {

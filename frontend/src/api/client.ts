@@ -37,7 +37,7 @@ export interface MapColors {
  * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
  * that arrives late is worse than one that fails. Every failure is a ClientError.
  *
- * @param robot The robot's namespace; null for the one that the gateway is configured for (to stop: for all of them).
+ * @param robot The robot's namespace; null for the one that the gateway is configured for. A stop and its release name theirs.
  */
 export function createGateway(http: Http, robot: string | null = null) {
   const query = robot === null ? {} : { robot };
@@ -66,12 +66,14 @@ export function createGateway(http: Http, robot: string | null = null) {
       (await settle(
         http.POST("/goals/{goal_id}/cancel", { params: { path: { goal_id: goalId } }, signal: deadline() }),
       )) as Goal,
-    /** Stops robots until `release`; also several with one request. */
-    stop: (by: string, robots: readonly string[] = robot === null ? [] : [robot]): Promise<StopReport> =>
+    /** Stops robots until `release`, with one request; all of them for an empty list. */
+    stop: (by: string, robots: readonly string[]): Promise<StopReport> =>
       settle(
         http.POST("/stop", { body: { by }, params: { query: { robot: [...robots] } }, signal: deadline() }),
       ),
-    release: (): Promise<StopState> => settle(http.DELETE("/stop", options())),
+    /** Releases the stop of a robot and of those below it. */
+    release: (stopped: string): Promise<StopState> =>
+      settle(http.DELETE("/stop", { params: { query: { robot: stopped } }, signal: deadline() })),
     publishOnce: async (state: BatteryStateInput) => {
       await settle(http.POST("/battery", { body: state, ...options() }));
     },

@@ -26,8 +26,8 @@ export class FleetStore extends StreamStore<FleetState, FleetTopics> {
     else this.shown.schedule();
   };
 
-  /** Takes up what an answer over HTTP says of a robot's stop, the configured one for null: people wait for it. */
-  setStop(stop: StopState, robot: string | null = null): void {
+  /** Takes up what an answer over HTTP says of a robot's stop: people wait for it. */
+  setStop(stop: StopState, robot: string): void {
     this.state = withStop(this.state, robot, stop);
     this.shown.flush();
   }

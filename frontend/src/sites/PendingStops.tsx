@@ -9,7 +9,7 @@ export default function PendingStops() {
   return sites.map(({ name, stop: { pending } }) => {
     if (pending == null) return null;
     const { robots, by, since } = pending;
-    const held = { robot: `/${name}`, configured: false, since, by, holds: robots, persisted: true };
+    const held = { robot: `/${name}`, since, by, holds: robots, persisted: true };
     return (
       <Paper
         key={name}

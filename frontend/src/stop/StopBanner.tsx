@@ -133,20 +133,16 @@ function Held({ stop, what, large = false, children }: HeldProps) {
 
 /** Releases one stop, or all of them, after a confirmation that says whose. */
 export function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
-  const { http, gateway, gatewayOf, store } = useFleet();
+  const { http, gateway, store } = useFleet();
   const whyNot = useWhyNot("DELETE /stop");
   const naming = useNaming();
   const [asking, ask] = useDisclosure(false);
   const [asked, setAsked] = useState(held); // a stop that comes while the question is open is not released
   const release = useCommand(async (stops: readonly HeldStop[]) => {
-    for (const { robot, configured } of stops) {
-      if (ofHub()) {
+    for (const { robot } of stops)
+      if (ofHub())
         await releaseSites(http, robot); // what holds then, the stream tells
-        continue;
-      }
-      const name = configured ? null : robot;
-      store.setStop(await (configured ? gateway : gatewayOf(robot)).release(), name);
-    }
+      else store.setStop(await gateway.release(robot), robot);
   });
   const several = asked.length > 1;
   const names = asked.flatMap(({ holds }) => holds);

@@ -79,7 +79,7 @@ export function RobotStopButton({ robot }: { robot: string }) {
       () => naming,
       [robot],
       async () => {
-        const report = await gateway.stop(whoStops());
+        const report = await gateway.stop(whoStops(), [robot]);
         store.setStop(report.stop);
         return report;
       },

@@ -5,8 +5,6 @@ import { isThere } from "../fleet/words";
 /** A stop that holds, with what it holds besides; released for all of them together. */
 export interface HeldStop {
   robot: string;
-  /** It is that of the robot that the gateway is configured for. */
-  configured: boolean;
   since: string | null;
   by: string | null;
   /** All robots that it holds, itself first, then by name; without a configured one that does not exist. */
@@ -36,7 +34,7 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
       const robot = robots.get(held);
       const exists = below.length === 0 || robot === undefined || isThere(robot);
       const holds = exists ? [held, ...below] : below;
-      return { robot: held, configured: held === name, since, by, persisted, holds };
+      return { robot: held, since, by, persisted, holds };
     })
     .sort((a, b) => byName(a.robot, b.robot));
 }

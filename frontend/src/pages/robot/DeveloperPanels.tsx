@@ -63,7 +63,10 @@ function commands(robot: string | null, goal: string): { what: string; line: str
     { what: "Look at the goal", line: `curl -s ${address}/${goal}` },
     { what: "Cancel it", line: `curl -sX POST ${address}/${goal}/cancel` },
     { what: "Undock", line: `curl -sX POST ${url(`${address}/undock`)}` },
-    { what: "Stop the robot, and keep it stopped", line: `curl -sX POST ${url(`${address}/stop`)}` },
+    {
+      what: robot === null ? "Stop every robot, and keep it stopped" : "Stop the robot, and keep it stopped",
+      line: `curl -sX POST ${url(`${address}/stop`)}`,
+    },
     { what: "Release the stop", line: `curl -sX DELETE ${url(`${address}/stop`)}` },
     {
       what: "Publish a low battery once a second",
