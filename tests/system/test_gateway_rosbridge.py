@@ -204,12 +204,13 @@ def test_an_operation_in_pieces(client: Client) -> None:
     assert client.until("service_response", id="x")["values"]["version"] == 2
     client.send("fragment", id="f", num=2, total=2, data="")
     client.error("num")
-    for number in range(9):
-        client.send("fragment", id=f"f{number}", num=0, total=2, data="")
-    client.error("already incomplete")
-    client.send("fragment", id="f1", num=0, total=2, data="x" * 999_000)
-    client.send("fragment", id="f2", num=0, total=2, data="x" * 1001)
+    client.send("fragment", id="f1", num=0, total=2, data="x" * 1_000_001)
     client.error("exceed")
+    for number in range(20):  # old incomplete ones make room
+        client.send("fragment", id=f"f{number}", num=0, total=2, data="x" * 100_000)
+    for number in (0, 1):
+        client.send("fragment", id="g", num=number, total=2, data=text[20 * number :][: 20 if number == 0 else None])
+    assert client.until("service_response", id="x")["values"]["version"] == 2
 
 
 def test_the_goals_of_a_client_that_wants_it_end_with_its_connection(gateway: RunningGateway) -> None:
@@ -252,7 +253,7 @@ def test_a_latched_topic_for_everyone_who_comes_and_one_that_nobody_has(
         other.send("subscribe", topic="talker0/latched")
         assert other.until("publish")["msg"] == {"data": ""}
         other.send("subscribe", topic="/later")
-        other.error("nobody has this topic yet")
+        other.error("no node has this topic yet")
         other.send("subscribe", topic="/talker0/latched", type="std_msgs/Bool", id="b")
         other.send("subscribe", topic="/later", type="nothing_msgs/msg/Nothing")
         other.error("not installed")

@@ -17,6 +17,9 @@ from dock_gateway.core.log_config import printable
 POWER_SUPPLY_STATUS = {0: "UNKNOWN", 1: "CHARGING", 2: "DISCHARGING", 3: "NOT CHARGING", 4: "FULL"}
 BY_NAME = {name.replace(" ", "_").lower(): number for number, name in POWER_SUPPLY_STATUS.items()}
 
+# Seconds that a stop may take, in addition to those that the gateway waits for action servers.
+STOP_WITHIN = 2.0
+
 url_option = click.option(
     "--url",
     envvar="DOCK_GATEWAY_URL",
@@ -44,7 +47,7 @@ class StatusChoice(click.ParamType[int]):
 
 
 @contextmanager
-def gateway(url: str) -> Iterator[Client]:
+def gateway(url: str, *, timeout: float = 15.0) -> Iterator[Client]:
     """A client of the gateway there, whose errors end the command with one sentence.
 
     The token is that in DOCK_GATEWAY_TOKEN; no option, because other users of the machine can read command lines.
@@ -53,7 +56,7 @@ def gateway(url: str) -> Iterator[Client]:
         click.ClickException: The gateway does not answer, or refuses. The message says why.
     """
     try:
-        with Client(url) as client:
+        with Client(url, timeout=timeout) as client:
             yield client
     except GatewayUnreachable as error:
         hint = "start one with `dock-gateway up`, or name another with --url or DOCK_GATEWAY_URL"
@@ -189,8 +192,12 @@ def stop(url: str, names: tuple[str, ...], robots: tuple[str, ...], no_latch: bo
     unknown = [name for name in names if name.startswith("-")]
     if unknown:
         click.echo(printable(f"unknown option {unknown[0]}: all robots are stopped"), err=True)
-    with gateway(url) as client:
-        report = client.stop(*([] if unknown else [*robots, *names]), latch=not no_latch, by=by)
+    try:
+        with gateway(url, timeout=STOP_WITHIN) as client:
+            report = client.stop(*([] if unknown else [*robots, *names]), latch=not no_latch, by=by)
+    except click.ClickException as error:
+        advice = "the stop is NOT confirmed; use the robots' own emergency stop if they move"
+        raise click.ClickException(f"{advice}: {error.message}") from None
     stopped = ", ".join(report.stopped) or "no robot: there is none"
     click.echo(printable(f"zero velocity published to {stopped}; canceling {', '.join(report.canceling) or 'no goal'}"))
     if report.not_stopped:

@@ -191,7 +191,7 @@ def _read_latch(latch: object) -> bool:
 
 def _read(principal: Principal, request: object) -> Mapping[str, Any]:
     """Return the fields of the command: `robot` for the audit log, and the order."""
-    order = request if isinstance(request, StopOrder) else read_order(principal, request)
+    order = read_order(principal, request)
     return {"robot": order.robots, "order": order}
 
 
