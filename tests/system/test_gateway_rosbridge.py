@@ -204,7 +204,8 @@ def test_an_operation_in_pieces(client: Client) -> None:
     assert client.until("service_response", id="x")["values"]["version"] == 2
     client.send("fragment", id="f", num=2, total=2, data="")
     client.error("num")
-    client.send("fragment", id="f1", num=0, total=2, data="x" * 1_000_001)
+    client.send("fragment", id="f1", num=0, total=3, data="x" * 999_000)
+    client.send("fragment", id="f1", num=1, total=3, data="x" * 1001)
     client.error("exceed")
     for number in range(20):  # old incomplete ones make room
         client.send("fragment", id=f"f{number}", num=0, total=2, data="x" * 100_000)

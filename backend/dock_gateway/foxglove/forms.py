@@ -113,7 +113,7 @@ class TextForm:
         values = self._from_cdr(data) if encoding == "cdr" else decode_json(data, "the request")
         if not isinstance(values, dict):
             raise InvalidField([FieldError("", "an object", "got something else")])
-        return {name: value for name, value in values.items() if value not in ("", None)}
+        return {name: value for name, value in values.items() if name not in self.fields or value not in ("", None)}
 
     def write(self, encoding: str, value: Mapping[str, str]) -> bytes:
         """Return the texts."""

@@ -13,13 +13,13 @@ from starlette.responses import Response
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.access import Principal
-from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.errors import GatewayError, not_covered
 from dock_gateway.core.grant import Role
-from dock_gateway.core.namespace import ALL_ROBOTS
+from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import principal_of
+from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     RobotQuery,
@@ -117,11 +117,17 @@ async def _read_body(request: Request, stopper: Stopper) -> Any:
     return await reading
 
 
-@router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
-@operation(Role.VIEWER, Scope.ROBOTS)
-async def get_stop(stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
-    """Return whether a stop is latched for a robot; without `robot`, for all robots."""
-    return json_response(stopper.state(robot))
+@router.get("/stop", response_model=StopState, responses=problems(403, 404, 421, 422), dependencies=[only_robot])
+@operation(Role.VIEWER, Scope.LISTED)
+async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = None) -> Response:
+    """Return whether a stop is latched for a robot; without `robot`, for all robots.
+
+    `robots` leaves out those beyond the user's limits.
+    """
+    state = stopper.state(robot)
+    if robot is not None and read_namespace(robot) != ALL_ROBOTS and not grant.covers_robot(read_namespace(robot)):
+        raise not_covered(f"the robot {robot}")
+    return json_response({**state, "robots": [name for name in state["robots"] if grant.covers_robot(name)]})
 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])

@@ -166,6 +166,8 @@ export interface paths {
         /**
          * Get Stop
          * @description Return whether a stop is latched for a robot; without `robot`, for all robots.
+         *
+         *     `robots` leaves out those beyond the user's limits.
          */
         get: operations["get_stop"];
         put?: never;
