@@ -7,7 +7,7 @@ import pytest
 
 from tests.chaos.withstand import withstand
 from tests.support.domain import ros_domain
-from tests.support.floods import FLOODS, MAPS, flooding
+from tests.support.floods import FLOODS, LONG, MAPS, flooding
 from tests.support.gateway import RunningGateway, running_gateway, running_hostile_node
 
 pytestmark = pytest.mark.ros
@@ -34,7 +34,7 @@ def gateway_with_few_files() -> Iterator[RunningGateway]:
 
 @pytest.mark.parametrize("name", [name for name in FLOODS if name not in MAPS])
 def test_a_flood(gateway: RunningGateway, name: str) -> None:
-    withstand(gateway, f"Clients: {name}", flooding(name, gateway.url))
+    withstand(gateway, f"Clients: {name}", flooding(name, gateway.url), megabytes=60 if name in LONG else 20)
 
 
 @pytest.mark.parametrize("name", MAPS)

@@ -334,6 +334,8 @@ FLOODS: dict[str, Flood] = {
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),
 }
 
+# Floods of large messages: the memory for what has been read of them is used again, and not given back.
+LONG = frozenset({"paths on /rosbridge", "too long paths on /rosbridge", "markers on /rosbridge", "paths by POST"})
 # Floods about a large topic, which `tests.support.hostile_node grid` publishes: the bytes of its messages.
 MAPS = {
     "a map in pieces on /rosbridge": 4_000_000,
