@@ -163,7 +163,7 @@ def read_binary(data: bytes) -> Call | ClientMessage:
             case b"\x01":
                 (channel,) = struct.unpack_from("<I", data, 1)
                 return ClientMessage(channel, data[5:])
-            case b"\x02":
+            case b"\x02" if len(data) >= 5:
                 # One that is cut off may be a stop: who carries it out judges its encoding.
                 service, call, length = struct.unpack_from("<III", data[:13].ljust(13, b"\0"), 1)
                 encoding = data[13 : 13 + length].decode(errors="replace") if length <= MAX_NAME else ""

@@ -10,6 +10,7 @@ from std_msgs.msg import String
 from test_msgs.action import NestedMessage
 
 from action_tutorials_interfaces.action import Fibonacci
+from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.interfaces import (
@@ -21,6 +22,7 @@ from dock_gateway.ros.messages.interfaces import (
     load_message,
 )
 from dock_gateway.settings import Settings
+from dock_gateway.storage.memory import MemoryHistory
 
 HINT = "install the Python package of the ROS interfaces lift_msgs (such as ros-kilted-lift-msgs)"
 DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
@@ -29,7 +31,7 @@ DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
 @pytest.fixture(scope="module")
 def client() -> TestClient:
     client = TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")  # no lifespan: no ROS
-    client.app_state["parts"] = Parts({Settings: Settings()})
+    client.app_state["parts"] = Parts({Settings: Settings(), Logins: Logins(MemoryHistory(1))})
     return client
 
 
