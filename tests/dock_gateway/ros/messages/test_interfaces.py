@@ -13,6 +13,7 @@ from action_tutorials_interfaces.action import Fibonacci
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.messages.interfaces import (
     definition_text,
     install_hint,
@@ -31,7 +32,8 @@ DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
 @pytest.fixture(scope="module")
 def client() -> TestClient:
     client = TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")  # no lifespan: no ROS
-    client.app_state["parts"] = Parts({Settings: Settings(), Logins: Logins(MemoryHistory(1))})
+    settings = Settings()
+    client.app_state["parts"] = Parts({Settings: settings, Logins: Logins(MemoryHistory(1)), Quotas: Quotas(settings)})
     return client
 
 
