@@ -307,6 +307,21 @@ async def test_a_flood_that_the_hub_has_not_sealed_leaves_time_for_others(server
         await until(lambda: "2997" in seen)  # 2999 is cut off, and 2998 is no message
 
 
+async def test_whatever_opening_one_message_brings_about_the_next_is_opened(
+    server: NatsServer, caplog: pytest.LogCaptureFixture
+) -> None:
+    def admit(token: str, *_: str) -> Any:
+        if token == "odd":
+            raise ZeroDivisionError("that was not expected")
+
+    async with open_tunnel(server.url, Site().app, admit=admit) as tunnel:
+        fields = {"id": f"{1:016x}", "token": "odd", "kind": "http", "method": "GET", "path": "/echo"}
+        await tunnel.hub.publish(subjects.open_stream(SITE, tunnel.address.instance), encode(fields))
+        await until(lambda: "that was not expected" in caplog.text)
+        answer = await tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=10)
+        assert answer.status == 201
+
+
 async def test_a_sealed_request_that_is_repeated_is_refused_before_its_signature(server: NatsServer) -> None:
     admitted: list[str] = []
 

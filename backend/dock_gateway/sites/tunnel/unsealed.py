@@ -1,12 +1,15 @@
 """Messages that have no valid seal, and wait until it is verified who has sent them."""
 
 import asyncio
+import logging
 import time
 from collections import deque
 from collections.abc import Callable
 
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites.subscription import Received
+
+log = logging.getLogger(__name__)
 
 # Messages that wait, and their bytes.
 MAX_WAITING, MAX_BYTES = 1000, 16 * 1024 * 1024
@@ -52,6 +55,9 @@ class Unsealed:
                 newest = self._waiting.pop()
                 self._bytes -= len(newest.data)
                 began = time.monotonic()
-                self._serve(newest)
+                try:
+                    self._serve(newest)
+                except Exception:  # the others are opened all the same
+                    log.exception("while opening a message on %s that has no seal", newest.subject)
                 await asyncio.sleep(BREAK * (time.monotonic() - began))
             self._arrived.clear()
