@@ -155,6 +155,7 @@ class Lane:
     def __init__(self) -> None:
         self._thread: ThreadPoolExecutor | None = None
         self._waiting = 0
+        self._rest_until = 0.0
 
     async def __call__(self, function: Callable[P, Result], *args: P.args, **kwargs: P.kwargs) -> Result:
         """Return what a function returns. It is Python code, which lets other threads run at any time.
@@ -169,12 +170,13 @@ class Lane:
         thread = self._thread = self._thread or ThreadPoolExecutor(1, "lane")
 
         def run() -> Result:
+            if (rest := self._rest_until - time.monotonic()) > 0:
+                time.sleep(rest)
             began = time.thread_time()
             try:
                 return function(*args, **kwargs)
             finally:
-                with contextlib.suppress(RuntimeError):  # it is closed
-                    thread.submit(time.sleep, REST * (time.thread_time() - began))
+                self._rest_until = time.monotonic() + REST * (time.thread_time() - began)
 
         self._waiting += 1
         try:

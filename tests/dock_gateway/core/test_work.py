@@ -100,23 +100,23 @@ async def test_closing_does_not_wait_for_the_process(work: Work) -> None:
         os.kill(pid, 0)
 
 
-async def test_the_lane_is_for_one_at_a_time_and_rests(lane: Lane, monkeypatch: pytest.MonkeyPatch) -> None:
-    slept: list[float] = []
-    monkeypatch.setattr(core_work.time, "sleep", slept.append)
-    active, most = 0, 0
+async def test_the_lane_is_for_one_at_a_time_and_rests_after_each(lane: Lane, monkeypatch: pytest.MonkeyPatch) -> None:
+    did: list[str] = []
+    monkeypatch.setattr(core_work.time, "sleep", lambda rest: did.append("rest" if rest > 0 else "no rest"))
+    monkeypatch.setattr(core_work, "REST", 1000)
+    go = threading.Event()
 
     def compute() -> None:
-        nonlocal active, most
-        active += 1
-        most = max(most, active)
+        go.wait(PATIENCE)
+        did.append("begin")
         sum(range(100_000))
-        active -= 1
+        did.append("end")
 
-    await asyncio.gather(*(lane(compute) for _ in range(10)))
-    await lane(int)  # what is behind the last rest
-    assert most == 1
-    assert len(slept) >= 10
-    assert min(slept[:10]) > 0
+    working = [asyncio.create_task(lane(compute)) for _ in range(10)]
+    await asyncio.sleep(0)  # now all of them wait
+    go.set()
+    await asyncio.gather(*working)
+    assert did == ["begin", "end", *["rest", "begin", "end"] * 9]
 
 
 async def test_what_waits_has_a_limit(lane: Lane) -> None:
