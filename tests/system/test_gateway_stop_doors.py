@@ -195,6 +195,30 @@ def test_arguments_of_a_tool_that_are_no_object_stop_too(world: World, arguments
     world.gateway.http.delete("/stop")
 
 
+@pytest.mark.parametrize(
+    ("path", "tool"), [("/mcp", "stop\\u005frobots"), ("/mcp?anything=1", "stop_robots"), ("/mcp", "stop_robots")]
+)
+def test_a_tool_is_known_however_it_is_written(world: World, path: str, tool: str) -> None:
+    call = f'{{"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": {{"name": "{tool}", "arguments": {{}}}}}}'
+    world.agent.post(path, content=call)
+    assert world.gateway.http.get("/stop").json()["robots"] == ROBOTS
+    world.gateway.http.delete("/stop")
+
+
+@pytest.mark.parametrize(
+    ("args", "robots"),
+    [
+        (["/robot2", False, "Ada"], ["/robot2"]),
+        (["/robot1", "/robot2"], ROBOTS),
+        (["/robot2", "/robot2", "/robot2", "/robot2"], ["/robot2"]),
+    ],
+)
+def test_the_arguments_of_a_service_in_order(world: World, args: list[object], robots: list[str]) -> None:
+    world.rosbridge.send(service_call(args).decode())
+    assert response(world)["stopped"] == robots
+    world.gateway.http.delete("/stop")
+
+
 DEEP = b'{"robot":' * 2000 + b"1" + b"}" * 2000
 
 
@@ -231,18 +255,22 @@ def test_calls_of_foxglove_that_are_cut_off_stop(world: World) -> None:
 def test_one_robot_is_released_of_a_stop_of_all(world: World) -> None:
     assert rest(world, {})["stop"]["robots"] == ROBOTS
     assert world.gateway.http.delete("/stop?robot=/robot2").json()["latched"] is False
-    assert world.gateway.http.get("/stop").json()["robots"] == ["/robot1"]
-    world.gateway.http.delete("/stop")
+    state = world.gateway.http.get("/stop").json()
+    assert (state["latched"], state["robots"]) == (True, ["/robot1"])
+    assert world.gateway.http.delete("/stop?robot=/robot1").json()["latched"] is False
+    assert world.gateway.http.get("/stop").json()["latched"] is False
 
 
 def command(world: World, *arguments: str) -> str:
     """What a command prints."""
-    with ForkedProcess("dock-gateway", *arguments, "--url", world.gateway.url, env=dict(os.environ)) as ended:
+    with ForkedProcess(
+        "dock-gateway", arguments[0], "--url", world.gateway.url, *arguments[1:], env=dict(os.environ)
+    ) as ended:
         assert ended.wait() == 0, ended.output
         return ended.output
 
 
-@pytest.mark.parametrize("option", [(), ("--reason", "a person")])
+@pytest.mark.parametrize("option", [(), ("--reason", "a person"), ("--by",), ("--robot",)])
 def test_the_command_line_stops_all_and_names_them(world: World, option: tuple[str, ...]) -> None:
     assert "zero velocity published to /robot1, /robot2" in command(world, "stop", *option)
     command(world, "release")

@@ -144,7 +144,9 @@ class Call:
 
     async def _stopped(self) -> Fields:
         """Return the answer of a stop, which was carried out when the message came."""
-        stopping: asyncio.Task[Fields] = self._scope[STOPPING]
+        stopping: asyncio.Task[Fields] | None = self._scope.get(STOPPING)
+        if stopping is None:  # the message was read in another way then
+            return await self._carry_out(self._tool.command, self._params.arguments or {}, self._client)
         return await asyncio.shield(stopping)
 
     async def _carry_out(self, command: Command, fields: Fields, subject: str) -> Fields:

@@ -20,10 +20,13 @@ from dock_gateway.http.operation import Scope as Subject
 from dock_gateway.http.operation import operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import principal_of
-from dock_gateway.http.requests import NO_QUERY, json_response, read_body
+from dock_gateway.http.requests import json_response, known_query, read_body
 from dock_gateway.stop.order import says
 
-router = APIRouter(dependencies=[NO_QUERY])
+router = APIRouter()
+
+# How a character of a name may be written in JSON.
+ESCAPE = b"\\u"
 
 
 class AgentResponse(Response):
@@ -56,9 +59,11 @@ async def mcp(request: Request, server: Part[AgentServer], parts: AllParts) -> R
     for asked in _stops_in(message):
         name = client_name(request)
         who, stop = principal_of(request).as_agent(name), TOOLS[STOP_TOOL].command
-        stopping = asyncio.create_task(carry_out(parts, who, stop, asked, request.scope, subject=name))
+        scope = {**request.scope, "principal": who}
+        stopping = asyncio.create_task(carry_out(parts, who, stop, asked, scope, subject=name))
         request.scope[STOPPING] = stopping
         await asyncio.wait({stopping})
+    await known_query()(request)
     try:
         decode_json(message, "the message")  # the protocol's own reader accepts NaN and Infinity
     except MalformedRequest as error:
@@ -69,7 +74,7 @@ async def mcp(request: Request, server: Part[AgentServer], parts: AllParts) -> R
 
 def _stops_in(message: bytes) -> list[object]:
     """Return what calls of the tool that stops robots say."""
-    if STOP_TOOL.encode() not in message:
+    if STOP_TOOL.encode() not in message and ESCAPE not in message:
         return []
     try:
         decoded = decode_json(message, "the message", constants=True)

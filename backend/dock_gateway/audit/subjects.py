@@ -8,8 +8,8 @@ from starlette.types import Scope
 
 from dock_gateway.core.audit import MAX_ROBOTS
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
-from dock_gateway.core.filters import parent_of
-from dock_gateway.core.namespace import normalize_namespace
+from dock_gateway.core.filters import is_under, parent_of
+from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace
 from dock_gateway.http.operation import READS
 from dock_gateway.http.requests import GOAL_ID, read_goal_id
 from dock_gateway.settings import Settings
@@ -88,6 +88,12 @@ class Subjects:
             present = set(self._robots())
             robot = ",".join(sorted(robot.split(","), key=lambda name: name not in present))
         return dict(zip(FIELDS, (robot, action_name, goal_id, subject), strict=True))
+
+    def stopped(self, robots: str | None) -> str:
+        """Return the robots that a stop was for: all if it names none that is known."""
+        names, known = (robots or ALL_ROBOTS).split(","), self._robots()
+        is_known = not known or any(is_under(each, name) for each in known for name in names)
+        return ",".join(names) if is_known else ALL_ROBOTS
 
 
 def robots_text(robots: Iterable[str]) -> str | None:

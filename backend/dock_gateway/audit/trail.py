@@ -23,6 +23,8 @@ from dock_gateway.http.principal import address_of
 
 log = logging.getLogger(__name__)
 
+STOP = "stop"
+
 
 class Trail:
     """The facts about a request or a command, which is recorded once.
@@ -72,7 +74,10 @@ class Trail:
         parts = parts_of(HTTPConnection(self._scope))
         subjects, log = parts[Subjects], parts[AuditLog]
         said = subjects.of_request(self._scope) if self._command is None else subjects.of_command(self._command)
-        entry = self._entry(what, status, code, subjects.completed({**said, **self.fields}))
+        fields = subjects.completed({**said, **self.fields})
+        if what == STOP and status < 400:
+            fields["robot"] = subjects.stopped(fields["robot"])
+        entry = self._entry(what, status, code, fields)
         operation = self._operation or find_operation(self._scope["route"])
         if status < 400 and operation is not None and operation.audit is Audit.STORED_FIRST:
             await log.store(entry)

@@ -18,7 +18,7 @@ POWER_SUPPLY_STATUS = {0: "UNKNOWN", 1: "CHARGING", 2: "DISCHARGING", 3: "NOT CH
 BY_NAME = {name.replace(" ", "_").lower(): number for number, name in POWER_SUPPLY_STATUS.items()}
 
 # Seconds that a stop may take, in addition to those that the gateway waits for action servers.
-STOP_WITHIN = 2.0
+STOP_WITHIN = 4.0
 
 url_option = click.option(
     "--url",
@@ -176,7 +176,20 @@ def cancel(url: str, goal_id: str | None) -> None:
     click.echo(f"goal {goal.goal_id} {goal.status}")
 
 
-@click.command(context_settings={"ignore_unknown_options": True})
+class StopCommand(click.Command):
+    """A command line that stops robots although it is not valid: all of them then."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the arguments; of those that are not valid, only the address."""
+        url = args[at + 1 : at + 2] if "--url" in args and (at := args.index("--url")) >= 0 else []
+        try:
+            return super().parse_args(ctx, args)
+        except click.UsageError as error:
+            click.echo(printable(f"{error.format_message()} Stopping all robots."), err=True)
+            return super().parse_args(ctx, ["--url", *url] if url else [])
+
+
+@click.command(cls=StopCommand, context_settings={"ignore_unknown_options": True})
 @click.argument("names", metavar="[ROBOT]...", nargs=-1)
 @click.option("--by", help="Your name, shown to others.")
 @click.option("--no-latch", is_flag=True, help="Accept new goals again immediately.")
@@ -187,18 +200,18 @@ def cancel(url: str, goal_id: str | None) -> None:
 def stop(url: str, names: tuple[str, ...], robots: tuple[str, ...], no_latch: bool, by: str | None) -> None:
     """Stop robots, all by default: zero velocity, every goal is canceled, and none is sent until `release`.
 
-    An option that is not known does not keep robots from being stopped: all are.
+    If the options are not valid, all robots are stopped.
     """
     unknown = [name for name in names if name.startswith("-")]
     if unknown:
-        click.echo(printable(f"unknown option {unknown[0]}: all robots are stopped"), err=True)
+        click.echo(printable(f"Unknown option {unknown[0]}. Stopping all robots."), err=True)
     try:
         with gateway(url, timeout=STOP_WITHIN) as client:
             report = client.stop(*([] if unknown else [*robots, *names]), latch=not no_latch, by=by)
     except click.ClickException as error:
         advice = "the stop is NOT confirmed; use the robots' own emergency stop if they move"
         raise click.ClickException(f"{advice}: {error.message}") from None
-    stopped = ", ".join(report.stopped) or "no robot: there is none"
+    stopped = ", ".join(report.stopped) or "no robot that you may see"
     click.echo(printable(f"zero velocity published to {stopped}; canceling {', '.join(report.canceling) or 'no goal'}"))
     if report.not_stopped:
         click.echo(printable(f"not stopped: {', '.join(report.not_stopped)}"))
@@ -218,7 +231,7 @@ def stop(url: str, names: tuple[str, ...], robots: tuple[str, ...], no_latch: bo
 @robot_option
 @url_option
 def release(url: str, robot: str | None) -> None:
-    """Release a stop, of all robots by default: new goals are accepted again. No robot moves by that."""
+    """Release a stop, of all robots by default: new goals are accepted again. This moves no robot."""
     with gateway(url) as client:
         client.release(robot)
     click.echo("released")

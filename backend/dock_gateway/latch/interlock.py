@@ -200,7 +200,7 @@ class Interlock:
         names = self._below(namespace)
         # Also of robots that are held: a release of the earlier stop may be under way.
         self._stop_published_at.update(dict.fromkeys(names, math.inf))
-        new = [name for name in names if self._latches.latch(name, latch)]
+        new = [name for name in names if self._latches.latch(name, latch) or self._latches.renew(name)]
         if new:
             log.warning("a stop of %s is latched%s", namespace, f" by {by}" if by else "")
             self._changed()
@@ -208,7 +208,7 @@ class Interlock:
     async def release(self, namespace: str) -> None:
         """Release the stop of a robot and those below it.
 
-        Of a stop of all robots, the others stay stopped; those that appear later are not.
+        Of a stop of all robots, all else stays stopped until the last robot is released.
 
         Raises:
             Conflict: `stop_latched`: a stop of a robot above, or another node, holds it.
@@ -220,14 +220,17 @@ class Interlock:
         if over is not None and not is_under(over, namespace):
             if over not in self._places:
                 raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
-            self._let_go(over)
+            self._latches.release_of(over, namespace)
         for name in self._topics.keys() & self._below(namespace):
             self._topics[name].let_go()
         held = [name for name in self._below(namespace) if self._let_go(name)]
+        robots = {*self._topics, *self._latches.held} - self._places
+        if over in self._places and not any(self._latches.over(name) == over for name in robots):
+            held += [over] * self._let_go(over)
         if held:
             log.warning("the stop of %s is released", namespace)
             self._changed()
-        self.publish(namespace if over is None else min(over, namespace))
+        self.publish(over if over in held else namespace)
         await self._writer.wait(STORE_WITHIN)
 
     async def stored(self, timeout: float) -> Unavailable | None:

@@ -90,9 +90,10 @@ def _read_object(text: bytes) -> dict[str, Any]:
 
 def _read_latch(stop: dict[str, Any]) -> Latch:
     since, by = datetime.fromisoformat(stop["since"]), stop["by"]
-    if since.tzinfo is None or not (by is None or isinstance(by, str)):
+    released = tuple(stop.get("released", ()))
+    if since.tzinfo is None or not (by is None or isinstance(by, str)) or not all(isinstance(x, str) for x in released):
         raise ValueError(f"no stop: {stop!r:.100}")
-    return Latch(since, by)
+    return Latch(since, by, released)
 
 
 class LatchWriter:

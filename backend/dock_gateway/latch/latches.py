@@ -16,10 +16,17 @@ from dock_gateway.core.filters import lineage
 
 @dataclass(frozen=True)
 class Latch:
-    """A latched stop: since when, and who requested it, if known."""
+    """A latched stop.
+
+    Attributes:
+        since: When it was requested.
+        by: Who requested it, if known.
+        released: The robots below that were released since, of a stop of all robots.
+    """
 
     since: datetime
     by: str | None = None
+    released: tuple[str, ...] = ()
 
 
 class Latches:
@@ -48,6 +55,17 @@ class Latches:
         self.held[namespace] = latch
         return True
 
+    def renew(self, namespace: str) -> bool:
+        """Hold those, too, that were released of a stop; return whether there were any."""
+        latch = self.held[namespace]
+        self.held[namespace] = replace(latch, released=())
+        return bool(latch.released)
+
+    def release_of(self, over: str, namespace: str) -> None:
+        """Release a robot, and those below it, of the stop of a namespace above."""
+        latch = self.held[over]
+        self.held[over] = replace(latch, released=(*latch.released, namespace))
+
     def rename(self, namespace: str, by: str) -> bool:
         """Say who holds a robot that is held; return whether that is news."""
         before = self.held[namespace]
@@ -67,8 +85,9 @@ class Latches:
         """
         if name in self._shared:
             return min(self.held.keys() - leave_out, default=None)
-        names = lineage(self._homes.get(name, name))
-        return next((above for above in names if above in self.held and above not in leave_out), None)
+        names = tuple(lineage(self._homes.get(name, name)))
+        held = (above for above in names if above in self.held and above not in leave_out)
+        return next((above for above in held if not any(each in names for each in self.held[above].released)), None)
 
     def documents(self, robots: Iterable[str], places: Collection[str] = ()) -> dict[str, dict[str, Any]]:
         """Return for each robot whether a stop holds, and the held robots at or below it; ready for `orjson`.

@@ -185,7 +185,9 @@ def stop_request(fields: Json) -> object:
     """Return what a call of the service that stops robots says; `args` may have its fields in order."""
     args = fields.get("args")
     if isinstance(args, list):
-        return dict(zip(("robot", "latch", "by"), args, strict=False))
+        fields = dict(zip(("robot", "latch", "by"), args, strict=False))
+        in_order = len(args) <= len(fields) and isinstance(fields.get("latch", True), bool)
+        return fields if in_order else {"robot": args}
     return args if isinstance(args, dict | GatewayError) else {"robot": args}
 
 

@@ -13,7 +13,7 @@ from starlette.responses import Response
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.access import Principal
-from dock_gateway.core.errors import GatewayError, not_covered
+from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.http.openapi import body
@@ -53,11 +53,19 @@ async def stop_robots(stopper: Stopper, principal: Principal, order: StopOrder, 
         ServedElsewhere: The robots are those of another gateway.
         Unavailable: Zero velocity could not be published.
     """
-    report = vars(await stopper.stop(*order.robots, latch=order.latch, by=order.by, wait=wait))
+    try:
+        report = vars(await stopper.stop(*order.robots, latch=order.latch, by=order.by, wait=wait))
+    except Unavailable as error:
+        _narrow(error.extra, principal)
+        raise
+    _narrow(report, principal)
     problems = report.pop("problems")
+    return {**report, "warning": order.warning(*problems)}
+
+
+def _narrow(report: dict[str, Any], principal: Principal) -> None:
     for name in ("stopped", "not_stopped"):
         report[name] = [robot for robot in report[name] if principal.grant.covers_robot(robot)]
-    return {**report, "warning": order.warning(*problems)}
 
 
 @router.post(
@@ -135,7 +143,7 @@ async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = 
 async def release_stop(request: Request, stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
     """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
 
-    No robot moves by that.
+    This moves no robot.
     """
     audited(request, robot=robots_text([robot or ALL_ROBOTS]))
     return json_response(await stopper.release(robot))

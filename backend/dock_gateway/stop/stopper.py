@@ -3,7 +3,8 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -53,8 +54,8 @@ class StopReport:
 
     Attributes:
         canceling: The goals that are being canceled.
-        failed: The actions that refused or could not be reached, and the robots to which zero velocity could not be
-            published.
+        failed: The actions that refused or could not be reached, and the robots that are not known, to which zero
+            velocity could not be published, or whose nodes do not get the stop.
         unconfirmed: The actions that have not answered the cancel request yet.
         stop: The latch, as `GET /stop` shows it.
         stopped: The robots to which zero velocity was published, sorted.
@@ -281,9 +282,9 @@ class Stopper:
     def _begin(self, name: str) -> Halt:
         self._halts[name] = halt = Halt(self._robots.under(name))
         halt.publish_zero()
+        self._tasks.spawn(self._carry_on(name, halt))
         for action in self._actions.under(name):
             self._cancel(halt, action)
-        self._tasks.spawn(self._carry_on(name, halt))
         self._notify(halt.robots)
         return halt
 
@@ -301,15 +302,18 @@ class Stopper:
             if cancel is None or (cancel.done() and action.canceler.uncanceled):
                 self._cancel(halt, action)
             else:
-                action.delivery.stop()
+                with _keeping_on():
+                    action.delivery.stop()
 
     def _notify(self, robots: list[Robot]) -> None:
         for robot in robots:
             for notify in self.on_stop:
-                notify(robot.namespace)
+                with _keeping_on():
+                    notify(robot.namespace)
 
     def _cancel(self, halt: Halt, action: Action) -> None:
-        action.delivery.stop()
+        with _keeping_on():
+            action.delivery.stop()
         halt.cancels[action] = self._tasks.spawn(action.canceler.cancel_all())
 
     async def _carry_on(self, name: str, halt: Halt) -> None:
@@ -339,6 +343,15 @@ class Stopper:
     async def close(self) -> None:
         """Stop all background work."""
         await self._tasks.close()
+
+
+@contextmanager
+def _keeping_on() -> Iterator[None]:
+    """Log any error: it keeps nothing else from being stopped."""
+    try:
+        yield
+    except Exception:
+        log.exception("a part of a stop failed")
 
 
 def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:

@@ -252,7 +252,7 @@ def _read(received: Message) -> tuple[str, str | None, Any]:
     raw: str | bytes = (received.get("bytes") or b"") if text is None else text
     try:
         return read_command(_decode(text, raw))
-    except GatewayError as error:
+    except MalformedRequest as error:
         if not says(raw, "op", STOP):
             raise
         return STOP, None, error

@@ -299,7 +299,8 @@ def test_an_export_has_every_record(site: Site, count: int) -> None:
 
 
 COMMAND = [
-    ("stop", {"robot": "/robot1", "by": "root"}, {}, ("/robot1", None, None, 200, None)),
+    ("stop", {"robot": ("/robot7",)}, {}, ("/robot7", None, None, 200, None)),
+    ("stop", {"robot": ("/robto7",)}, {}, ("/", None, None, 200, None)),  # no robot is known, so all were stopped
     ("release_stop", {}, {}, ("/", None, None, 200, None)),
     ("send_goal", {}, {"goal": {"goal_id": GOAL, "action_name": "/d"}}, ("/", "/d", GOAL, 200, None)),
     ("send_goal", {"action": "spin", "robot": "r"}, NotFound("x", code="y"), ("/r", "/r/spin", None, 404, "y")),

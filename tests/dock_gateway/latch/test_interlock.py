@@ -4,6 +4,7 @@ import asyncio
 import threading
 import time
 from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -455,3 +456,51 @@ async def test_an_emergency_stop_above_holds_a_robot_below_only_as_long(
     assert True not in pair[0].topic.said + topic.said
     assert await interlock.stored(10.0) is None
     assert LatchFile(tmp_path / "first.json").read() == {}
+
+
+@asynccontextmanager
+async def two_robots(path: Path) -> AsyncIterator[Interlock]:
+    """The latches of a gateway with two robots, none of them in the root."""
+    interlock = Interlock(Fanout(queue_limit=10), LatchFile(path), echo_after=0.02)
+    for name in ("/robot1", "/robot2"):
+        interlock.join(name, FakeTopic())
+    yield interlock
+    await interlock.close()
+
+
+async def test_one_robot_is_released_of_a_stop_of_all_and_nothing_else(tmp_path: Path) -> None:
+    async with two_robots(tmp_path / "stops.json") as interlock:
+        interlock.latch("/", "Ada")
+        await interlock.release("/robot1")
+        assert not interlock.holds("/robot1/dock")
+        held = ("/robot2/dock", "/robot3/dock", "/fibonacci", "/arm/move")
+        assert all(interlock.holds(name) for name in held)
+        interlock.join("/robot3", FakeTopic())
+        assert (interlock.document("/")["latched"], interlock.document("/")["robots"]) == (True, ["/robot2", "/robot3"])
+    async with two_robots(tmp_path / "stops.json") as again:
+        assert not again.holds("/robot1/dock")
+        assert all(again.holds(name) for name in held)
+        again.latch("/")
+        assert again.holds("/robot1/dock")
+
+
+async def test_a_stop_of_all_ends_with_the_release_of_the_last_robot(tmp_path: Path) -> None:
+    async with two_robots(tmp_path / "stops.json") as interlock:
+        interlock.latch("/")
+        await interlock.release("/robot1")
+        assert interlock.holds("/fibonacci")
+        await interlock.release("/robot2")
+        assert interlock.document("/")["latched"] is False
+        assert not interlock.holds("/fibonacci")
+
+
+async def test_a_robot_that_was_released_can_be_stopped_and_released_again(tmp_path: Path) -> None:
+    async with two_robots(tmp_path / "stops.json") as interlock:
+        interlock.latch("/", "Ada")
+        await interlock.release("/robot1")
+        interlock.latch("/robot1", "Bob")
+        assert interlock.requested_by("/robot1") == "Bob"
+        await interlock.release("/robot1")
+        assert (interlock.holds("/robot1"), interlock.holds("/robot2")) == (False, True)
+        await interlock.release("/")
+        assert not any(map(interlock.holds, ("/", "/robot1", "/robot2", "/robot3")))

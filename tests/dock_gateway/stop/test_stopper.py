@@ -317,6 +317,22 @@ async def test_if_no_robot_is_known_the_name_may_be_misspelt_and_all_are_stopped
     assert fleet.interlock.holds("/")
 
 
+async def test_a_part_that_fails_keeps_nothing_else_from_being_stopped(
+    fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("a bug")
+
+    monkeypatch.setattr(fleet.goals["/"], "stop", fail)
+    fleet.stopper.on_stop.append(fail)
+    fleet.goals["/robot1"].running = ["a"]
+    for _ in range(2):
+        async with asyncio.timeout(30):
+            report = await fleet.stopper.stop()
+        assert (report.stopped, report.stop["latched"]) == (list(NAMES), True)
+    assert fleet.goals["/robot1"].cancels >= 1
+
+
 async def test_the_robots_that_a_stop_is_not_for_are_named(fleet: FakeFleet) -> None:
     report = await fleet.stopper.stop("/robot1")
     assert (report.stopped, report.not_stopped) == (["/robot1"], ["/", "/robot2"])
