@@ -85,31 +85,26 @@ def _chunks(data: bytes) -> Any:
 def _unfiltered(filters: npt.NDArray[np.uint8], rows: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """Return rows without their filters.
 
-    A pixel depends on its left, its upper and its upper left neighbour. So all pixels of a diagonal are known at once:
-    here each row is shifted by one more pixel than the one above, and a diagonal is a column.
+    A pixel depends on its left, its upper and its upper left neighbour. So all pixels of a diagonal are known at once.
     """
     if filters.max(initial=0) > _LAST_FILTER:
         raise Unreadable("a PNG is damaged: it has a filter that does not exist")
     height, width, size = rows.shape
-    shifted = np.zeros((width + height - 1, height, size), np.int16)
-    lines = np.arange(height)
-    for column in range(width):
-        shifted[column + lines, lines] = rows[:, column]
+    # What is above the first row and left of the first column is 0.
+    padded = np.zeros((height + 1, width + 1, size), np.int16)
+    padded[1:, 1:] = rows
+    pixels, stride = padded.reshape(-1, size), width + 1
     kinds = np.broadcast_to(filters[:, None], (height, size))
-    nothing, edge = np.zeros((height, size), np.int16), np.zeros((1, size), np.int16)
-    # One pixel above the first row, which is 0 as those left of the first column are.
-    before = last = np.concatenate((edge, nothing))
-    for diagonal in range(len(shifted)):
-        left, above, corner = last[1:], last[:-1], before[:-1]
+    for diagonal in range(width + height - 1):
+        first, end = max(0, diagonal - width + 1), min(height, diagonal + 1)
+        # From row to row of a diagonal it is one stride less one pixel.
+        start = stride + 1 + diagonal + first * width
+        left, above, corner, values = (
+            pixels[start - back : start - back + (end - first) * width : width] for back in (1, stride, stride + 1, 0)
+        )
         to_left, to_above, to_corner = np.abs(above - corner), np.abs(left - corner), np.abs(left + above - 2 * corner)
         closer = np.where(to_above <= to_corner, above, corner)
         paeth = np.where(to_left <= np.minimum(to_above, to_corner), left, closer)
-        predicted = np.choose(kinds, (nothing, left, above, (left + above) >> 1, paeth))
-        values = (shifted[diagonal] + predicted) & 0xFF
-        values[: max(0, diagonal - width + 1)] = values[diagonal + 1 :] = 0
-        shifted[diagonal] = values
-        before, last = last, np.concatenate((edge, values))
-    found = np.empty(rows.shape, np.uint8)
-    for column in range(width):
-        found[:, column] = shifted[column + lines, lines]
-    return found.reshape(height, -1)
+        predicted = np.choose(kinds[first:end], (np.zeros_like(left), left, above, (left + above) >> 1, paeth))
+        values[:] = (values + predicted) & 0xFF
+    return padded[1:, 1:].astype(np.uint8).reshape(height, -1)

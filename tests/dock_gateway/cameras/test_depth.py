@@ -1,6 +1,7 @@
 """A depth is shown the same, however it comes: raw, in a PNG, or as image_transport packs it."""
 
 import struct
+import tracemalloc
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,7 +16,7 @@ from dock_gateway.cameras.camera import COMPRESSED, IMAGE
 from dock_gateway.cameras.depth import read_depth
 from dock_gateway.cameras.picture import JPEG, PNG, Picture, read_picture
 from dock_gateway.cameras.pixels import Unreadable
-from dock_gateway.cameras.png import read_png
+from dock_gateway.cameras.png import MAX_SIDE, read_png
 from tests.dock_gateway.cameras.test_picture import received
 from tests.support.pictures import chunk, encode_png
 
@@ -57,6 +58,20 @@ def test_a_png_that_is_cut_off_has_the_rows_that_there_are(
         return
     differs = (rows != numbers).any(axis=1)
     assert not rows[np.maximum.accumulate(differs)][1:].any()
+
+
+@pytest.mark.parametrize("shape", [(480, 640), (1, MAX_SIDE), (MAX_SIDE, 1), (MAX_SIDE, 2), (400, MAX_SIDE)])
+def test_the_memory_that_a_png_takes_depends_on_its_pixels(shape: tuple[int, int]) -> None:
+    numbers = np.arange(shape[0] * shape[1], dtype=np.uint32).astype(np.uint16).reshape(shape)
+    png = read_png(encode_png(numbers, (4, 3)))
+    tracemalloc.start()
+    try:
+        rows = png.rows()
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert np.array_equal(rows.view(">u2"), numbers)
+    assert most < 16 * numbers.size + 2_000_000
 
 
 @given(arrays.arrays(np.uint16, SHAPES), FILTERS)
