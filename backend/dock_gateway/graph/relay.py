@@ -46,10 +46,12 @@ class Relay:
 
     Attributes:
         outlets: The readers.
+        joining: Those that get the earlier messages first.
     """
 
     def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
         self.outlets: set[Outlet] = set()
+        self.joining: set[Outlet] = set()
         self._tick = tick
         self._subscription = TopicSubscription(bridge, graph, topic, KEEP)
         self._earlier = EarlierMessages()
@@ -86,10 +88,17 @@ class Relay:
         self._subscription.close()
 
     async def add(self, outlet: Outlet) -> None:
-        """Add a reader. If the topic's publishers keep earlier messages, the reader gets them, as `EarlierMessages`."""
+        """Add one of those that are joining. It gets the `EarlierMessages`, if the topic's publishers keep any."""
         for message in self._earlier:
             await outlet.offer(message)
-        self.outlets.add(outlet)
+        if outlet in self.joining:  # else it has left meanwhile
+            self.joining.remove(outlet)
+            self.outlets.add(outlet)
+
+    def discard(self, outlet: Outlet) -> None:
+        """Remove a reader, if it is one or is joining."""
+        self.outlets.discard(outlet)
+        self.joining.discard(outlet)
 
     @property
     def _patient(self) -> bool:

@@ -49,13 +49,19 @@ class Relays:
             if type_name not in (None, relay.kind):
                 await self._close_unused(topic)
                 raise Conflict(f"the topic {topic} has the type {relay.kind}", code="type_conflict")
-            await relay.add(outlet)
+            relay.joining.add(outlet)  # so that it stays open
+        try:
+            await relay.add(outlet)  # may take long: other topics do not wait for it
+        except BaseException:
+            await self.leave(topic, outlet)
+            raise
 
     async def leave(self, topic: str, outlet: Outlet) -> None:
-        """Pass a topic on to a reader no more."""
+        """Pass a topic on to a reader no more. Idempotent."""
         async with self._changing:
-            self._relays[topic].outlets.discard(outlet)
-            await self._close_unused(topic)
+            if (relay := self._relays.get(topic)) is not None:
+                relay.discard(outlet)
+                await self._close_unused(topic)
 
     async def _open(self, topic: str, type_name: str | None) -> Relay:
         try:
@@ -80,7 +86,7 @@ class Relays:
 
     async def _close_unused(self, topic: str) -> None:
         relay = self._relays[topic]
-        if not relay.outlets:
+        if not relay.outlets and not relay.joining:
             del self._relays[topic]
             await relay.close()
             log.debug("unsubscribed from %s", topic)

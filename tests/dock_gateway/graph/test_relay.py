@@ -71,7 +71,7 @@ async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
     relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), tick=3600.0)
     listener = Listener(patient=patient)
-    await relay.add(listener)
+    relay.outlets.add(listener)
     await relay.open("std_msgs/msg/String")
     try:
         assert await asyncio.wait_for(listener.sizes.get(), PATIENCE) == len(FIRST)

@@ -1,0 +1,113 @@
+"""Readers that join and leave topics."""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, cast
+
+import pytest
+
+from dock_gateway.core.graph import Topic
+from dock_gateway.graph.received import Received
+from dock_gateway.graph.relays import Relays
+from dock_gateway.ros.raw_port import Arrival, EchoType
+from tests.support.waiting import PATIENCE, until
+
+KIND = "std_msgs/msg/String"
+SLOW = "/slow"
+
+pytestmark = pytest.mark.timeout(PATIENCE)
+
+
+class FakePort:
+    """A subscription without messages, which notes that it was closed."""
+
+    closed: list[str]
+
+    def __init__(self, _: object, topic: str, *__: object, **___: object) -> None:
+        self._topic = topic
+
+    def tell_next(self) -> None:
+        """Nothing to tell."""
+
+    def take(self) -> list[Arrival]:
+        return []
+
+    def close(self) -> None:
+        self.closed.append(self._topic)
+
+
+class FakeBridge:
+    """Runs at once what belongs on the ROS thread."""
+
+    async def call(self, function: Callable[[], Any], **_: object) -> Any:
+        return function()
+
+    def to_ros(self, function: Callable[[], Any]) -> None:
+        function()
+
+
+class FakeGraph:
+    """Knows each topic."""
+
+    async def topic(self, name: str) -> Topic:
+        return Topic(name, [], [])
+
+
+class Reader:
+    """A reader that takes its messages while `reads` is set."""
+
+    def __init__(self, *, reads: bool = True) -> None:
+        self.reads = asyncio.Event()
+        if reads:
+            self.reads.set()
+        self.offered: list[Received] = []
+
+    async def offer(self, message: Received) -> None:
+        self.offered.append(message)
+        await self.reads.wait()
+
+
+@pytest.fixture
+async def relays(monkeypatch: pytest.MonkeyPatch) -> Relays:
+    monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
+    FakePort.closed = []
+    return Relays(cast("Any", FakeBridge()), cast("Any", FakeGraph()))
+
+
+async def start_to_join(relays: Relays, reader: Reader) -> "asyncio.Task[None]":
+    """Join a topic that has an earlier message, and wait until the reader has been offered that."""
+    await relays.join(SLOW, KIND, first := Reader())
+    relays._relays[SLOW]._earlier.add(Received(SLOW, EchoType(KIND), Arrival(b"1", 1, 2)))
+    joining = asyncio.create_task(relays.join(SLOW, KIND, reader))
+    await until(lambda: bool(reader.offered))
+    await asyncio.wait_for(relays.leave(SLOW, first), 5)
+    return joining
+
+
+async def test_a_reader_that_takes_its_earlier_messages_slowly_keeps_no_one_waiting(relays: Relays) -> None:
+    reader = Reader(reads=False)
+    joining = await start_to_join(relays, reader)
+    await asyncio.wait_for(relays.join("/other", KIND, other := Reader()), 5)
+    await relays.leave("/other", other)
+    assert FakePort.closed == ["/other"]
+    reader.reads.set()
+    await joining
+    assert relays._relays[SLOW].outlets == {reader}
+    await relays.leave(SLOW, reader)
+    assert FakePort.closed == ["/other", SLOW]
+
+
+@pytest.mark.parametrize("leaves_first", [False, True])
+async def test_a_reader_that_gives_up_while_it_joins_leaves_no_subscription(
+    relays: Relays, *, leaves_first: bool
+) -> None:
+    reader = Reader(reads=False)
+    joining = await start_to_join(relays, reader)
+    if leaves_first:
+        await relays.leave(SLOW, reader)
+    joining.cancel()
+    with suppress(asyncio.CancelledError):
+        await joining
+    assert joining.cancelled()
+    assert FakePort.closed == [SLOW]
