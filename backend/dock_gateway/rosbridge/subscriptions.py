@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.fanout import FrameWriter
 from dock_gateway.core.request import hold
-from dock_gateway.core.work import TooLarge, Work
+from dock_gateway.core.work import MEDIUM, TooLarge, Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.rosbridge.encoding import Payload
@@ -47,6 +47,7 @@ class TopicOutlet:
         self._due = 0.0
         self._size = 0
         self._queue: deque[Published] = deque()
+        self._sending = False
 
     def configure(self) -> None:
         """Take what suits all subscriptions: the shortest period, the smallest fragments, the greatest compression."""
@@ -63,9 +64,11 @@ class TopicOutlet:
         return self._due if self._queue else NEVER
 
     async def offer(self, received: Received) -> None:
-        """Send a message now if that is possible, else keep it."""
+        """Send a message now if that is possible, else keep it, as a large one: other readers do not wait for it."""
         message = received.once(Published)
-        if not self._queue and self._due <= _now():
+        # Messages in CBOR with their ROS bytes are only copied.
+        quick = message.size <= MEDIUM or self.compression is Compression.cbor_raw
+        if quick and not self._queue and not self._sending and self._due <= _now():
             payload = await self._encode(message)
             if payload is None:
                 return
@@ -79,12 +82,17 @@ class TopicOutlet:
             self._size -= self._queue.popleft().size
         self._wake()
 
-    async def take(self) -> Payload | None:
-        """Return the next message, which has to be due; None if it cannot be read."""
+    async def send_next(self, send: Callable[[Payload, int | None], Awaitable[None]]) -> None:
+        """Send the next message, which has to be due, in pieces of a size; not one that cannot be read."""
         message = self._queue.popleft()
         self._size -= message.size
         self._due = _now() + self._period
-        return await self._encode(message)
+        self._sending = True  # what comes meanwhile is sent after it
+        try:
+            if (payload := await self._encode(message)) is not None:
+                await send(payload, self.fragment_size)
+        finally:
+            self._sending = False
 
     async def _encode(self, message: Published) -> Payload | None:
         try:
@@ -175,8 +183,8 @@ class Subscriptions:
                 pass
             self._changed.clear()
             for outlet in list(self._outlets.values()):
-                if outlet.due <= _now() and (payload := await outlet.take()) is not None:
-                    await send(payload, outlet.fragment_size)
+                if outlet.due <= _now():
+                    await outlet.send_next(send)
                 if (problem := outlet.problem()) is not None:
                     await report(f"{outlet.topic}: {problem}")
 
