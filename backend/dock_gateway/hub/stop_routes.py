@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request
@@ -12,6 +12,7 @@ from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import GatewayError, NotFound, ServerTimeout
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.openapi import body
 from dock_gateway.http.parts import Part
@@ -57,9 +58,12 @@ async def stop(request: Request, stops: Part[Stops], robot: RobotsQuery = None) 
     targets, unknown = _targets(stops.sites(), order.robots)
     problems = []
     if not targets:
-        problems.append(NotFound(f"there is no site {', '.join(unknown)}: all are stopped", code="site_not_found"))
+        detail = f"there is no site {', '.join(unknown)}: all sites are asked to stop"
+        problems.append(NotFound(detail, code="site_not_found"))
         targets = dict.fromkeys(stops.sites(), (WHOLE,))
-    outcomes = await stops.stop(targets, latch=order.latch, by=order.by, user=principal.name)
+        audited(request, robot=WHOLE)
+    stopped = await stops.stop(targets, latch=order.latch, by=order.by, user=principal.name)
+    outcomes = {name: _narrowed(outcome, principal.grant) for name, outcome in stopped.items()}
     return _answer({**outcomes, **unknown} if not problems else outcomes, order, order.warning(*problems))
 
 
@@ -83,6 +87,12 @@ def _targets(sites: list[str], robots: Iterable[str]) -> tuple[dict[str, tuple[s
             detail = f"there is no site {site[:60]}"
             unknown[site[:60]] = StopOutcome(stopped=False, code="site_not_found", detail=detail)
     return targets, unknown
+
+
+def _narrowed(outcome: StopOutcome, grant: Grant) -> StopOutcome:
+    """Return an outcome with the robots of a grant, as a gateway answers."""
+    halted, not_stopped = (tuple(filter(grant.covers_robot, each)) for each in (outcome.halted, outcome.not_stopped))
+    return replace(outcome, halted=halted, not_stopped=not_stopped)
 
 
 def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str, Any] | None) -> Response:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.application import Contents, build_app
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.client.documents import StopReport
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
@@ -113,7 +114,10 @@ def test_an_unknown_site_keeps_none_from_being_stopped(hub: Hub) -> None:
     assert hub.site(BERLIN).latched
     hub.site(BERLIN).latched = False
     answer = hub.http.post("/stop", params={"robot": "/paris"})  # it may be misspelt
-    assert (answer.status_code, answer.json()["warning"]["code"]) == (200, "site_not_found")
+    warning = answer.json()["warning"]
+    assert (answer.status_code, warning["code"]) == (200, "site_not_found")
+    assert warning["detail"] == "there is no site paris: all sites are asked to stop"
+    assert [entry.robot for entry in hub.parts[AuditLog].entries] == ["/berlin,/paris/robot1", "/"]  # type: ignore[attr-defined]
     assert hub.site(BERLIN).latched
     assert hub.site(OSLO).latched
     assert hub.http.delete("/stop", params={"robot": "/paris"}).json()["code"] == "site_not_found"
@@ -141,6 +145,25 @@ def test_everyone_may_stop_every_robot_and_release_what_is_theirs(role: Role) ->
     else:
         assert (wrong, mine.status_code) == ({"not_covered"}, 200)
         assert hub.site(BERLIN).who[1:] == [("ada", Grant(role, robots=("*",)))]
+
+
+@pytest.mark.parametrize("reachable", [True, False])
+def test_an_answer_names_the_robots_of_the_user(reachable: bool) -> None:
+    """What is stopped does not depend on it, nor which sites have confirmed it."""
+    hub = Hub(authentication=True, database_url="sqlite:////nowhere")
+    hub.site(OSLO).reachable = reachable
+    hub.site(BERLIN).moving = ["/robot3", "/robot4"]
+    grant = Grant(Role.VIEWER, robots=("/berlin/robot1", "/berlin/robot3"))
+    _, secret = asyncio.run(hub.logins.create_token("ada", grant))
+    with hub.http:
+        answer = hub.http.post("/stop", headers={"Authorization": f"Bearer {secret}"})
+    document = answer.json()
+    assert answer.status_code == (200 if reachable else 504)
+    assert {name: site["stopped"] for name, site in document["sites"].items()} == {BERLIN: True, OSLO: reachable}
+    assert [site["halted"] for site in document["sites"].values()] == [["/berlin/robot1"], []]
+    assert [site["not_stopped"] for site in document["sites"].values()] == [["/berlin/robot3"], []]
+    if reachable:
+        assert (document["stopped"], document["not_stopped"]) == (["/berlin/robot1"], ["/berlin/robot3"])
 
 
 names = st.one_of(

@@ -43,6 +43,7 @@ class FakeSite:
     gate: asyncio.Event | None = None  # what holds up the next requests
     refusal: Answer | None = None
     failed: list[dict[str, Any]] = field(default_factory=list)
+    moving: list[str] = field(default_factory=list)  # not stopped
     latched: bool = False
     stops: int = 0
     asked: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
@@ -68,7 +69,7 @@ class FakeSite:
             raise ServerTimeout("the site did not answer", code="site_timeout")
         state = {"latched": self.latched, "robots": self.robots}
         report = {"stop": state, "failed": self.failed, "canceling": ["a"], "unconfirmed": ["/robot1/dock"]}
-        report |= {"stopped": self.robots, "not_stopped": []}
+        report |= {"stopped": self.robots, "not_stopped": self.moving}
         return Answer(200, encode(report | {"warning": None} if self.latched else state))
 
 
