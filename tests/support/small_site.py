@@ -141,8 +141,9 @@ async def _never(_: Request) -> Response:
     return Response()
 
 
-async def _stop(_: Request) -> Response:
-    return JSONResponse({"stopped": []})
+async def _stop(request: Request) -> Response:
+    who = request.scope["hub"]
+    return JSONResponse({"stopped": [], "name": who.name, "seen": who.grant.covers_robot("/robot1")})
 
 
 async def _slow(request: Request) -> Response:

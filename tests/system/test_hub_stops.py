@@ -32,6 +32,10 @@ def test_a_stop_reaches_a_site_that_was_away(shared_domain: int, tmp_path: Path)
         assert berlin.http.get("/stop").json()["by"] == "hub"
         assert hub.http.delete("/stop").raise_for_status().json()["sites"]["berlin"]["released"]
         assert not berlin.http.get("/stop").json()["latched"]
+        of_site = hub.http.post("/sites/berlin//STOP;v=1/", json={"by": "Ada"}).raise_for_status().json()
+        assert (of_site["stopped"], of_site["stop"]["latched"]) == (["/"], True)
+        assert berlin.http.get("/stop").json()["latched"]
+        assert not hub.http.delete("/sites/berlin/stop").raise_for_status().json()["latched"]
 
         berlin.process.send_signal(signal.SIGKILL)
         berlin.process.wait()

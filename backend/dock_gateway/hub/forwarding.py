@@ -18,7 +18,7 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 from dock_gateway.access.logins import Logins, login_ended
 from dock_gateway.audit.trail import Trail, audited
 from dock_gateway.core.errors import MalformedRequest
-from dock_gateway.core.grant import Role
+from dock_gateway.core.grant import UNLIMITED, Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.http import operation as needs
 from dock_gateway.http.operation import operation, operation_of
@@ -29,10 +29,11 @@ from dock_gateway.http.requests import read_body
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.hub.site_client import DEADLINE, SiteClient
 from dock_gateway.hub.sites import Sites
-from dock_gateway.hub.stop_requests import BODY_WITHIN
+from dock_gateway.hub.stop_requests import BODY_WITHIN, STOPS_UNSEEN
 from dock_gateway.settings import Settings
 from dock_gateway.sites.names import site_grant, to_hub
 from dock_gateway.sites.tunnel.failures import SiteTimeout
+from dock_gateway.sites.tunnel.frames import STOP
 from dock_gateway.streams.events import CLOSE_CODES
 
 router = APIRouter(tags=["Sites"])
@@ -50,15 +51,19 @@ Pairs = list[tuple[bytes, bytes]]
 @router.api_route("/sites/{site}/{path:path}", methods=METHODS, name="forward_request", include_in_schema=False)
 @operation(Role.VIEWER, needs.Scope.ANY, reads_body=True)
 async def forward_request(site: str, path: str, request: Request) -> Response:
-    """Carry a request to a site, and its answer back. The site decides what its user may do there."""
+    """Carry a request to a site, and its answer back. The site decides what its user may do there.
+
+    A stop is for everyone: of every site, also one that is beyond the user's limits, without a place, and at once.
+    """
     parts, principal = parts_of(request), principal_of(request)
     robots = [to_hub(site, f"/{name.strip('/')}") for name in request.query_params.getlist("robot")]
     audited(request, subject=f"{request.method} /sites/{site}/{path}"[:200], robot=",".join(robots)[:200] or None)
-    client = parts[Sites].client(site, principal.grant)
-    body = await _read(request, path)
+    stops = (request.method, f"/{path}") == STOP  # however it was written: see `http.edge.targets`
+    client = parts[Sites].client(site, UNLIMITED if stops else principal.grant)
+    body = await _read_stop(request) if stops else await read_body(request)
     parts[Logins].require_valid(principal)  # the body may have taken its time
     token = _sign(client, request.method, f"/{path}", request.scope, body)
-    return Forwarded(Asked(client, f"/{path}", token, _headers(request), body))
+    return Forwarded(Asked(client, f"/{path}", token, _headers(request, stops=stops), body, stops))
 
 
 @router.websocket("/sites/{site}/{path:path}", name="forward_websocket")
@@ -88,6 +93,7 @@ class Asked:
         token: Who asks, signed.
         headers: Its headers.
         body: Its body.
+        stops: Whether it is a stop.
     """
 
     client: SiteClient
@@ -95,6 +101,7 @@ class Asked:
     token: str
     headers: Pairs
     body: bytes
+    stops: bool = False
 
     @property
     def site(self) -> str:
@@ -157,9 +164,7 @@ class Forwarded(Response):
             raise
 
     def _counted(self, connection: HTTPConnection) -> AbstractContextManager[None]:
-        if self._asked.path == "/stop":
-            return nullcontext()
-        return _places(connection, self._asked.site)
+        return nullcontext() if self._asked.stops else _places(connection, self._asked.site)
 
 
 class Stream:
@@ -206,10 +211,8 @@ def _places(connection: HTTPConnection, site: str) -> Iterator[None]:
         yield
 
 
-async def _read(request: Request, path: str) -> bytes:
-    """Return the body. A stop is carried on without it, if it does not come at once."""
-    if path != "stop":
-        return await read_body(request)
+async def _read_stop(request: Request) -> bytes:
+    """Return the body of a stop, which is carried on without it if it does not come at once."""
     try:
         return await read_body(request, BODY_WITHIN)
     except MalformedRequest:
@@ -218,18 +221,17 @@ async def _read(request: Request, path: str) -> bytes:
 
 def _sign(client: SiteClient, method: str, path: str, scope: Scope, body: bytes = b"") -> str:
     principal = principal_of(HTTPConnection(scope))
-    grant = site_grant(principal.grant, client.address.site)
-    assert grant is not None  # else there is no such site for them
+    grant = site_grant(principal.grant, client.address.site) or STOPS_UNSEEN  # else, only a stop gets here
     return client.sign(method, path, scope["query_string"].decode("latin-1"), body, principal.name, grant)
 
 
-def _headers(connection: HTTPConnection) -> Pairs:
+def _headers(connection: HTTPConnection, *, stops: bool = False) -> Pairs:
     """Return the headers of a request. What may be sent twice gets a key, so that it is done once.
 
     A stop has only those that it needs: a site refuses requests with too many, or with odd ones.
     """
     headers: Pairs = list(connection.scope["headers"])
-    if connection.scope["path"].endswith("/stop"):
+    if stops:
         headers = [(name, value) for name, value in headers if name in STOP_HEADERS and len(value) < LONGEST_VALUE]
     if connection.scope.get("method") == "POST" and "idempotency-key" not in connection.headers:
         headers.append((b"idempotency-key", uuid.uuid4().hex.encode()))

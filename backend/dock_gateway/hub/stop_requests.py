@@ -20,6 +20,8 @@ BODY_WITHIN = 0.5
 MAX_QUERY = 60_000
 # Everyone may stop every robot.
 STOPS_ALL = Grant(Role.VIEWER)
+# So may who sees no robot of a site; no name on the ROS graph begins with a digit.
+STOPS_UNSEEN = Grant(Role.VIEWER, robots=("/0",))
 # Answers of a site that will not change: it does not know the robot, or does not let the hub do it.
 FINAL = frozenset({400, 403, 404, 405, 409, 421, 422})
 

@@ -3,7 +3,7 @@
 import asyncio
 import re
 from collections.abc import AsyncIterator, Iterator
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,11 @@ from starlette.types import Receive, Scope, Send
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from dock_gateway.access.logins import Logins
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.hub import directory, forwarding, overview
 from dock_gateway.hub.app import create_hub_app
 from dock_gateway.hub.assembly import open_hub
@@ -301,3 +304,39 @@ async def test_a_stop_of_a_site_is_carried_whatever_its_request_is_like(hub: Hub
         answer = await reader.read()
         assert b'"stopped"' in answer, answer
         writer.close()
+
+
+async def test_a_stop_of_a_site_is_one_however_it_is_written(hub: Hub) -> None:
+    """It needs no place and does not wait for its body, like a stop at a gateway; no other request is one."""
+    _, header = await hub.token("ada", Role.VIEWER)
+    host, port = hub.url.removeprefix("http://").split(":")
+    login = "".join(f"{name}: {value}\r\n" for name, value in header.items())
+    with ExitStack() as places:
+        ada = Principal("ada", "token", Grant(Role.VIEWER), None)
+        with suppress(TooManyRequests):
+            while True:
+                places.enter_context(hub.parts[Quotas].hold(ada, "requests of one", of="berlin"))
+        echo = await hub.http.post("/sites/berlin/echo", headers=header)
+        assert (echo.status_code, echo.json()["code"]) == (429, "too_many_streams")
+        for below in ("/STOP", "//stop", "/stop;x", "/stop/", "/%73top", "/./stop", "/x/../stop", "/stop#"):
+            for method in ("POST", "post"):
+                reader, writer = await asyncio.open_connection(host, int(port))
+                head = f"{method} /sites/berlin{below} HTTP/1.1\r\nhost: localhost\r\ncontent-length: 9\r\n"
+                writer.write(f"{head}{login}connection: close\r\n\r\n".encode())  # the body never comes
+                async with asyncio.timeout(5):
+                    answer = await reader.read()
+                assert answer.startswith(b"HTTP/1.1 200 "), (below, answer)
+                assert b'"stopped"' in answer
+                writer.close()
+
+
+async def test_everyone_may_stop_every_site(hub: Hub) -> None:
+    """Also who is limited to robots of other sites, and sees none of this one."""
+    for name, robots, seen in (("ada", "/hamburg", False), ("ben", "/berlin/robot2", False), ("eve", "/berlin", True)):
+        _, header = await hub.token(name, Role.VIEWER, robots)
+        answer = await hub.http.post("/sites/berlin/stop", headers=header)
+        assert (answer.status_code, answer.json()) == (200, {"stopped": [], "name": name, "seen": seen})
+    _, header = await hub.token("ada2", Role.ADMIN, "/hamburg")
+    for method, path in (("DELETE", "stop"), ("GET", "stop"), ("POST", "echo")):
+        answer = await hub.http.request(method, f"/sites/berlin/{path}", headers=header)
+        assert answer.json()["code"] == "site_not_found", (method, path)

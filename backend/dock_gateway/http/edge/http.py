@@ -19,7 +19,7 @@ from dock_gateway.http.edge.connection import LINGER_BYTES, Connection, Connecti
 from dock_gateway.http.edge.limits import Priority
 from dock_gateway.http.edge.refusal import http_answer, refusal
 from dock_gateway.http.edge.strict import StrictConnection
-from dock_gateway.http.edge.targets import begins_stop
+from dock_gateway.http.edge.targets import begins_stop, is_stop
 
 # Client errors are answered but not logged: a flood would fill the disk. The gateway's own errors are logged.
 log = logging.getLogger("uvicorn.error.http")
@@ -29,7 +29,6 @@ log.addFilter(lambda record: "without completing response" not in record.getMess
 # The limit of the WebSocket library. Each header costs time.
 MAX_HEADERS = 128
 # Stops are handled before everything else, as long as they are short: at most STOP_PIECES pieces.
-STOP = ("POST", "/stop")
 STOP_PIECES = 4
 # Seconds that a request costs in addition to reading it: routing, validation, response.
 REQUEST_COST = 0.001
@@ -123,7 +122,7 @@ class HttpProtocol(H11Protocol):
         """The priority of the client's request."""
         if self.cycle is None or self.cycle.response_complete:
             return Priority.IDLE
-        return Priority.STOP if (self.scope["method"], self.scope["path"]) == STOP else Priority.REQUEST
+        return Priority.STOP if is_stop(self.scope["method"], self.scope["path"]) else Priority.REQUEST
 
     @property
     def unread(self) -> bool:

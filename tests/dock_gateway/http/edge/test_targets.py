@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.http.edge.targets import RequestLine, begins_stop, is_stop, read_request_line
+from dock_gateway.http.edge.targets import RequestLine, begins_stop, read_request_line, stop_path
 
 STOPS = [
     b"/stop",
@@ -40,6 +40,10 @@ OTHERS = [
     b"/%2573top",
     b"/stop/x",
     b"/x/stop",
+    b"/sites/stop",
+    b"/sites/berlin/robots/stop",
+    b"/sites/berlin/stop/x",
+    b"/sites/berlin/%2573top",
     b"*",
 ]
 
@@ -54,9 +58,24 @@ def test_a_stop(method: bytes, target: bytes) -> None:
     assert not begins_stop(b"GET " + target + b" HTTP/1.1\r\n")
 
 
+@pytest.mark.parametrize("below", [target for target in STOPS if target.startswith(b"/")])
+@pytest.mark.parametrize(
+    "site", [b"/sites/berlin", b"//SITES;v=1/./Berlin", b"/x/../sites/%62erlin", b"http://a/sites/berlin"]
+)
+def test_a_stop_of_a_site(site: bytes, below: bytes) -> None:
+    """What is a stop at a gateway is one of the site, at its hub."""
+    for method in (b"POST", b"post"):
+        line = read_request_line(method, site + below)
+        assert (line.method, line.target) == (b"POST", b"/sites/berlin/stop")
+        assert begins_stop(method + b" " + site + below + b" HTTP/1.1\r\n")
+    query = site + below.partition(b"#")[0] + b"?robot=/r1#x"
+    assert read_request_line(b"POST", query).target == b"/sites/berlin/stop?robot=/r1"
+    assert read_request_line(b"DELETE", b"/sites/berlin" + below).target == b"/sites/berlin" + below
+
+
 @pytest.mark.parametrize("target", OTHERS)
 def test_what_is_no_stop(target: bytes) -> None:
-    assert not is_stop(b"POST", target)
+    assert stop_path(b"POST", target) is None
     assert not begins_stop(b"POST " + target + b" HTTP/1.1\r\n")
 
 
@@ -106,6 +125,8 @@ def test_however_it_is_written(before: list[str], name: str, encoded: set[int], 
     written = "".join(f"%{ord(each):02X}" if place in encoded else each for place, each in enumerate(name))
     target = "/" + "/".join([*before, written, *after])
     assert read_request_line(b"POST", target.encode()) == RequestLine(b"POST", b"/stop")
+    of_site = b"/stop" if before.count("..") > 1 else b"/sites/oslo/stop"  # above the site, all are stopped
+    assert read_request_line(b"POST", b"/sites/oslo" + target.encode()).target == of_site
 
 
 @given(st.binary())
