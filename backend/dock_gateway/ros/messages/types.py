@@ -8,6 +8,7 @@ from rosidl_parser.definition import (
     AbstractGenericString,
     AbstractNestedType,
     AbstractType,
+    AbstractWString,
     Array,
     BasicType,
     BoundedSequence,
@@ -68,9 +69,10 @@ class Float:
 
 @dataclass(frozen=True)
 class Text:
-    """A string or wstring; `maximum` is in characters, None without a bound."""
+    """A string, or a wstring (`wide`); `maximum` is in characters, None without a bound."""
 
     maximum: int | None = None
+    wide: bool = False
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def _kind(slot: AbstractType) -> Kind:
     if isinstance(slot, BasicType):
         return _basic(slot.typename)
     if isinstance(slot, AbstractGenericString):
-        return Text(slot.maximum_size if slot.has_maximum_size() else None)
+        return Text(slot.maximum_size if slot.has_maximum_size() else None, isinstance(slot, AbstractWString))
     if isinstance(slot, AbstractNestedType):
         return _sequence(slot)
     if isinstance(slot, NamespacedType):

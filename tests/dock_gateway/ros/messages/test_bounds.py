@@ -1,24 +1,30 @@
 """What a client sends has a bound as a whole, not for each of its arrays alone; what is long is read in turn."""
 
 import threading
+from array import array
+from functools import partial
 from typing import Any
 
 import orjson
 import pytest
-from geometry_msgs.msg import PoseArray
+from geometry_msgs.msg import PoseArray, PoseStamped
 from hypothesis import given
 from hypothesis import strategies as st
-from nav_msgs.msg import Path
-from sensor_msgs.msg import Image
+from nav_msgs.msg import OccupancyGrid, Path
+from sensor_msgs.msg import Image, LaserScan, PointCloud2, PointField
+from std_msgs.msg import Header
+from test_msgs.message_fixtures import get_test_msg
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 from dock_gateway.core.errors import InvalidField, MalformedRequest
+from dock_gateway.ros.messages import cdr
 from dock_gateway.ros.messages import codec as message_codec
 from dock_gateway.ros.messages.bounds import FEW_NESTED, MAX_NESTED, is_long, most_nested
 from dock_gateway.ros.messages.cdr import from_cdr, to_cdr
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.types import Nested, Sequence, kinds
+from dock_gateway.ros.messages.wire import count_nested
 from tests.support.waiting import PATIENCE
 
 A_FEW = 100
@@ -70,15 +76,64 @@ def test_a_message_in_bytes_holds_no_more_than_its_size_allows(case: tuple[Any, 
     assert from_cdr(data, case[0]) == message
 
 
-@pytest.mark.parametrize("poses", [1_500, 1_600])
-def test_many_nested_messages_in_bytes_are_refused_before_they_are_decoded(poses: int) -> None:
+@given(values)
+def test_a_message_in_bytes_is_counted_to_its_end(case: tuple[Any, Any]) -> None:
+    message = codec(case[0]).parse(case[1])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cdr, "MAX_NESTED", 0)  # whatever its size
+        patch.setattr(cdr, "count_nested", partial(count_nested, most=A_FEW))
+        if count(message) > A_FEW:
+            with pytest.raises(MalformedRequest, match="nested"):
+                from_cdr(to_cdr(message), case[0])
+        else:
+            assert from_cdr(to_cdr(message), case[0]) == message
+
+
+@pytest.mark.parametrize("poses", [1_600, 1_700, 10_000])
+def test_many_nested_messages_in_bytes_are_refused_before_they_are_decoded(
+    monkeypatch: pytest.MonkeyPatch, poses: int
+) -> None:
     data = to_cdr(Path())[:-4] + poses.to_bytes(4, "little") + bytes(72 * poses)
-    if poses == 1_500:
+    if poses == 1_600:
         assert len(from_cdr(data, Path).poses) == poses
     else:
-        with pytest.raises(MalformedRequest, match="may hold more than 10,000 nested"):
+        monkeypatch.setattr(cdr, "deserialize_message", None)
+        with pytest.raises(MalformedRequest, match="hold more than 10,000 nested"):
             from_cdr(data, Path)
-    assert len(from_cdr(to_cdr(Image(data=bytes(900_000))), Image).data) == 900_000
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Image(encoding="rgb8", data=bytes(900_000)),
+        OccupancyGrid(data=array("b", bytes(4_000_000))),
+        PointCloud2(
+            fields=[PointField(name=name, datatype=7, count=1) for name in "xyz"], data=bytes(3_000_001), is_dense=True
+        ),
+        LaserScan(ranges=array("f", range(100_000)), intensities=array("f", range(100_000))),
+        Path(poses=[PoseStamped(header=Header(frame_id="m" * 300))] * 1_000),
+    ],
+    ids=lambda message: type(message).__name__,
+)
+def test_what_is_large_without_many_nested_messages_is_read(message: Any) -> None:
+    assert from_cdr(to_cdr(message), type(message)) == message
+
+
+@pytest.mark.parametrize(
+    "data", [b"\0\1\0\0", b"\0\3\0\0" + bytes(200_000), b"\0\1\0\0" + b"\1" * 200_000, b"\0\0\0\0" + b"\xff" * 200_000]
+)
+def test_bytes_that_are_no_message_are_refused(data: bytes) -> None:
+    with pytest.raises(MalformedRequest):
+        from_cdr(data, PointCloud2)
+
+
+@pytest.mark.parametrize("name", ["Arrays", "BoundedSequences", "UnboundedSequences"])
+def test_values_in_bytes_are_where_ros_puts_them(name: str) -> None:
+    for message in get_test_msg(name):
+        message.alignment_check = 123_456_789
+        data = to_cdr(message)
+        end = count_nested(data, type(message))
+        assert data[end - 4 : end] == (123_456_789).to_bytes(4, "little")  # the last field
 
 
 @pytest.mark.parametrize(
