@@ -62,7 +62,7 @@ class Forms:
         now = asyncio.get_running_loop().time()
         before, _ = self._heard.get(message.topic, (now, 0.0))
         self._heard[message.topic] = now, max(SILENT, min(MAX_SILENT, 3 * (now - before)))
-        if message.topic == self._speaking()[0]:
+        if message.topic == self._best():
             self.topic = message.topic
             await self._outlet.offer(message)
 
@@ -74,12 +74,15 @@ class Forms:
             self._unreadable.add(topic)
             self._check.set()
 
-    def _speaking(self) -> list[str]:
-        """Return the forms that have messages now, those that can be shown first."""
+    def _best(self) -> str | None:
+        """Return the best form that has messages now, if possible one that can be shown."""
         now = asyncio.get_running_loop().time()
-        found = (topic for topic in self._topics if topic in self._heard)
-        now_there = [topic for topic in found if now - self._heard[topic][0] < self._heard[topic][1]]
-        return sorted(now_there, key=self._unreadable.__contains__)
+        speaking = [
+            topic
+            for topic in self._topics
+            if topic in self._heard and now - self._heard[topic][0] < self._heard[topic][1]
+        ]
+        return min(speaking, key=self._unreadable.__contains__, default=None)
 
     async def _run(self) -> None:
         while not self._closing:
@@ -87,7 +90,8 @@ class Forms:
                 async with asyncio.timeout(self._tick):
                     await self._check.wait()
             self._check.clear()
-            wanted = [topic for topic in self._speaking() if topic not in self._unreadable][:1] or self._topics
+            best = self._best()
+            wanted = self._topics if best is None or best in self._unreadable else [best]
             for topic in () if self._closing else self._topics:
                 try:
                     await (self._join(topic) if topic in wanted else self._leave(topic))

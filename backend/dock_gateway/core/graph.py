@@ -14,6 +14,8 @@ STATUS = "status"
 FEEDBACK, FEEDBACK_TYPE = "feedback", "_FeedbackMessage"
 SEND_GOAL, SEND_GOAL_TYPE = "send_goal", "_SendGoal"
 
+# The type of transforms.
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
 # Interfaces that ROS gives to every node: logs, parameters, type descriptions.
 OWN_TYPES = ("rcl_interfaces/", "type_description_interfaces/")
 

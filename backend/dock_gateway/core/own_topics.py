@@ -1,4 +1,4 @@
-"""Topics whose type follows from their name, because the gateway itself uses them: whoever asks for them first.
+"""Topics whose type follows from their name, because the gateway itself uses them.
 
 A DDS participant has one type for each topic. If a client could choose that of a robot's stop before the robot is
 there, the gateway could not publish the stop.
@@ -6,10 +6,9 @@ there, the gateway could not publish the stop.
 
 from dataclasses import dataclass
 
+from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.settings import Settings
 from robot_io.velocity_types import TYPES as VELOCITY
-
-TRANSFORMS = frozenset({"tf2_msgs/msg/TFMessage"})
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,8 @@ class OwnTopics:
             OwnTopic("initialpose", frozenset({"geometry_msgs/msg/PoseWithCovarianceStamped"}), fixed=True),
             OwnTopic(settings.battery_topic, frozenset({"sensor_msgs/msg/BatteryState"})),
             OwnTopic(settings.diagnostics_topic, frozenset({"diagnostic_msgs/msg/DiagnosticArray"})),
-            OwnTopic("/tf", TRANSFORMS),
-            OwnTopic("/tf_static", TRANSFORMS),
+            OwnTopic("/tf", frozenset({TRANSFORMS})),
+            OwnTopic("/tf_static", frozenset({TRANSFORMS})),
         )
 
     def find(self, topic: str) -> OwnTopic | None:

@@ -88,9 +88,12 @@ class Departures:
         past = self._has_past(robot)
         if not past:
             parts = await self._robots.parts(name, scan)
+            there = bool(parts)
             if past := "base" in parts:
                 self._bases.add(name)
-        if await self._robots.is_there(name, scan) if past else parts:
+        if past:
+            there = await self._robots.is_there(name, scan)
+        if there:
             self._seen[name] = seconds
         elif age is not None:  # a battery that another gateway publishes counts, too
             self._seen[name] = max(self._seen.get(name, seconds - age), seconds - age)

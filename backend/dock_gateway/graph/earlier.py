@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from contextlib import suppress
 
+from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.graph.received import Received
 
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
 # The most messages that are kept, and the most bytes of one whose frames are read.
 MAX_MESSAGES, MAX_BYTES = 1_000, 500_000
 _ANY = frozenset({""})

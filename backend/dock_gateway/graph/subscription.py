@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from dock_gateway.core.errors import NotFound
-from dock_gateway.core.graph import Endpoint, Topic
+from dock_gateway.core.graph import TRANSFORMS, Endpoint, Topic
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
 
 # The most messages that count as kept for later subscribers.
 MOST_KEPT = 1_000
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
 
 
 @dataclass(frozen=True)

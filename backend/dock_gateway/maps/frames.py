@@ -5,6 +5,7 @@ import logging
 import math
 from typing import Any
 
+from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.core.scene import MAX_LENGTH, MIN_LENGTH
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
@@ -16,7 +17,6 @@ from robot_io.transform_tree import TransformError, TransformTree
 
 log = logging.getLogger(__name__)
 
-TYPE = "tf2_msgs/msg/TFMessage"
 NOW = 0.0
 # Bytes of a message after which others have their turn.
 LARGE = 4_000
@@ -36,7 +36,7 @@ class Frames:
     def __init__(self, relays: Relays, graph: GraphCache, moving: str) -> None:
         self._fixed = f"{moving}{STATIC}"
         self._tree = TransformTree()
-        self._readers = [TopicReader(relays, graph, topic, TYPE, self) for topic in (moving, self._fixed)]
+        self._readers = [TopicReader(relays, graph, topic, TRANSFORMS, self) for topic in (moving, self._fixed)]
         self._doubted = False
 
     async def look(self) -> None:

@@ -4,13 +4,13 @@ import logging
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.core.scene import BASE, ODOM, Pose
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.maps.feed import GRID_TYPE, MapFeed
 from dock_gateway.maps.frames import STATIC, Frames
-from dock_gateway.maps.frames import TYPE as TRANSFORMS
 from dock_gateway.maps.grid import frame_name
 from dock_gateway.maps.pool import Pool
 from dock_gateway.maps.reader import MOST_BYTES, TopicReader, find_topic

@@ -8,19 +8,21 @@ from typing import Any
 
 import numpy as np
 
+from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.maps.frames import transform_of
 from dock_gateway.maps.grid import frame_name
 from dock_gateway.maps.scan import scan_points, spread
-from dock_gateway.recordings.topics import TRANSFORMS
 from dock_gateway.ros.raw_port import EchoType
 from robot_io.recording import Sample, read
 from robot_io.transform_tree import TransformTree
 
 SCAN, ODOMETRY, BATTERY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "sensor_msgs/msg/BatteryState"
 VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
-# Nanoseconds between two messages of a topic that are used, the most of each kind, and the most points of a scan.
+# Nanoseconds between two messages of a topic that are used; the maximum number of messages of each kind, and of points
+# of a scan.
 INTERVAL_NS, MOST, MOST_POINTS = 200_000_000, 400, 180
-# What is held of each kind while a recording is read; of one that has more, messages that are farther apart are used.
+# The maximum number of scans, and of messages of another kind, in memory while a recording is read. If there are more,
+# those used are farther apart.
 MOST_SCANS, MOST_HELD = 4_000, 100_000
 # Parts of the time whose extreme values are kept; two quantities need at most half of `MOST`.
 PARTS = 50

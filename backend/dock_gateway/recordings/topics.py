@@ -3,11 +3,10 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
-from dock_gateway.core.graph import ACTION_PART, FEEDBACK, FEEDBACK_TYPE, STATUS
+from dock_gateway.core.graph import ACTION_PART, FEEDBACK, FEEDBACK_TYPE, STATUS, TRANSFORMS
 from dock_gateway.settings import Settings
 
 CAMERA = "sensor_msgs/msg/CompressedImage"
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
 STOP = "std_msgs/msg/Bool"
 GOAL_STATES = "action_msgs/msg/GoalStatusArray"
 # Those in a robot's namespace that are recorded, whatever they are called.

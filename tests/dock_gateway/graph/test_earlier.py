@@ -7,8 +7,8 @@ from geometry_msgs.msg import TransformStamped
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.graph import Endpoint, Quality, Topic
-from dock_gateway.graph.earlier import MAX_MESSAGES, TRANSFORMS, EarlierMessages
+from dock_gateway.core.graph import TRANSFORMS, Endpoint, Quality, Topic
+from dock_gateway.graph.earlier import MAX_MESSAGES, EarlierMessages
 from dock_gateway.graph.subscription import Listening, listening_for
 from tf2_msgs.msg import TFMessage
 
