@@ -71,8 +71,8 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
     code, words = replay(recording)
     assert (code, "it takes the same course" in words) == (0, True), words
     code, words = replay(recording, "--ros-args", "-p", "rotate_speed:=0.5")
-    # A machine that was busy just as the goal began makes a difference there no judgement.
-    assert code == 1 or (code == 2 and "that is no judgement" in words), words
+    # If the machine was busy just as the goal began, the recording does not allow a verdict.
+    assert code == 1 or (code == 2 and "does not allow a verdict" in words), words
     assert "another velocity" in words
     assert "up to 0.00 m/s and 0.50 rad/s, where 0.00 m/s and 0." in words
     (tmp_path / "no.mcap").write_text("no recording")
@@ -122,12 +122,12 @@ class busy:  # noqa: N801 - used as a context
             process.wait()
 
 
-def test_a_judgement_does_not_depend_on_the_load_of_the_machine(docking: Path) -> None:
-    """Neither on that while the goal ran, when a difference is no judgement, nor on that of the replay."""
+def test_a_verdict_does_not_depend_on_the_load_of_the_machine(docking: Path) -> None:
+    """Neither on that while the goal ran, when the recording does not allow a verdict, nor on that of the replay."""
     calm, words = replay(docking)
     assert calm in {0, 2}, words
     if calm == 2:
-        assert "that is no judgement" in words
+        assert "does not allow a verdict" in words
     with busy(os.cpu_count() or 2):
         codes, all_words = replay_all([docking] * 20)
     assert codes == [calm] * 20

@@ -17,7 +17,7 @@ from dock_gateway.graph.relays import Relays
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 
-# Seconds that a viewer waits for its first picture, and pictures after which it does not if none can be shown.
+# Seconds that a viewer waits for its first picture. It waits no longer after this many pictures that cannot be shown.
 FIRST, UNREADABLE = 5.0, 3
 # Seconds between two looks of a viewer that is not woken up.
 LONG = 60.0

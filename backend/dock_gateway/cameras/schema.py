@@ -6,8 +6,8 @@ from dock_gateway.http.schema import Schema
 class CameraInfo(Schema):
     """A camera.
 
-    `topic` and `type` are those of the pictures that come; if nobody watches it, those of the form that is tried first.
-    `hint` says why its pictures cannot be shown, if someone watches it and they cannot.
+    `topic` and `type` are those of the pictures that are shown; without a viewer, of the form that is tried first.
+    `hint` is the reason if a viewer cannot be shown its pictures.
     """
 
     name: str

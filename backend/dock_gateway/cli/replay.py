@@ -15,7 +15,7 @@ def replay(recording: str, arguments: tuple[str, ...]) -> None:
 
     RECORDING is a file of GET /goals/{goal_id}/recording.mcap. ROS arguments such as other parameters follow
     --ros-args. Nothing moves. The exit code is 0 if the goal takes the same course, 1 if not, 2 if it cannot be
-    replayed, or if a difference is no judgement.
+    replayed, or if the recording does not allow a verdict.
     """
     program = find_program("docking_replay")
     os.execv(program, [program, recording, *arguments])  # noqa: S606 - our own program

@@ -66,7 +66,7 @@ def _decode_with_constants(raw: bytes, what: str) -> Any:
         )
     try:
         decoded = json.loads(raw.decode(), parse_constant=_constant)
-        orjson.dumps(decoded, default=float)  # refuses what orjson would not have read
+        orjson.dumps(decoded, default=float)  # refuses values that orjson does not read
     except (ValueError, TypeError, RecursionError) as error:
         raise MalformedRequest(f"{what} is not JSON: {str(error)[:200]}") from None
     return decoded

@@ -25,11 +25,11 @@ P = ParamSpec("P")
 Result = TypeVar("Result")
 Item = TypeVar("Item")
 
-# Bytes of a message that is worked on on the event loop, in a thread, and at all; what is between goes to the process.
+# Maximum bytes of a message that is processed on the event loop, in a thread, and in the worker process.
 SMALL, MEDIUM, MOST = 4096, 65_536, 20_000_000
 # Seconds that a piece of work may take in the process, the start of which takes one or two.
 WITHIN = 30.0
-# After a client's message was read in a thread, the next one waits this many times as long: others work meanwhile.
+# Times as long as a client's message took in a thread: the pause before the next one, in which others work.
 REST = 4
 # Seconds that a loop over what a client has sent takes until others have their turn.
 TURN = 0.001
@@ -40,16 +40,16 @@ PIPE, NICENESS = 1_000_000, 5
 
 
 class TooLarge(Exception):
-    """A message is larger than what is worked on. The text is a sentence for users."""
+    """A message is too large. The text is a sentence for users."""
 
     def __init__(self, size: int) -> None:
         super().__init__(f"a message of {size / 1e6:.1f} MB is too large: at most {MOST / 1e6:.0f} MB are read")
 
 
 class Worker:
-    """A process that works for this one, one piece of work after the other. It starts with the first.
+    """Calls functions in a process of its own, one after the other. The process starts with the first call.
 
-    It ends when this process does, however that ends: its input is a pipe.
+    It ends with this process, also if that is killed: its input is a pipe.
     """
 
     def __init__(self) -> None:
@@ -130,7 +130,7 @@ class Work:
             kwargs: More of them.
 
         Raises:
-            TooLarge: The message is larger than what is worked on.
+            TooLarge: The message is too large.
             Exception: What the function raises; a RuntimeError, if that was in the process.
         """
         if size <= SMALL:

@@ -73,7 +73,7 @@ class Operation:
         audit: Whether the audit log has it.
         sends_goal: Whether it sends a goal, which counts towards the user's goals per minute.
         reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
-        read: Makes the fields of a command of what its request says. None: they are those of the request.
+        read: Reads the request of a command into its fields. None: the request itself has the fields.
     """
 
     role: Role | None
@@ -105,7 +105,7 @@ def operation(
         audit: Whether the audit log has it.
         sends_goal: Whether it sends a goal.
         reads_body: Whether the endpoint reads the body itself.
-        read: Makes the fields of a command of what its request says.
+        read: Reads the request of a command into its fields. None: the request itself has the fields.
     """
     return _declare(Operation(role, scope, audit, sends_goal, reads_body, read))
 

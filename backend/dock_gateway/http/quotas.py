@@ -1,6 +1,6 @@
 """Quotas: each user has a share of what all users share, so that a runaway script does not use up the gateway.
 
-`LIMITS` is the one list of what is shared. What a layer below needs of it, it takes by `core.request.hold` and `turn`.
+`limits` lists everything that is shared. Lower layers take places by `core.request.hold` and `turn`.
 """
 
 import asyncio

@@ -1,12 +1,11 @@
-"""How much of its time the hub reads one site: a site that never stops talking is not all."""
+"""Limits the time that the hub spends on the messages of one site."""
 
 import asyncio
 import time
 
-# What a site lets the hub work for without a break, in seconds; how many times as long, or how long, others come first
-# after that.
+# Seconds that the hub reads one site without a break. The break: times as long as it has read, at most so many seconds.
 LONG_WORK, BREAK, LONGEST_BREAK = 0.005, 3.0, 0.5
-# Messages of a site in a second. It is not read on until the next one.
+# Maximum number of messages of a site in a second. The rest is read in the next one.
 MAX_MESSAGES = 1000
 
 

@@ -45,8 +45,8 @@ def main(args: Sequence[str] | None = None) -> int:
     """Replay a recording.
 
     Returns:
-        0 if the goal takes the recorded course, 1 if it does not, 2 if it cannot be replayed, or if a difference is no
-        judgement.
+        0 if the goal takes the recorded course, 1 if it does not, 2 if it cannot be replayed, or if the recording does
+        not allow a verdict.
     """
     # Nobody may hear the velocities that are commanded here.
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
@@ -101,7 +101,7 @@ def _compare(goal: RecordedGoal, action: type[RobotAction[Any]], ros_args: Seque
     if not others:
         return 0
     if (doubt := replay.find_doubt(min(each.at for each in others))) is not None:
-        raise ValueError(f"that is no judgement: {doubt}")
+        raise ValueError(f"the recording does not allow a verdict: {doubt}")
     return EXIT_DIFFERENT
 
 

@@ -8,8 +8,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 HELD_UP = (0.2, 1.5)
-"""Seconds between two control steps, or two messages of odometry, by which a server was held up. From little more than
-the first on it may stop the robot for them; for more than the second, it surely did."""
+"""Seconds between two control steps, or two messages of odometry: in between, the server may have stopped the robot for
+the gap. After a longer one it surely has."""
 USUAL = 2.5
 """Times as long as most of what follows quickly: so much jitter is usual."""
 ECHO = 5.0

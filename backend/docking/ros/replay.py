@@ -124,7 +124,7 @@ class Replay:
                 return
 
     def find_doubt(self, at: float) -> str | None:
-        """Return why a difference from a moment on is no judgement on the server, as a sentence; None if it is one."""
+        """Return why the recording does not allow a verdict on a difference at a moment; None if it does."""
         for topic, count in self._unread.items():
             return f"{count} messages on {topic} cannot be read"
         for topic in sorted(self._listened - self._heard):

@@ -2669,8 +2669,8 @@ export interface components {
          * CameraInfo
          * @description A camera.
          *
-         *     `topic` and `type` are those of the pictures that come; if nobody watches it, those of the form that is tried first.
-         *     `hint` says why its pictures cannot be shown, if someone watches it and they cannot.
+         *     `topic` and `type` are those of the pictures that are shown; without a viewer, of the form that is tried first.
+         *     `hint` is the reason if a viewer cannot be shown its pictures.
          */
         CameraInfo: {
             /** Name */

@@ -62,7 +62,7 @@ export async function announceStop<Report>(
   }
 }
 
-/** At once, before anybody has answered. */
+/** Shown at once, before the gateway has answered. */
 function showStopping(naming: Naming, robots: Stopped): void {
   const what = wordsOf(robots, naming);
   show(robots, {
@@ -92,7 +92,7 @@ export function showStopped(
       title: unreached
         ? "Stop did not reach every robot"
         : unheld
-          ? "Zero velocity was sent, but nodes of the robot do not know of the stop"
+          ? "Zero velocity was sent, but the stop could not be published to the robot's nodes"
           : "Zero velocity was sent, but not every goal is canceled",
       message: `${failures.join("; ")}. Use the robot's own emergency stop if it moves.${warned}`,
       autoClose: false,

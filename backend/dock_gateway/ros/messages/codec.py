@@ -66,7 +66,7 @@ class MessageCodec:
     def parse(self, value: object, path: str = "") -> Any:
         """Build a message from decoded JSON; missing fields get their default, NaN if the message type wants it.
 
-        What is a message already is returned as it is: a client may have sent it as bytes.
+        A message is returned unchanged: a client may have sent it as bytes.
 
         Raises:
             InvalidField: With all errors, up to a limit.

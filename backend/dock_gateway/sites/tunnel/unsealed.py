@@ -11,14 +11,14 @@ from dock_gateway.sites.subscription import Received
 
 log = logging.getLogger(__name__)
 
-# Messages that wait, and their bytes.
+# Maximum number of messages that wait, and of their bytes.
 MAX_WAITING, MAX_BYTES = 1000, 16 * 1024 * 1024
-# How many times as long as one takes others come first.
+# Times as long as a message took: the pause before the next one, in which others work.
 BREAK = 4.0
 
 
 class Unsealed:
-    """Opens messages one by one, in a small share of the time. The newest come first: the oldest are of use to no one.
+    """Opens messages one by one, in a fifth of the time, the newest first: the oldest are of no use any more.
 
     Args:
         serve: Opens one.
