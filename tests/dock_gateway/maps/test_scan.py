@@ -63,7 +63,9 @@ def test_a_scan_shows_its_ends_and_whatever_is_nearest(
     for index in good[:1] + good[-1:]:
         assert math.hypot(*points[0 if index == good[0] else -1]) == pytest.approx(ranges[index], abs=0.002)
     if good:
-        assert min(math.hypot(x, y) for x, y in points) == pytest.approx(min(ranges[index] for index in good), abs=0.002)
+        assert min(math.hypot(x, y) for x, y in points) == pytest.approx(
+            min(ranges[index] for index in good), abs=0.002
+        )
 
 
 def test_a_scanner_may_hang_upside_down() -> None:
