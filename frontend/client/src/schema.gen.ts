@@ -192,7 +192,7 @@ export interface paths {
          * Release Stop
          * @description Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
          *
-         *     No robot moves by that.
+         *     This moves no robot.
          */
         delete: operations["release_stop"];
         options?: never;
