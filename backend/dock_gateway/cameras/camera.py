@@ -58,8 +58,9 @@ def find_cameras(robot: str, topics: Iterable[Topic], belongs: Callable[[str], b
         types = {endpoint.type for endpoint in topic.publishers} & {IMAGE, COMPRESSED}
         if types:
             kind = min(types)  # of two, which is a mistake, that which is compressed
-            parts = (part for part in PARTS if part and kind == COMPRESSED and topic.name.endswith(part))
-            part = next(parts, "")
+            part = ""
+            if kind == COMPRESSED:
+                part = next((part for part in PARTS if part and topic.name.endswith(part)), "")
             found[topic.name.removesuffix(part)].append((PARTS.index(part), Form(topic.name, kind)))
     return [
         Camera(base.removeprefix(prefix_of(robot)), tuple(form for _, form in sorted(forms)))
