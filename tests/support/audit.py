@@ -7,11 +7,14 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
+from dock_gateway.storage.memory import MemoryHistory
 from tests.support.history import open_at
 from tests.support.waiting import until
 
@@ -34,8 +37,14 @@ class AuditList:
 
 
 def audit_parts() -> dict[type, Any]:
-    """The parts of a gateway that are needed to record a request."""
-    return {AuditLog: AuditList(), Subjects: Subjects(Settings(), lambda _: None, list)}
+    """The parts of a gateway that are needed to allow and to record a request of a client without a login."""
+    settings = Settings()
+    return {
+        AuditLog: AuditList(),
+        Subjects: Subjects(settings, lambda _: None, list),
+        Logins: Logins(MemoryHistory(1)),
+        Quotas: Quotas(settings),
+    }
 
 
 def make_entry(number: int, **fields: Any) -> AuditEntry:

@@ -24,6 +24,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
 from dock_gateway.storage import GoalFilter, History, MemoryHistory, RobotLabel
 from dock_gateway.storage.statistics import Tally
+from tests.support.audit import audit_parts
 from tests.support.history import make_goal
 from tests.support.shapes import check_answer
 
@@ -45,6 +46,7 @@ class Client:
         docking = DockingActions(DockingCatalog(settings), {})
         parts = Parts(
             {
+                **audit_parts(),
                 Settings: settings,
                 History: self.history,
                 Goals: Goals(actions, docking, self.history),
