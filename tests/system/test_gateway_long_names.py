@@ -43,7 +43,6 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
         ("GET", "/actions{}"),
         ("POST", "/actions{}/goals"),
         ("POST", "/dock?robot={}"),
-        ("POST", "/stop?robot={}"),
         ("DELETE", "/alerts{}/acknowledgement"),
     ],
 )
@@ -54,6 +53,15 @@ def test_a_name_that_is_too_long(gateway: RunningGateway, method: str, path: str
     assert len(answer.content) < 20_000
     assert time.monotonic() - began < 5.0
     assert "[ERROR]" not in gateway.process.output
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_a_stop_with_a_name_that_is_too_long_stops_all(gateway: RunningGateway, name: str) -> None:
+    answer = gateway.http.post(f"/stop?robot={LONG[name]}")
+    assert (answer.status_code, answer.json()["stopped"]) == (200, ["/"])
+    assert "All robots are stopped" in answer.json()["warning"]["detail"]
+    assert len(answer.content) < 20_000
+    gateway.http.delete("/stop").raise_for_status()
 
 
 @pytest.mark.parametrize("name", [DEEP, WIDE])

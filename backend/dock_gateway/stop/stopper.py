@@ -210,8 +210,12 @@ class Stopper:
         began = time.monotonic()
         report = StopReport()
         names = self._known(namespaces, report)
-        halts = {name: self._halt(name) for name in names}
+        joined = names & self._halts.keys()
+        halts = {name: self._halts[name] if name in joined else self._begin(name) for name in sorted(names)}
+        # Before the goals are canceled, whose error names who requested it.
         new = [name for name, halt in halts.items() if latch and self._latch(name, halt, by)]
+        for name, halt in halts.items():
+            (self._join if name in joined else self._cancel_goals)(name, halt)
         for halt in halts.values():
             await halt.confirmed.wait()
             await halt.ended(began + self.timing.confirm_within - time.monotonic())
@@ -243,7 +247,7 @@ class Stopper:
             each.namespace for each in self._robots.under(ALL_ROBOTS) if each.namespace not in stopped
         ]
 
-    def _known(self, namespaces: tuple[str, ...], report: StopReport) -> list[str]:
+    def _known(self, namespaces: tuple[str, ...], report: StopReport) -> set[str]:
         """Return the robots to stop but those below others of them. Report those that are not known."""
         names: set[str] = set()
         refused: dict[str, GatewayError] = {}
@@ -259,15 +263,8 @@ class Stopper:
                 raise elsewhere[0]
             problem = next(error for error in refused.values() if error not in elsewhere)
             report.problems.append(NotFound(f"{problem.detail}: all robots are stopped", code=problem.code))
-            return [ALL_ROBOTS]
-        return [name for name in sorted(names) if not names & (set(lineage(name)) - {name})]
-
-    def _halt(self, name: str) -> Halt:
-        """Start a stop, or join one that has just started."""
-        if (halt := self._halts.get(name)) is None:
-            return self._begin(name)
-        self._join(name, halt)
-        return halt
+            return {ALL_ROBOTS}
+        return {name for name in names if not names & (set(lineage(name)) - {name})}
 
     def _latch(self, name: str, halt: Halt, by: str | None) -> bool:
         """Latch a stop; return False if it is latched already."""
@@ -283,10 +280,12 @@ class Stopper:
         self._halts[name] = halt = Halt(self._robots.under(name))
         halt.publish_zero()
         self._tasks.spawn(self._carry_on(name, halt))
+        return halt
+
+    def _cancel_goals(self, name: str, halt: Halt) -> None:
         for action in self._actions.under(name):
             self._cancel(halt, action)
         self._notify(halt.robots)
-        return halt
 
     def _join(self, name: str, halt: Halt) -> None:
         """Repeat the stop: since it began, a robot may have been driven or have appeared, or a goal have started."""

@@ -317,6 +317,15 @@ async def test_if_no_robot_is_known_the_name_may_be_misspelt_and_all_are_stopped
     assert fleet.interlock.holds("/")
 
 
+async def test_who_stops_is_known_when_goals_are_canceled(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their error names them."""
+    seen: list[str | None] = []
+    by = partial(fleet.interlock.requested_by, "/robot1/dock")
+    monkeypatch.setattr(fleet.goals["/robot1"], "stop", lambda: seen.append(by()))
+    await fleet.stopper.stop(by="Ada")
+    assert seen == ["Ada"]
+
+
 async def test_a_part_that_fails_keeps_nothing_else_from_being_stopped(
     fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
