@@ -83,6 +83,8 @@ def test_floats_arrive_as_they_were(gateway: RunningGateway, observer: Observer)
     scans, batteries, numbers = (
         observer.record(kind, topic) for kind, topic in zip((LaserScan, BatteryState, Float64), TOPICS, strict=True)
     )
+    for topic in TOPICS:  # an earlier message would reach no one
+        wait_until(lambda topic=topic: gateway.http.get(f"/graph/topics{topic}").is_success, topic)
     with client_of(gateway) as client:
         client.publish("/readings", {"header": {"frame_id": "NaN"}, "ranges": [1.5, INF, NAN, -INF] * 200})
         scan = scans.wait_for(lambda scan: len(scan.ranges) == 800)
