@@ -58,7 +58,7 @@ chaos: setup $(STAMPS)/test-interfaces ## kill, flood and starve the gateway for
 bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md
 	@$(BENCH)/own/bin/python -m benchmarks --peers $(BENCH) $(BENCH_ARGS)
 
-bench-docking: setup ## dock from 1,000 random starts with each controller, in simulation; see docs/docking-results.md
+bench-docking: setup ## dock from random starts with each controller, in simulation (BENCH_ARGS='--robustness --docs'); see docs/docking-results.md
 	@$(BIN)/python -m benchmarks.docking $(BENCH_ARGS)
 
 bench-physics: setup $(BENCH)/installed ## dock in MuJoCo, with our controller and with nav2's law; see docs/docking-results.md

@@ -9,8 +9,11 @@ from importlib.util import find_spec
 from multiprocessing import Pool
 from pathlib import Path
 
-from benchmarks.docking import comparison, robustness
+from benchmarks.docking.comparison import COMPARISON
+from benchmarks.docking.page import PAGE, SEEDS, STATISTICS, empty_part, with_list, with_part
 from benchmarks.docking.picture import picture
+from benchmarks.docking.robustness import ROBUSTNESS
+from benchmarks.docking.rows import Table
 from benchmarks.docking.table import table
 from benchmarks.docking.trial import REGIONS, Trial, run_trial, settings_of
 from docking.parameters import ControllerName
@@ -27,31 +30,25 @@ def run_trials(seeds: range, processes: int) -> dict[ControllerName, list[Trial]
         return {controller: running[controller].get() for controller in REGIONS}
 
 
-def faults_table(options: argparse.Namespace, seeds: range) -> tuple[str, str]:
-    """Run the trials of a table with a row for each fault; return the name of its file and the table."""
-    if options.robustness:
-        name = "docking-robustness"
-        return name, robustness.measure(options.rows, seeds, options.processes, options.output / f"{name}.json")
+def fault_table(options: argparse.Namespace) -> Table | None:
+    """The table with a row for each fault that is asked for; None for the statistics."""
     if options.physics:
-        from benchmarks.docking import physics  # noqa: PLC0415 - only the benchmark's environment has MuJoCo
+        from benchmarks.docking.physics import PHYSICS  # noqa: PLC0415 - only the benchmark's environment has MuJoCo
 
-        name, run, rows = "docking-physics", physics.run_job, list(physics.WORLDS)
-    else:
-        name, run, rows = "docking-laws", comparison.run_job, list(comparison.FAULTS)
-    chosen = [row for row in rows if robustness.is_chosen(row, options.rows)]
-    figures = options.output / f"{name}.json"
-    return name, comparison.measure(run, chosen, seeds, options.processes, figures)
+        return PHYSICS
+    if options.robustness:
+        return ROBUSTNESS
+    return COMPARISON if options.laws else None
 
 
 def parsed_options() -> argparse.Namespace:
     """What is asked for."""
     parser = argparse.ArgumentParser("benchmarks.docking", description="Dock from many random starts, in simulation")
-    parser.add_argument(
-        "--trials", type=int, help="starts for each controller (default: 1000; 200 for each row of the other tables)"
-    )
-    parser.add_argument("--seed", type=int, default=0, help="of the first start (default: 0)")
+    parser.add_argument("--trials", type=int, help="starts for each controller or row (default: as on the page)")
+    parser.add_argument("--seed", type=int, help="of the first start (default: as on the page)")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="default: one a core")
     parser.add_argument("--output", type=Path, default=Path(__file__).parents[1] / "results", help="a folder")
+    parser.add_argument("--docs", action="store_true", help="write into docs/docking-results.md instead")
     tables = parser.add_mutually_exclusive_group()
     tables.add_argument("--robustness", action="store_true", help="with each fault of a real robot instead")
     tables.add_argument("--laws", action="store_true", help="with each fault, beside nav2's control law")
@@ -62,35 +59,45 @@ def parsed_options() -> argparse.Namespace:
     options = parser.parse_args()
     if options.physics and find_spec("mujoco") is None:
         parser.error("--physics needs MuJoCo, which make bench-physics installs")
+    if options.docs and (options.trials is not None or options.seed is not None):
+        parser.error("--docs takes the trials and the seed that the page says")
     return options
+
+
+def page_of(options: argparse.Namespace, name: str) -> Path:
+    """The file that a table is written into."""
+    if options.docs:
+        return PAGE
+    page: Path = options.output / f"docking-{name}.md"
+    page.parent.mkdir(parents=True, exist_ok=True)
+    if not page.exists():
+        page.write_text(empty_part(name))
+    return page
 
 
 def main() -> None:
     """Run the trials, print the table, write the table and the picture."""
     options = parsed_options()
     begun = time.monotonic()
-    is_short = options.robustness or options.laws or options.physics
-    count = options.trials or (200 if is_short else 1000)
-    seeds = range(options.seed, options.seed + count)
-    if is_short:
-        name, text = faults_table(options, seeds)
-        print(text)
-        (options.output / f"{name}.md").write_text(text + "\n")
-        print(f"\n{time.monotonic() - begun:.0f} s; written: {name}.md in {options.output}", file=sys.stderr)
-        return
-    trials = run_trials(seeds, options.processes)
-    seconds = time.monotonic() - begun
-    text = table(trials, settings_of(ControllerName.DOCK_POSE).motion)
+    faults = fault_table(options)
+    name = STATISTICS if faults is None else faults.name
+    page, usual = page_of(options, name), SEEDS[name]
+    first = usual.start if options.seed is None else options.seed
+    seeds = range(first, first + (options.trials or len(usual)))
+    if faults is None:
+        trials = run_trials(seeds, options.processes)
+        text = table(trials, settings_of(ControllerName.DOCK_POSE).motion)
+        page.write_text(with_part(page.read_text(), name, text))
+        drawing = (
+            page.parent / "images" / "docking-trails.svg" if options.docs else page.with_name("docking-trails.svg")
+        )
+        drawing.write_text(picture(trials))
+    else:
+        text = faults.measure(options.rows, seeds, options.processes, page)
+    if options.docs:
+        page.write_text(with_list(page.read_text()))
     print(text)
-    options.output.mkdir(parents=True, exist_ok=True)
-    (options.output / "docking.md").write_text(text + "\n")
-    (options.output / "docking-trails.svg").write_text(picture(trials))
-    simulated = sum(trial.seconds for some in trials.values() for trial in some)
-    print(
-        f"\n{seconds:.0f} s for {simulated / 3600:.1f} simulated hours; written: docking.md and docking-trails.svg in"
-        f" {options.output}",
-        file=sys.stderr,
-    )
+    print(f"\n{time.monotonic() - begun:.0f} s; written: {page}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -6,15 +6,16 @@ marker from where the robot is in truth, and odometry counts what the wheels tur
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import partial
 from random import Random
 
 import mujoco
 
-from benchmarks.docking.cases import CASES, DOCK_POSE, Case
-from benchmarks.docking.comparison import LAWS, Job
+from benchmarks.docking.cases import DOCK_POSE
+from benchmarks.docking.comparison import LAWS, figures_of, with_laws
+from benchmarks.docking.rows import Job, Table
 from benchmarks.docking.trial import Trial, run_trial
+from benchmarks.docking.worlds import WORLDS, Base
 from docking.core.geometry import Pose, normalize_angle, quaternion_of
 from docking.simulation.collisions import APART, Collisions, Touch
 from docking.simulation.obstacle import Obstacle
@@ -72,23 +73,6 @@ MODEL = """
 PADS_AT_PINS = {frozenset({"left pad", "left pin"}), frozenset({"right pad", "right pin"})}
 SOLID, ROLLING = {"dock", "wall", "left pin", "right pin"}, {"", "caster", "floor"}
 """What the robot can run into, and what it does not run into things with."""
-
-
-@dataclass(frozen=True, slots=True)
-class Base:
-    """What differs between robots and floors.
-
-    Attributes:
-        mass: Of the body, in kg.
-        friction: Of the floor with the wheels, as a coefficient.
-        torque: Highest of each motor, in Nm.
-        gain: Of the control of the wheels' speeds, in Nm per rad/s; there is no integral, so that a load slows them.
-    """
-
-    mass: float = 5.0
-    friction: float = 0.8
-    torque: float = 0.5
-    gain: float = 5.0
 
 
 class RollingRobot(Robot):
@@ -197,21 +181,10 @@ def _ramp(value: float, target: float, most: float) -> float:
     return value + min(most, max(-most, target - value))
 
 
-def _late(settings: Settings, _random: Random) -> Settings:
-    return replace(settings, command_delay=0.1)
-
-
-WORLDS: dict[str, tuple[Base, Case]] = {
-    "5 kg, friction 0.8": (Base(), CASES[0]),
-    "5 kg, friction 0.1": (Base(friction=0.1), CASES[0]),
-    "25 kg, commands 0.1 s late": (Base(mass=25.0, torque=1.0), Case("late", (DOCK_POSE,), _late)),
-    "25 kg, weak control of the wheels": (Base(mass=25.0, torque=1.0, gain=0.5), CASES[0]),
-}
-"""By name: the robot, and what is wrong with it."""
-
-
-def run_job(job: Job) -> Trial:
-    """One trial in one of the worlds."""
-    name, law, seed = job
+def _run(job: Job) -> Trial:
+    (name, law), seed = job
     base, case = WORLDS[name]
     return run_trial(DOCK_POSE, seed, case, LAWS[law], partial(PhysicsWorld, base))
+
+
+PHYSICS = Table("physics", ("case", "law"), with_laws(WORLDS), _run, figures_of)

@@ -4,8 +4,9 @@ import math
 from pathlib import Path
 
 import pytest
-from benchmarks.docking.comparison import FAULTS, LAWS, measure, run_job
+from benchmarks.docking.comparison import COMPARISON, FAULTS, LAWS
 from benchmarks.docking.graceful import GracefulLaw
+from benchmarks.docking.page import empty_part, rows_in
 from benchmarks.docking.trial import run_trial
 from hypothesis import given
 from hypothesis import strategies as st
@@ -55,9 +56,12 @@ def test_nothing_slows_it_before_the_contacts() -> None:
 
 
 def test_a_row_has_the_figures_of_both_laws(tmp_path: Path) -> None:
-    figures = tmp_path / "some" / "figures.json"
+    page = tmp_path / "page.md"
+    page.write_text(empty_part(COMPARISON.name))
     assert "contacts bounce for 1 s" in FAULTS
-    measure(run_job, ["contacts bounce for 1 s"], range(1), 1, figures)
-    lines = measure(run_job, ["none"], range(1), 1, figures).splitlines()
-    rows = [[cell.strip() for cell in line.split("|")[1:4]] for line in lines[2:]]
-    assert rows == [[name, law, "100 %"] for name in ("contacts bounce for 1 s", "none") for law in LAWS]
+    COMPARISON.measure("contacts bounce for 1 s", range(1), 1, page)
+    rows = rows_in(COMPARISON.measure("without velocity", range(1), 1, page))
+    names = ("odometry without velocity", "contacts bounce for 1 s")
+    assert [(key, row["docked"]) for key, row in rows.items()] == [
+        ((name, law), "100 %") for name in names for law in LAWS
+    ]
