@@ -67,6 +67,7 @@ class Case:
         search_radius: The parameter, in m.
         recovers: Whether the robot presses again without a charge, and goes back to its staging pose in the end.
         why: Sentences for docs/docking-results.md: why less than 95 % of its goals dock. Empty for the other rows.
+        final_push: The parameter, in m.
     """
 
     name: str
@@ -79,6 +80,7 @@ class Case:
     search_radius: float = 0.0
     recovers: bool = False
     why: str = ""
+    final_push: float = 0.0
 
 
 def _set(part: str, **values: Any) -> Change:
@@ -131,6 +133,11 @@ def _turned(angle: float) -> Change:
 def _two_tags(settings: Settings, random: Random) -> Settings:
     """A second tag is 0.5 to 1.5 m to the left or to the right of the dock's."""
     return _set("marker", second_y=random.choice((1.0, -1.0)) * random.uniform(0.5, 1.5))(settings, random)
+
+
+def _sprung(settings: Settings, random: Random) -> Settings:
+    """The contacts need 2 to 5 cm more push."""
+    return _set("dock", travel=random.uniform(0.02, 0.05))(settings, random)
 
 
 def _push_often(random: Random) -> Disturbance:
@@ -243,6 +250,8 @@ CASES = (
     Case("charge flickers", BOTH, _set("dock", flickers=True), why=FLICKERS),
     Case("dirty contacts", BOTH, disturb=_dirty),
     Case("dirty contacts, pressed again", BOTH, disturb=_dirty, recovers=True),
+    Case("contacts on springs, 2 to 5 cm more push", BOTH, _sprung, final_push=0.06),
+    Case("a lip that takes 1.5 s of pushing", BOTH, _set("dock", lip=1.5), final_push=0.06),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0)), why=CAMERA),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0)), why=CAMERA),
     Case("pushed 10 cm sideways in the last 20 cm", BOTH, disturb=_push_once),

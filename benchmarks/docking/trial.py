@@ -82,6 +82,7 @@ def settings_of(controller: ControllerName, case: Case = CASES[0]) -> DockSettin
     return replace(
         settings,
         search=replace(settings.search, search_radius=case.search_radius),
+        approach=replace(settings.approach, final_push=case.final_push),
         collision=replace(settings.collision, use_collision_detection=searches),
     )
 

@@ -161,6 +161,8 @@ class Goal:
         """
         watch, obstacles = self._watch, self._obstacles
         try:
+            if watch is not None and self._plan.poses.pushes:
+                watch.restart()
             if watch is not None and not watch.sees(observation):
                 return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, watch.waiting)
             if self._detector is not None:

@@ -23,6 +23,7 @@ class KnownPoses:
         note: A remark about unusual detections, as a sentence; empty without one.
         explores: Whether the robot drives about to find the dock: the plan itself limits the time of that.
         turn: How far the marker is taken to be turned on its dock, in rad.
+        pushes: Whether the robot is to push against the dock, where its wheels may stand.
     """
 
     dock: Pose | None = None
@@ -31,6 +32,7 @@ class KnownPoses:
     note: str = ""
     explores: bool = False
     turn: float = 0.0
+    pushes: bool = False
 
 
 class NothingLeftToTry(FailedToControl):

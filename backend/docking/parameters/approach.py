@@ -40,6 +40,18 @@ def threshold_field() -> float:
     )
 
 
+def push_field() -> float:
+    """The field for how far the robot pushes on after it has touched the dock."""
+    return number(
+        0.0,
+        0.0,
+        0.2,
+        "m",
+        "Distance that the robot pushes on at v_linear_min after it has come to the docked pose or has touched, for "
+        "contacts on springs or behind a lip, also while its wheels stand; for 3 s longer than that takes, at most.",
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class ApproachSettings:
     """How the robot drives from the staging pose onto the dock."""
@@ -56,6 +68,7 @@ class ApproachSettings:
         "m",
         "Distance beyond the docked pose that is driven without a contact, before the robot is taken to be docked.",
     )
+    final_push: float = push_field()
     docking_lateral_tolerance: float = number(
         0.02,
         0.002,

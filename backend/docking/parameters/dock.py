@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from docking.core.geometry import Pose
 from docking.core.parameter import choice, group, number, switch
 from docking.core.transform import tilt
-from docking.parameters.approach import threshold_field
+from docking.parameters.approach import push_field, threshold_field
 from docking.parameters.charging import ChargingSettings
 from docking.parameters.detector import DetectorSettings
 from docking.parameters.stall import StallSettings
@@ -154,5 +154,6 @@ class DockType(Dock):
     charging: ChargingSettings = group(ChargingSettings)
     external_detection_timeout: float = detection_timeout_field()
     docking_threshold: float = threshold_field()
+    final_push: float = push_field()
     stall: StallSettings = group(StallSettings)
     detector: DetectorSettings = group(DetectorSettings)

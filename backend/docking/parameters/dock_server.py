@@ -113,7 +113,7 @@ class DockSettings(ServerSettings):
             external_detection_timeout=dock.external_detection_timeout,
             stall=dock.stall,
             detector=dock.detector,
-            approach=replace(self.approach, docking_threshold=dock.docking_threshold),
+            approach=replace(self.approach, docking_threshold=dock.docking_threshold, final_push=dock.final_push),
         )
 
     @property

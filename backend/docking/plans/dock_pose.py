@@ -68,6 +68,7 @@ class DockPosePlan(SightedPlan):
             self._note,
             self.explores,
             self._turns[self._turn],
+            self.pushes,
         )
 
     @property
@@ -226,11 +227,11 @@ class DockPosePlan(SightedPlan):
         if self.dock.backward:
             motion = replace(motion, v_linear_max=motion.v_linear_back)
         if not self.dock.rotate_to_dock:
-            return Approach(self, motion, settings, self.lost, self._detection_timeout)
+            return self.push_on(lambda: Approach(self, motion, settings, self.lost, self._detection_timeout))
         blind = replace(settings, blind_distance=math.inf, look_timeout=0.0)
         return Sequence(
             lambda: TurnToDock(self, motion),
-            lambda: Approach(self, motion, blind, self.lost, self._detection_timeout),
+            lambda: self.push_on(lambda: Approach(self, motion, blind, self.lost, self._detection_timeout)),
         )
 
     def _search(self) -> Search:

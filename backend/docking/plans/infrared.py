@@ -56,7 +56,7 @@ class InfraredPlan(SightedPlan):
     @property
     def poses(self) -> KnownPoses:
         """As far as they are known; there is no pose from one reading alone."""
-        return KnownPoses(None, self.docked, self.staging, explores=self.explores)
+        return KnownPoses(None, self.docked, self.staging, explores=self.explores, pushes=self.pushes)
 
     @property
     def docked(self) -> Pose | None:
@@ -104,7 +104,7 @@ class InfraredPlan(SightedPlan):
         if stage is Stage.NAV_TO_STAGING_POSE:
             return self._find_axis()
         if stage is Stage.CONTROLLING:
-            return Sequence(self._first_approach, self._scan, self._check_axis, self._approach)
+            return Sequence(self._first_approach, self._scan, self._check_axis, self._onto)
         if stage is Stage.RETRY:
             return self._back_off()
         return WaitForCharge(self)
@@ -171,6 +171,9 @@ class InfraredPlan(SightedPlan):
 
     def _first_approach(self) -> Approach:
         return self._approach(self.beacon.receivers.infrared_last_scan)
+
+    def _onto(self) -> Behavior:
+        return self.push_on(self._approach)
 
     def _approach(self, until: float = -math.inf) -> Approach:
         return Approach(self, self.motion, self.approach, self.lost, self._detection_timeout, until=until)

@@ -8,6 +8,7 @@ from docking.behaviors.combined import Reversed, Sequence
 from docking.behaviors.explore import Explore
 from docking.behaviors.moves import bounded
 from docking.behaviors.press_again import press_again
+from docking.behaviors.push import Push
 from docking.behaviors.search import Search
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.straight import BackOut
@@ -53,6 +54,7 @@ class SightedPlan(DockTarget):
         self._in_database: Pose | None = None  # the docked robot there, looking into the dock, in odom
         self._robot: Pose | None = None
         self._explore: Explore | None = None
+        self._push: Push | None = None
         self._circles: Iterator[Pose] | None = None
 
     @property
@@ -63,6 +65,8 @@ class SightedPlan(DockTarget):
 
     def observe(self, observation: Observation) -> None:
         """Keep up with the robot."""
+        if self._push is not None:
+            self._push.pushing = False
         self._in_database = observation.expected_dock or self._in_database
         self._stalled = stalls(observation, self._stall)
         if observation.odometry is not None:
@@ -72,6 +76,23 @@ class SightedPlan(DockTarget):
     def stalled(self) -> bool:
         """Whether the joints of the wheels tell that these stall."""
         return self._stalled
+
+    @property
+    def pushes(self) -> bool:
+        """Whether the robot was to push against the dock in the last step."""
+        return self._push is not None and self._push.pushing
+
+    def push_on(self, approach: Callable[[], Behavior]) -> Behavior:
+        """The approach, and the push after it where there is one.
+
+        Args:
+            approach: Makes the behavior that ends at the contacts.
+        """
+        return Sequence(approach, self._make_push) if self.approach.final_push > 0.0 else approach()
+
+    def _make_push(self) -> Push:
+        self._push = Push(self.approach.final_push, self.motion)
+        return self._push
 
     @property
     def expected(self) -> Pose | None:
@@ -134,7 +155,8 @@ class SightedPlan(DockTarget):
 
     def correct(self, number: int) -> Behavior:
         """A small move on the contacts; see `RecoveringPlan`."""
-        again = press_again(number, self.recovery, self.motion, self.approach.docking_overshoot)
+        overshoot = self.approach.docking_overshoot
+        again = self.push_on(lambda: press_again(number, self.recovery, self.motion, overshoot))
         return Reversed(again) if self.dock.backward else again
 
     def way_back(self) -> Behavior:

@@ -7,7 +7,7 @@ from itertools import count
 from random import Random
 
 from docking.simulation.box import Box
-from docking.simulation.dock import Dock
+from docking.simulation.dock import DOCKED, Dock
 from docking.simulation.obstacle import Obstacle, Obstruction
 from docking.simulation.robot import Robot
 from docking.simulation.room import Room
@@ -21,6 +21,8 @@ APART = 0.035
 ROUNDING = 1e-9
 CORRECTIONS = 4
 """How often a robot is moved that stands between two things, such as in a corner."""
+LIP = 0.04
+"""Where the lip is, in m before the docked pose."""
 RING = 0.05
 """Between two circles on which a free place is looked for, in m."""
 
@@ -66,6 +68,7 @@ class Collisions:
         self._bouncing = bouncing
         self._blocked = self._at_dock = False
         self._contact_since: float | None = None
+        self._lip = Lip(dock.settings.lip)
 
     def look(self, robot: Robot, obstacles: Sequence[Obstacle], now: float, *, driven: bool = True) -> None:
         """Keep the robot out of everything solid.
@@ -77,6 +80,7 @@ class Collisions:
             driven: Whether it drove there; else it was set down.
         """
         speed, blocked = abs(robot.linear), False
+        self._lip.hold(robot, now, driven=driven)
         solids: tuple[Solid, ...] = (self._dock.box, *obstacles, *self._room)
         for solid in solids:
             obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
@@ -117,6 +121,39 @@ class Collisions:
         if flickers or self._dock.settings.flickers:
             return since % (ON + OFF) < ON
         return since >= self._dock.settings.bounce or self._bouncing.random() < 0.5
+
+
+class Lip:
+    """A lip on the floor in front of the contacts, which the robot gets over when it has pushed for a while."""
+
+    def __init__(self, seconds: float) -> None:
+        """Start with the robot in front of it.
+
+        Args:
+            seconds: For how long the robot must push; 0: there is no lip.
+        """
+        self._seconds = seconds
+        self._pushes_since: float | None = None
+        self._over = False
+
+    def hold(self, robot: Robot, now: float, *, driven: bool) -> None:
+        """Keep the robot in front of it, or let it over.
+
+        Args:
+            robot: Where it has got to.
+            now: Simulated seconds.
+            driven: Whether it drove there; else it was set down.
+        """
+        edge = DOCKED.x - LIP
+        if self._seconds == 0.0 or abs(robot.y) > LIP or robot.x <= edge:
+            self._over, self._pushes_since = False, None
+            return
+        if self._over or not driven:
+            self._over = True
+            return
+        self._pushes_since = now if self._pushes_since is None else self._pushes_since
+        if now - self._pushes_since < self._seconds:
+            robot.block(edge, robot.y, -1.0, 0.0)
 
 
 def _correct(robot: Robot, solids: Sequence[Solid]) -> None:

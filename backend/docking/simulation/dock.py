@@ -34,6 +34,22 @@ class DockSettings:
         0.0, 0.0, 60.0, "s", "Time after the first contact for which the charging current is on and off by chance."
     )
     flickers: bool = switch(False, "Whether the charging current never becomes stable: it is 0.4 s on, then 0.3 s off.")
+    travel: float = number(
+        0.0,
+        0.0,
+        0.1,
+        "m",
+        "How much farther than the docked pose the robot must push the contacts, which are on springs, until a current "
+        "flows.",
+    )
+    lip: float = number(
+        0.0,
+        0.0,
+        60.0,
+        "s",
+        "Time for which the robot must push against a lip on the floor, 4 cm before its docked pose, until it gets "
+        "over it; 0: there is no lip.",
+    )
 
 
 class Dock:
@@ -41,22 +57,24 @@ class Dock:
 
     Attributes:
         box: What of it is solid.
+        docked: base_link of a robot from which a current flows, in world.
     """
 
-    __slots__ = ("box", "settings")
+    __slots__ = ("box", "docked", "settings")
 
     def __init__(self, settings: DockSettings) -> None:
         self.settings = settings
-        side = 0.5 * settings.width
-        self.box = Box(settings.front, -side, settings.front + settings.depth, side)
+        give = settings.travel + settings.contact_distance if settings.travel else 0.0
+        side, front = 0.5 * settings.width, settings.front + give
+        self.box = Box(front, -side, front + settings.depth, side)
+        self.docked = Pose(DOCKED.x + give, DOCKED.y, math.pi if settings.at_back else 0.0)
 
     def in_contact(self, x: float, y: float, theta: float) -> bool:
         """Whether a robot at this pose in world touches the contacts."""
-        settings = self.settings
-        heading = DOCKED.theta + (math.pi if settings.at_back else 0.0)
+        settings, docked = self.settings, self.docked
         return (
-            math.hypot(x - DOCKED.x, y - DOCKED.y) <= settings.contact_distance
-            and abs(normalize_angle(theta - heading)) <= settings.contact_angle
+            math.hypot(x - docked.x, y - docked.y) <= settings.contact_distance
+            and abs(normalize_angle(theta - docked.theta)) <= settings.contact_angle
         )
 
     def clearance(self, x: float, y: float) -> float:
