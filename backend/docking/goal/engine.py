@@ -7,13 +7,14 @@ from docking.core.errors import DockingError, ErrorCode, FailedToControl, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.detector import Detector
+from docking.goal.doubts import Doubts
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.navigation import Going, Navigation
 from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.outcome import Command, End, Outcome
 from docking.goal.pace import Pace
-from docking.goal.plan import Plan, RecoveringPlan
+from docking.goal.plan import DockTarget, Plan, RecoveringPlan
 from docking.goal.recovery import Recovery
 
 CLOCK_JUMP = 0.5
@@ -29,6 +30,7 @@ class Goal:
 
     Attributes:
         outcome: None while the goal goes on.
+        doubts: What seemed wrong on the way; the final error names it.
     """
 
     def __init__(
@@ -43,6 +45,7 @@ class Goal:
             obstacles: Collision detection; None without it.
         """
         self.outcome: Outcome | None = None
+        self.doubts = plan.doubts if isinstance(plan, DockTarget) else Doubts()
         self._plan = plan
         self._objective = objective
         self._obstacles = obstacles if plan.motion is not None else None
@@ -55,7 +58,7 @@ class Goal:
             self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
         self._navigation: Navigation | None = None
         self._detector: Detector | None = None
-        self._recovery = Recovery(plan, objective)
+        self._recovery = Recovery(plan, objective, self.doubts)
         self._enter(plan.stages[0])
 
     @property
@@ -170,6 +173,8 @@ class Goal:
                     return self._command(self._rest())
                 self._detector = None
             self._plan.observe(observation)
+            if note := self._plan.poses.note:
+                self.doubts.note("marker", note)
             # Where the robot will be when a command that is given now takes effect.
             ahead = observation if watch is None else watch.ahead(observation)
             if obstacles is not None and not obstacles.look(ahead, self._plan.poses.filtered_dock, dt):
@@ -267,15 +272,16 @@ class Goal:
     def _succeed(self, observation: Observation) -> Outcome:
         odometry = observation.odometry
         self._objective.memory.note(self._objective.docks, None if odometry is None else odometry.pose)
-        return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
+        return self._finish(Outcome(End.SUCCEEDED, retries=self.retries, doubts=self.doubts.sentences()))
 
     def cancel(self) -> Outcome:
         """End it because someone asked for it."""
         return self._finish(Outcome(End.CANCELED, retries=self.retries))
 
     def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
-        """End it because it cannot go on."""
-        return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
+        """End it because it cannot go on; the error names the doubts that came up on the way."""
+        explained, doubts = self.doubts.explain(error_msg), self.doubts.sentences()
+        return self._finish(Outcome(End.ABORTED, error_code, explained, self.retries, doubts))
 
     def _give_up(self, error_code: ErrorCode, error_msg: str) -> Outcome:
         """The same; a goal that had failed before, and was on its way back, ends with the first reason."""

@@ -1,7 +1,7 @@
 """The result of a step of a goal: the next command, or the outcome."""
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose
@@ -57,11 +57,13 @@ class Outcome:
     Attributes:
         end: How.
         error_code: NONE unless it was aborted.
-        error_msg: The same as a sentence.
+        error_msg: The same as a sentence, with the doubts.
         retries: Number of retries.
+        doubts: What seemed wrong on the way, a sentence each.
     """
 
     end: End
     error_code: ErrorCode = ErrorCode.NONE
     error_msg: str = ""
     retries: int = 0
+    doubts: tuple[str, ...] = field(default=(), compare=False)

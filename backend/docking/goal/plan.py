@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 from docking.core.errors import DockingError, FailedToControl, FailedToDetectDock, Stage
@@ -9,6 +10,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Behavior
+from docking.goal.doubts import Doubts
 from docking.parameters import MotionLimits
 
 
@@ -41,6 +43,11 @@ class NothingLeftToTry(FailedToControl):
 
 class DockTarget(ABC):
     """The dock as the target of the behaviors of several stages."""
+
+    @cached_property
+    def doubts(self) -> Doubts:
+        """What seemed wrong on the way."""
+        return Doubts()
 
     @property
     @abstractmethod

@@ -9,6 +9,7 @@ from docking.core.errors import (
     ScanLost,
     Stage,
 )
+from docking.goal.doubts import Doubts
 from docking.goal.objective import Objective
 from docking.goal.plan import NothingLeftToTry, Plan, RecoveringPlan
 from docking.parameters import RecoverySettings
@@ -34,17 +35,19 @@ class Recovery:
         reason: What the running retry, correction or way back is about; None while there is none.
     """
 
-    def __init__(self, plan: Plan, objective: Objective) -> None:
+    def __init__(self, plan: Plan, objective: Objective, doubts: Doubts) -> None:
         """Begin with no failure.
 
         Args:
             plan: The stages. Without odometry, as with `rotate`, nothing is tried again.
             objective: How often to try again.
+            doubts: Where each failure is noted that something comes after.
         """
         self.retries = self.corrections = 0
         self.reason: DockingError | None = None
         self._plan = plan
         self._objective = objective
+        self._doubts = doubts
 
     @property
     def _settings(self) -> RecoverySettings | None:
@@ -71,6 +74,7 @@ class Recovery:
         if not self._corrects(failure, stage) and self.retries >= self._objective.max_retries:
             return self._leave(failure, stage)
         self.reason = failure
+        self._doubts.count(failure.error_code, str(failure))
         if self._corrects(failure, stage):
             self.corrections += 1
             return Stage.CORRECTING
@@ -83,8 +87,6 @@ class Recovery:
         return on_contacts and self._settings is not None and self.corrections < self._settings.max_corrections
 
     def _not_found(self, failure: FailedToDetectDock) -> DockingError:
-        if note := self._plan.poses.note:
-            failure = FailedToDetectDock(f"{failure}; {note}")
         return self._plan.lost(f"{failure}, although it was seen before") if self.retries else failure
 
     def meanwhile(self, stage: Stage, sentence: str) -> DockingError:

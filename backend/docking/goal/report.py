@@ -38,6 +38,7 @@ class Report:
         error_msg: The same as a sentence, empty with NONE.
         goal_id: The goal it is about as a canonical UUID; empty before the first goal.
         retries: Number of retries.
+        doubts: What seemed wrong on the way of a goal that has ended, as sentences.
     """
 
     stage: Stage = Stage.IDLE
@@ -45,6 +46,7 @@ class Report:
     error_msg: str = ""
     goal_id: str = ""
     retries: int = 0
+    doubts: str = ""
 
     @property
     def level(self) -> Level:
@@ -65,6 +67,7 @@ class Report:
             "goal_id": self.goal_id,
             "error_number": str(self.error_code.number),
             "retries": str(self.retries),
+            "doubts": self.doubts,
         }
 
 
@@ -72,5 +75,7 @@ def report_on(event: Command | Outcome | Rejection, goal_id: str) -> Report:
     """Return the report on a step, an outcome or a rejection of a goal."""
     if isinstance(event, Rejection):
         return Report(Stage.REJECTED, event.error_code, event.error_msg, goal_id)
-    stage = event.stage if isinstance(event, Command) else event.end.stage
-    return Report(stage, event.error_code, event.error_msg, goal_id, event.retries)
+    if isinstance(event, Command):
+        return Report(event.stage, event.error_code, event.error_msg, goal_id, event.retries)
+    doubts = "; ".join(event.doubts)
+    return Report(event.end.stage, event.error_code, event.error_msg, goal_id, event.retries, doubts)

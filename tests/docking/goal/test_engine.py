@@ -309,14 +309,15 @@ def test_a_dock_that_is_not_found_again_was_lost() -> None:
     for _ in range(3):
         run.step()
     run.plan.steps["INITIAL_PERCEPTION"] = NOT_FOUND
-    assert run.step() == Outcome(End.ABORTED, ErrorCode.LOST_MARKER, "no dock, although it was seen before", 1)
+    message = "no dock, although it was seen before. Noted on the way: no charge"
+    assert run.step() == Outcome(End.ABORTED, ErrorCode.LOST_MARKER, message, 1)
 
 
 @pytest.mark.parametrize(
     ("failed", "error", "message"),
     [
         (Failed(FailedToControl("stuck")), ErrorCode.FAILED_TO_CHARGE, "no charge; then, while backing off: stuck"),
-        (NO_ODOMETRY, ErrorCode.ODOMETRY_LOST, "no odometry"),
+        (NO_ODOMETRY, ErrorCode.ODOMETRY_LOST, "no odometry. Noted on the way: no charge"),
     ],
 )
 def test_a_failure_while_backing_off(failed: Failed, error: ErrorCode, message: str) -> None:

@@ -32,6 +32,7 @@ def test_what_becomes_of_a_goal_is_told(event: Command | Outcome | Rejection, st
         "goal_id": "the-goal",
         "error_number": str(event.error_code.number),
         "retries": "0",
+        "doubts": "",
     }
 
 
@@ -43,6 +44,7 @@ def test_before_the_first_goal_nothing_is_wrong() -> None:
         "goal_id": "",
         "error_number": "0",
         "retries": "0",
+        "doubts": "",
     }
     assert Report().message == "idle"
 
@@ -50,3 +52,9 @@ def test_before_the_first_goal_nothing_is_wrong() -> None:
 def test_the_message_is_the_reason_if_there_is_one() -> None:
     assert report_on(Rejection(ErrorCode.DOCK_BUSY, "busy"), "x").message == "busy"
     assert report_on(Command(Stage.WAIT_FOR_BATTERY, Velocity()), "x").message == "wait for battery"
+
+
+def test_the_report_on_the_end_of_a_goal_names_what_seemed_wrong_on_the_way() -> None:
+    docked = report_on(Outcome(End.SUCCEEDED, doubts=("another marker was seen", "it was hit twice")), "x")
+    assert docked.values()["doubts"] == "another marker was seen; it was hit twice"
+    assert docked.message == "succeeded", "it is no error"
