@@ -222,7 +222,10 @@ class Goal:
         if self._pace is None or self._watch is None or observation.odometry is None:
             return step
         desired = step if self._obstacles is None else self._obstacles.slow_down(step)
-        velocity = self._pace.next(desired, dt, observation.odometry.pose, self._plan.poses, self._watch.model)
+        behind = self._obstacles is not None and self._obstacles.sees_behind
+        velocity = self._pace.next(
+            desired, dt, observation.odometry.pose, self._plan.poses, self._watch.model, sees_behind=behind
+        )
         return self._rest() if self._obstacles is not None and self._obstacles.stops(velocity) else velocity
 
     # A stage is done, or something has failed.

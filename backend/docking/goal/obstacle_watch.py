@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from docking.core.errors import Obstructed, ScanLost
 from docking.core.footprint import Footprint
 from docking.core.geometry import Pose
@@ -19,6 +21,8 @@ FORGIVEN_AFTER = 2.0
 """After this many seconds without waiting, `obstacle_timeout` starts from zero."""
 DOCK_TOLERANCE = 0.05
 """Points up to this far (m) inside the docked robot's edge are still the dock: its pose is known no better."""
+BEHIND = tuple(math.radians(angle) for angle in (-30.0, -10.0, 10.0, 30.0))
+"""From straight back, in rad: a scan that ends at something in each of these sectors shows what is behind."""
 
 
 class ObstacleWatch:
@@ -45,7 +49,7 @@ class ObstacleWatch:
         self._side = max(abs(y) for _, y in outline)
         self._clearance = Clearance(outline, settings.obstacle_margin)
         self._points: Points = NOWHERE
-        self._hides_dock = False
+        self._hides_dock = self._behind = False
         self._blocked: Velocity | None = None  # what could not be commanded
         self._clear_for = 0.0
         self._waited_for = 0.0
@@ -80,6 +84,11 @@ class ObstacleWatch:
         waits = self.lost or bool(self.reason)
         self._count(waits, dt)
         return not waits
+
+    @property
+    def sees_behind(self) -> bool:
+        """Whether the last scan shows what is behind the robot: a sector without any point may be out of its view."""
+        return self._behind and not self.lost
 
     def slow_down(self, velocity: Velocity) -> Velocity:
         """The velocity on the same arc at which there is time enough to stop."""
@@ -127,7 +136,7 @@ class ObstacleWatch:
     def _see(self, points: Points, robot: Pose, docked: Pose | None) -> None:
         """Update with the points that are neither the robot nor its dock; note whether one is between the two."""
         points = self._clearance.outside(place(points, robot.inverse()))
-        self._points, self._hides_dock = points, False
+        self._points, self._hides_dock, self._behind = points, False, _is_behind_seen(points)
         if docked is None or not len(points):
             return
         at_dock = place(points, docked.compose(self._into_dock).inverse().compose(robot))
@@ -140,6 +149,12 @@ class ObstacleWatch:
         ahead = place(self._points, Pose(theta=robot.theta - bearing))
         between = (ahead[:, 0] > 0.0) & (ahead[:, 0] < distance) & (abs(ahead[:, 1]) < self._side)
         self._hides_dock = bool(between.any())
+
+
+def _is_behind_seen(points: Points) -> bool:
+    """Whether there are points, in base_link, in each sector behind the robot."""
+    angles = np.arctan2(-points[:, 1], -points[:, 0])
+    return bool(np.all(np.histogram(angles, BEHIND)[0] > 0))
 
 
 def watch_obstacles(settings: ServerSettings, *, backward: bool = False) -> ObstacleWatch | None:

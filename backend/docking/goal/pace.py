@@ -1,4 +1,4 @@
-"""How fast the robot may drive: within its limits, slowly near the dock, and slowly where it is not seen to move."""
+"""How fast the robot may drive: slowly near the dock, where it is not seen to move, and backwards without a view."""
 
 import math
 
@@ -29,6 +29,7 @@ class Pace:
       zone is learned there: a base that stands may stand against the dock.
     - So the robot starts slowly, once the dock is known, until it is seen to move: that tells the dead zone.
     - A robot that stands although it is to drive is blocked, or odometry says so wrongly: it drives slowly, too.
+    - Backwards it is not faster than `v_linear_back`, whatever moves it, unless a scan shows that the way is free.
     """
 
     def __init__(self, limits: MotionLimits, slowdown_radius: float) -> None:
@@ -44,7 +45,16 @@ class Pace:
         self._stands = True
         self._beginning = False
 
-    def next(self, desired: Velocity, dt: float, robot: Pose, poses: KnownPoses, model: MotionModel) -> Velocity:
+    def next(
+        self,
+        desired: Velocity,
+        dt: float,
+        robot: Pose,
+        poses: KnownPoses,
+        model: MotionModel,
+        *,
+        sees_behind: bool = False,
+    ) -> Velocity:
         """Return the next velocity on the way to a desired one. If the robot cannot slow down in time, it stops.
 
         Args:
@@ -53,7 +63,10 @@ class Pace:
             robot: base_link by the last odometry, in odom.
             poses: Poses of the dock.
             model: How the base carries out commands.
+            sees_behind: Whether a scan shows what is behind the robot.
         """
+        if desired.linear_x < 0.0 and not sees_behind:
+            desired = _slowed(desired, max(self._limits.v_linear_back, model.dead_zone.linear_x))
         left = self._distance(robot, poses, model, desired.linear_x)
         model.learns = left > NEAR
         begins = self._begins(desired, poses, model)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from docking.core.parameter import number
 
 BACKWARDS = 0.6
-"""The part of v_linear_max that the robot backs with: it does not see where it goes."""
+"""The part of v_linear_max that the robot backs with where it does not see what is behind it."""
 RESERVE = 0.6
 """The part of the highest deceleration that is planned with."""
 RESPONSE = 2.5
@@ -49,5 +49,5 @@ class MotionLimits:
 
     @property
     def v_linear_back(self) -> float:
-        """Linear velocity while the robot backs out, in m/s."""
+        """Maximum linear velocity backwards where nothing sees behind the robot, in m/s."""
         return max(self.v_linear_min, BACKWARDS * self.v_linear_max)
