@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.parameters import ControllerName
+from docking.parameters import ControllerName, DockSettings
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from docking.simulation.settings import Settings
@@ -66,6 +66,7 @@ class Case:
         known: Whether the database has the dock's pose, with an error of up to 10 cm each way and 5 degrees.
         search_radius: The parameter, in m.
         recovers: Whether the robot presses again without a charge, and goes back to its staging pose in the end.
+        parameters: Changes the parameters of the docking server.
         why: Sentences for docs/docking-results.md: why less than 95 % of its goals dock. Empty for the other rows.
         final_push: The parameter, in m.
     """
@@ -79,6 +80,7 @@ class Case:
     known: bool = False
     search_radius: float = 0.0
     recovers: bool = False
+    parameters: Callable[[DockSettings], DockSettings] = lambda settings: settings
     why: str = ""
     final_push: float = 0.0
 
@@ -99,6 +101,11 @@ def _all(*changes: Change) -> Change:
         return settings
 
     return change
+
+
+def _slowest(speed: float) -> Callable[[DockSettings], DockSettings]:
+    """v_linear_min, in m/s."""
+    return lambda settings: replace(settings, motion=replace(settings.motion, v_linear_min=speed))
 
 
 def _one_wheel(error: float) -> Change:
@@ -173,6 +180,11 @@ FAR = Region(4.3, 6.0, math.radians(60.0), turned=math.radians(180.0))
 OFF_AXIS = Region(0.6, 2.5, math.radians(105.0), math.radians(77.0), math.radians(180.0))
 NARROW = _set("marker", field_of_view=math.radians(50.0), range=1.2)
 
+DEAD_ZONE = _set("robot", linear_dead_zone=0.13)
+NOT_SO_SLOWLY = (
+    "The base does not move slowly enough to touch a dock. The error says so, and to set v_linear_min: it touches its"
+    " dock faster only where that was chosen."
+)
 FUTURE = "Detections that are stamped more than 0.25 s ahead are not believed, and the error says so."
 TURNED = (
     "A marker that is turned on its dock cannot be detected before contact: the robot touches beside the contacts, at"
@@ -223,6 +235,8 @@ CASES = (
     ),
     Case("base clamps at 0.15 m/s, 0.5 rad/s", BOTH, _set("robot", linear_max=0.15, angular_max=0.5)),
     Case("dead zone 0.05 m/s, 0.1 rad/s", BOTH, _set("robot", linear_dead_zone=0.05, angular_dead_zone=0.1)),
+    Case("dead zone 0.13 m/s", BOTH, DEAD_ZONE, why=NOT_SO_SLOWLY),
+    Case("dead zone 0.13 m/s, v_linear_min 0.15 m/s", BOTH, DEAD_ZONE, parameters=_slowest(0.15)),
     Case("dead zone 0.15 rad/s", BOTH, _set("robot", angular_dead_zone=0.15)),
     Case("one wheel 5 % off", BOTH, _one_wheel(0.05)),
     Case("one wheel 10 % off", BOTH, _one_wheel(0.1), why=WHEEL),

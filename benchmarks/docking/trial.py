@@ -47,6 +47,7 @@ class Trial:
         docked: Whether the goal succeeded, with the robot in the contact zone also a second later, and without having
             run into the dock outside of it.
         error_code: How the goal ended, NONE where it succeeded.
+        error_msg: Why it failed; empty where it succeeded.
         seconds: Simulated, from the goal's acceptance to its end.
         retries: How often the robot backed off and tried again.
         bumps: How often it ran into the dock outside the contact zone.
@@ -63,6 +64,7 @@ class Trial:
     seed: int
     docked: bool
     error_code: str
+    error_msg: str
     seconds: float
     retries: int
     bumps: int
@@ -79,11 +81,13 @@ class Trial:
 def settings_of(controller: ControllerName, case: Case = CASES[0]) -> DockSettings:
     """The defaults, with a controller; a robot that searches by driving watches its way."""
     settings, searches = DockSettings(controller=controller), case.search_radius > 0.0
-    return replace(
-        settings,
-        search=replace(settings.search, search_radius=case.search_radius),
-        approach=replace(settings.approach, final_push=case.final_push),
-        collision=replace(settings.collision, use_collision_detection=searches),
+    return case.parameters(
+        replace(
+            settings,
+            search=replace(settings.search, search_radius=case.search_radius),
+            approach=replace(settings.approach, final_push=case.final_push),
+            collision=replace(settings.collision, use_collision_detection=searches),
+        )
     )
 
 
@@ -155,6 +159,7 @@ def run_trial(
         seed=seed,
         docked=succeeded and simulation.contact and simulation.bumps == 0,
         error_code=step.error_code.value if isinstance(step, Outcome) else "NO_END",
+        error_msg=step.error_msg,
         seconds=seconds,
         retries=step.retries,
         bumps=simulation.bumps,

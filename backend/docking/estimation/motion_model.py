@@ -97,6 +97,7 @@ class MotionModel:
         moves_at: The lowest speed that was commanded and driven, in m/s; infinite before.
         sure_zone: The dead zone, in m/s, as far as it is confirmed by a base that was seen to drive beyond it.
         learns: Whether a base that does not move may have a dead zone; else something is in its way.
+        tried_first: A speed, in m/s, that is commanded before a higher one while the dead zone is learned.
         stands: Whether the base, commanded to drive, did not for longer than it may take to begin, and has not since.
         known_since: Since when there was no pause, in s.
     """
@@ -116,6 +117,7 @@ class MotionModel:
         self.sure_zone = 0.0
         self.stands = False
         self.learns = True
+        self.tried_first = math.inf
         self._changed_at = -math.inf
         self._times: list[float] = []
         self._commands: list[Motion] = []
@@ -298,9 +300,14 @@ class MotionModel:
             # Before the base has ever moved, its lag is unknown.
             late = STUCK + self.lag if self._moves or axis == 1 or zone[0] > 0.0 else LAGS[-1]
             if self.learns and stood_for > late and (axis == 1 or speeds[0] < self.moves_at):
-                zone[axis] = min(most[axis], max(zone[axis], RAISE * speeds[axis]))
+                zone[axis] = min(most[axis], max(zone[axis], self._raised(axis, speeds[axis])))
                 self._raised_at[axis] = now
         self.dead_zone = Velocity(min(zone[0], self.moves_at), zone[1])
+
+    def _raised(self, axis: int, speed: float) -> float:
+        """What is commanded after a speed that did not move the base."""
+        raised = RAISE * speed
+        return self.tried_first if axis == 0 and speed < self.tried_first < raised else raised
 
     def _obeys(self, command: float, began: float) -> bool:
         """Whether the base drives by one command, as measured over a moment.

@@ -211,12 +211,19 @@ class MotionWatch:
                 return
         commanded = self.model.commands(begin, now)
         still = self._first is not None and self._first.stamp <= begin
+        tried = self.model.dead_zone.linear_x
+        slow = (
+            f". If nothing holds it, its base may need {tried:.2f} m/s or more: set v_linear_min to the lowest speed at"
+            " which it moves"
+            if tried > self.model.sure_zone
+            else ""
+        )
         self.restart()
         self.model.forget_stand()
         raise Blocked(
             f"motion does not match command: commanded {commanded.way:.2f} m and {commanded.turn:.2f} rad within"
             f" {self._blocked_after:g} s (blocked_after), measured {measured.way:.2f} m and {measured.turn:.2f} rad"
-            f"{': the robot is blocked, or its odometry repeats one pose' if still else ''}"
+            f"{': the robot is blocked, or its odometry repeats one pose' if still else ''}{slow}"
         )
 
     def _speeds_up(self, begin: float, now: float) -> bool:

@@ -2,6 +2,7 @@
 
 import math
 
+from docking.core.errors import FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.estimation.motion_model import AT_REST, MotionModel
@@ -13,6 +14,8 @@ SIDE = 0.3
 """How far to either side of the docked pose the dock may reach, in m."""
 NEAR = 0.2
 """How near to the dock, in m, a robot that stands may stand against it."""
+AT_DOCK = 0.02
+"""How much faster than v_linear_min, in m/s, a base with a dead zone may touch its dock."""
 GENTLE = 0.15
 """In m/s²; weak bases, too, slow down so much on the way to the dock."""
 ROUNDING = 1e-6
@@ -27,6 +30,7 @@ class Pace:
 
     - Near the dock nothing raises the speed above `v_linear_min`, or above the lowest at which the base moves. No dead
       zone is learned there: a base that stands may stand against the dock.
+    - A base that is known to move only at more than `v_linear_min` and `AT_DOCK` stops before its dock.
     - So the robot starts slowly, once the dock is known, until it is seen to move: that tells the dead zone.
     - A robot that stands although it is to drive is blocked, or odometry says so wrongly: it drives slowly, too.
     - Backwards it is not faster than `v_linear_back`, whatever moves it, unless a scan shows that the way is free.
@@ -64,11 +68,21 @@ class Pace:
             poses: Poses of the dock.
             model: How the base carries out commands.
             sees_behind: Whether a scan shows what is behind the robot.
+
+        Raises:
+            FailedToControl: The base cannot drive slowly enough to touch the dock.
         """
         if desired.linear_x < 0.0 and not sees_behind:
             desired = _slowed(desired, max(self._limits.v_linear_back, model.dead_zone.linear_x))
         left = self._distance(robot, poses, model, desired.linear_x)
-        model.learns = left > NEAR
+        most_at_dock = self._limits.v_linear_min + AT_DOCK
+        model.learns, model.tried_first = left > NEAR, most_at_dock
+        if left <= NEAR and model.sure_zone > most_at_dock + ROUNDING:
+            raise FailedToControl(
+                f"the base moves at {model.sure_zone:.2f} m/s, not at less, and may touch the dock at"
+                f" {most_at_dock:.2f} m/s at most: set v_linear_min (now {self._limits.v_linear_min:g}) to the lowest"
+                " speed at which it moves, if it and the dock bear that"
+            )
         begins = self._begins(desired, poses, model)
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf

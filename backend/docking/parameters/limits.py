@@ -36,7 +36,8 @@ class MotionLimits:
         0.005,
         0.5,
         "m/s",
-        "Minimum linear velocity: slower commands may not move the base. Also used for the last part before contact.",
+        "Minimum linear velocity: slower commands may not move the base. Also used for the last part before contact, "
+        "where a base with a dead zone may be faster by 0.02 m/s at most.",
     )
     v_angular_max: float = number(
         1.0, 0.05, 4.0, "rad/s", "Maximum angular velocity, in both directions (angular.z). Not below v_angular_min."

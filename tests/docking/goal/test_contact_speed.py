@@ -1,8 +1,10 @@
 """The robot touches its dock slowly: at each attempt, whatever is wrong with it."""
 
+from dataclasses import replace
+
 import pytest
-from benchmarks.docking.cases import CASES, Case
-from benchmarks.docking.trial import run_trial, settings_of, simulation_of
+from benchmarks.docking.cases import CASES, Case, Change
+from benchmarks.docking.trial import REGIONS, run_trial, settings_of, simulation_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -10,6 +12,7 @@ from docking.core.geometry import Pose
 from docking.goal.dock import Docking
 from docking.goal.engine import Goal
 from docking.goal.outcome import Command
+from docking.goal.pace import AT_DOCK
 from docking.parameters import ControllerName
 from docking.plans.registry import make_plan
 from docking.simulation.faults import Fault
@@ -27,9 +30,10 @@ JOBS = [
 
 
 def bound(controller: ControllerName, case: Case) -> float:
-    """The lowest speed at which a base moves, as it is found out."""
+    """The slowest speed of the robot; a base with a dead zone may be a little faster."""
+    slowest = settings_of(controller, case).motion.v_linear_min
     dead_zone = simulation_of(controller, 0, case).settings.robot.linear_dead_zone
-    return SLOWEST if dead_zone <= SLOWEST else 1.4 * dead_zone
+    return slowest if dead_zone <= slowest else slowest + AT_DOCK
 
 
 @settings(max_examples=6, derandomize=True, deadline=None)
@@ -62,3 +66,26 @@ def test_a_robot_that_is_blocked_on_the_way_touches_the_dock_slowly_afterwards(s
         simulation.run(docking.control_period, step.velocity)
         step = goal.step(simulation.observe())
     assert all(touch.speed <= SLOWEST + 1e-9 for touch in simulation.touches)
+
+
+@settings(max_examples=8, derandomize=True, deadline=None)
+@given(st.floats(SLOWEST, 0.15), st.sampled_from(list(REGIONS)), st.integers(0, 10**6))
+def test_a_base_that_cannot_drive_slowly_enough_does_not_touch_its_dock(
+    dead_zone: float, controller: ControllerName, seed: int
+) -> None:
+    trial = run_trial(controller, seed, Case("dead zone", (controller,), dead_zone_of(dead_zone)))
+    assert all(speed <= SLOWEST + AT_DOCK + 1e-9 for speed in trial.contacts)
+    if dead_zone > SLOWEST + AT_DOCK:
+        assert not trial.contacts
+        assert "set v_linear_min" in trial.error_msg
+
+
+def dead_zone_of(speed: float) -> Change:
+    return lambda settings, random: replace(settings, robot=replace(settings.robot, linear_dead_zone=speed))
+
+
+@pytest.mark.parametrize("controller", list(REGIONS))
+def test_a_base_with_a_large_dead_zone_docks_with_the_speed_that_was_given(controller: ControllerName) -> None:
+    trial = run_trial(controller, 500000, ROWS["dead zone 0.13 m/s, v_linear_min 0.15 m/s"])
+    assert trial.docked
+    assert max(trial.contacts) <= 0.15 + 1e-9

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from docking.core.errors import FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.estimation.motion_model import MotionModel
-from docking.goal.pace import Limiter, Pace
+from docking.goal.pace import NEAR, Limiter, Pace
 from docking.goal.plan import KnownPoses
 from docking.parameters import MotionLimits
 
@@ -81,14 +82,24 @@ def test_a_base_that_stands_against_the_dock_has_no_dead_zone() -> None:
     assert base.model.dead_zone.linear_x < LIMITS.v_linear_min
 
 
-@pytest.mark.parametrize("dead_zone", [0.05, 0.07, 0.1])
-def test_a_base_with_a_dead_zone_drives_at_the_lowest_speed_that_moves_it(dead_zone: float) -> None:
+@pytest.mark.parametrize(("dead_zone", "at_dock"), [(0.05, 0.056), (0.058, 0.06)])
+def test_a_base_with_a_dead_zone_drives_at_the_lowest_speed_that_moves_it(dead_zone: float, at_dock: float) -> None:
     base = Base(0.7, dead_zone=dead_zone, wall=-0.01)
     for _ in range(3):
         base.drive(FAST, 10.0)
         assert base.x == -0.01, "it gets there"
         base.drive(Velocity(-0.15, 0.0), 3.0)
-    assert dead_zone <= base.fastest(RADIUS) <= 1.4 * dead_zone
+    assert base.fastest(RADIUS) == pytest.approx(at_dock)
+
+
+@pytest.mark.parametrize("dead_zone", [0.062, 0.07, 0.1])
+def test_a_base_that_moves_only_faster_than_it_may_touch_its_dock_stops_before_it(dead_zone: float) -> None:
+    base = Base(0.7, dead_zone=dead_zone, wall=-0.01)
+    with pytest.raises(FailedToControl, match="set v_linear_min"):
+        base.drive(FAST, 10.0)
+    assert base.x < -0.9 * NEAR
+    base.drive(Velocity(-0.15, 0.0), 3.0)
+    assert base.x < -0.3, "it drives away as it did before"
 
 
 def test_the_dead_zone_is_learned_before_the_robot_is_near() -> None:
