@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Download, Page, expect
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway, running_program
-from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.processes import client_process
 from tests.support.waiting import wait_until
 
 DOCK = "/connect_to_charging_dock"
@@ -313,7 +313,7 @@ def test_notes_and_tags(page: Page, browser: Browser, gateway: RunningGateway) -
 
 def test_a_goal_of_somebody_else(page: Page, gateway: RunningGateway, domain: int) -> None:
     page.goto(f"{gateway.url}/ui/goals?origin=external")
-    with ForkedProcess("fibonacci_action_client", "--order", "46", env=ros_environment(domain)):
+    with client_process(domain, "fibonacci_action_client", "--order", "46"):
         row = page.get_by_role("table").locator("tbody tr").first
         expect(row).to_contain_text(re.compile("/fibonacci.*executing.*external"))
         row.click()

@@ -35,21 +35,22 @@ def gateway_with_few_files() -> Iterator[RunningGateway]:
 
 @pytest.mark.parametrize("name", [name for name in FLOODS if name not in MAPS])
 def test_a_flood(gateway: RunningGateway, name: str) -> None:
-    withstand(gateway, f"Clients: {name}", flooding(name, gateway.url), megabytes=60 if name in LONG else 20)
+    megabytes = 60 if name in LONG else 20
+    withstand(gateway, f"Clients: {name}", lambda: flooding(name, gateway.url), megabytes)
 
 
 @pytest.mark.parametrize("name", MAPS)
 def test_a_flood_of_large_messages(gateway: RunningGateway, domain: int, name: str) -> None:
     """A map of many megabytes comes each second. Fast DDS keeps buffers of that size."""
     with running_hostile_node(domain, "grid", "--size", f"{MAPS[name]}"):
-        withstand(gateway, f"Clients: {name}", flooding(name, gateway.url), megabytes=300)
+        withstand(gateway, f"Clients: {name}", lambda: flooding(name, gateway.url), megabytes=300)
 
 
 @pytest.mark.parametrize("name", ["half-open connections", "half-sent requests", "connections", "slow event streams"])
 def test_a_flood_where_files_are_few(gateway_with_few_files: RunningGateway, name: str) -> None:
     """A stop comes by a new connection, and gets through though the attacker takes every one that it can have."""
     gateway = gateway_with_few_files
-    withstand(gateway, f"Clients, 300 file descriptors: {name}", flooding(name, gateway.url))
+    withstand(gateway, f"Clients, 300 file descriptors: {name}", lambda: flooding(name, gateway.url))
 
 
 def test_nothing_of_this_is_logged(gateway: RunningGateway) -> None:

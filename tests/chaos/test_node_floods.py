@@ -57,7 +57,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
 def test_a_flood(gateway: RunningGateway, domain: int, name: str) -> None:
     lines = len(gateway.process.output.splitlines())
     megabytes = DDS_BUFFERS if name == "feedback of 10 MB" else 20
-    withstand(gateway, f"ROS node: {name}", running_hostile_node(domain, *FLOODS[name]), megabytes)
+    withstand(gateway, f"ROS node: {name}", lambda: running_hostile_node(domain, *FLOODS[name]), megabytes)
     assert len(gateway.process.output.splitlines()) - lines < 2000
 
 
@@ -70,4 +70,4 @@ def several_floods(domain: int) -> Iterator[None]:
 
 
 def test_several_floods_at_once(gateway: RunningGateway, domain: int) -> None:
-    withstand(gateway, "ROS nodes: six kinds of misbehaving node at once", several_floods(domain))
+    withstand(gateway, "ROS nodes: six kinds of misbehaving node at once", lambda: several_floods(domain))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from robot_io.installation import DOCKING, SOURCED, find_folder
-from tests.support.processes import BIN, Process, free_port, ros_environment
+from tests.support.processes import BIN, PATIENT_CLIENT, Process, free_port, ros_environment
 
 COMPILING, WAITING = f"Compiling {DOCKING}", "Waiting for another program"
 
@@ -45,7 +45,11 @@ def test_two_first_starts_and_a_docking(environment: dict[str, str]) -> None:
         )
         assert docked.returncode == 0, docked.stdout + docked.stderr
         again = subprocess.run(
-            [BIN / "fibonacci_action_client"], env=environment, capture_output=True, text=True, check=False
+            [BIN / "fibonacci_action_client", *PATIENT_CLIENT],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         assert again.returncode == 0, again.stdout + again.stderr
         assert COMPILING not in again.stderr

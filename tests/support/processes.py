@@ -14,6 +14,8 @@ from tests.support.forks import Fork
 from tests.support.waiting import PATIENCE, wait_until
 
 BIN = Path(sys.executable).parent
+# Options of our action clients: on a busy machine a server is found late, which only tests of the limit are about.
+PATIENT_CLIENT = ("--timeout", f"{PATIENCE:g}")
 # What Fast DDS writes to standard error about its transport through shared memory.
 FAST_DDS = "RTPS_TRANSPORT_SHM"
 
@@ -150,3 +152,8 @@ class ForkedProcess(Process):
     def _start(self, command: tuple[str, ...], env: dict[str, str], cwd: Path | None) -> Fork:
         assert cwd is None
         return Fork(*command, env=env, typed=self._typed)
+
+
+def client_process(domain: int, client: str, *arguments: str) -> ForkedProcess:
+    """One of our action clients, which waits for its server as long as a test does."""
+    return ForkedProcess(client, *PATIENT_CLIENT, *arguments, env=ros_environment(domain))

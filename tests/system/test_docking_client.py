@@ -10,7 +10,7 @@ from action_msgs.srv import CancelGoal
 
 from tests.support.docking import ACTION, CHARGING, LOW, dock_server, send_dock_goal
 from tests.support.observer import Observer
-from tests.support.processes import ForkedProcess, Process, ros_environment
+from tests.support.processes import PATIENT_CLIENT, ForkedProcess, Process, client_process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -24,7 +24,7 @@ def test_the_tutorials_session(domain: int, observer: Observer) -> None:
     environment = ros_environment(domain)
     with (
         Process(str(RUN / "connect_to_charging_dock_server"), env=environment) as server,
-        Process(str(RUN / CLIENT), env=environment) as client,
+        Process(str(RUN / CLIENT), *PATIENT_CLIENT, env=environment) as client,
     ):
         with observer.publishing(LOW, "battery_status"):
             for line in ("Goal accepted...", FEEDBACK):
@@ -44,7 +44,7 @@ def test_ctrl_c_cancels_the_goal_and_waits_for_its_end(domain: int, observer: Ob
     with (
         dock_server(domain),
         observer.publishing(LOW, "battery_status"),
-        ForkedProcess(CLIENT, env=ros_environment(domain)) as client,
+        client_process(domain, CLIENT) as client,
     ):
         client.wait_for(FEEDBACK)
         client.send_signal(signal.SIGINT)
@@ -54,14 +54,14 @@ def test_ctrl_c_cancels_the_goal_and_waits_for_its_end(domain: int, observer: Ob
 
 
 def test_a_rejected_goal_is_explained(domain: int) -> None:
-    with dock_server(domain), ForkedProcess(CLIENT, "--status", "3", env=ros_environment(domain)) as client:
+    with dock_server(domain), client_process(domain, CLIENT, "--status", "3") as client:
         assert "3 (NOT_CHARGING)" in client.wait_for("The goal was rejected: ")
         assert client.wait() == 3
 
 
 def test_an_aborted_goal_is_explained(domain: int) -> None:
     parameters = ("battery_stale_after:=0.1", "battery_lost_after:=0.3")
-    with dock_server(domain, *parameters), ForkedProcess(CLIENT, env=ros_environment(domain)) as client:
+    with dock_server(domain, *parameters), client_process(domain, CLIENT) as client:
         assert "no battery message" in client.wait_for("The goal was aborted: ")
         assert client.wait() == 1
 
@@ -71,14 +71,14 @@ def test_a_goal_without_a_battery_names_the_batteries_that_there_are(domain: int
     with (
         dock_server(domain, *parameters),
         observer.publishing(LOW, "/robot1/battery_state", heard=False),
-        ForkedProcess(CLIENT, env=ros_environment(domain)) as client,
+        client_process(domain, CLIENT) as client,
     ):
         expected = "nothing comes on /battery_status, but batteries are on /robot1/battery_state: remap battery_status"
         assert expected in client.wait_for("The goal was aborted: ")
 
 
 def test_a_cancel_by_someone_else_is_told(domain: int, observer: Observer) -> None:
-    with dock_server(domain), ForkedProcess(CLIENT, env=ros_environment(domain)) as client:
+    with dock_server(domain), client_process(domain, CLIENT) as client:
         client.wait_for("Goal accepted...")
         observer.ask(CancelGoal, f"{ACTION}/_action/cancel_goal", CancelGoal.Request())
         client.wait_for("The goal was canceled")
@@ -98,7 +98,7 @@ def server_process(domain: int) -> Iterator[Process]:
 
 
 def test_a_server_that_dies_is_noticed(domain: int, server_process: Process) -> None:
-    with ForkedProcess(CLIENT, env=ros_environment(domain)) as client:
+    with client_process(domain, CLIENT) as client:
         client.wait_for("Received feedback")
         server_process.send_signal(signal.SIGKILL)
         client.wait_for("No response from the action server")
@@ -115,17 +115,17 @@ def test_fibonacci_counts_as_in_the_official_tutorial(domain: int) -> None:
     environment = ros_environment(domain)
     server_command = (str(RUN / "fibonacci_action_server"), "--ros-args", "-p", "step_period:=0.1")
     with Process(*server_command, env=environment) as server:
-        with Process(str(RUN / "fibonacci_action_client"), env=environment) as client:
+        with Process(str(RUN / "fibonacci_action_client"), *PATIENT_CLIENT, env=environment) as client:
             client.wait_for("Received feedback: [0, 1, 1]")
             client.wait_for("Received feedback: [0, 1, 1, 2, 3, 5, 8]")
             client.wait_for("Result: [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]")
             assert client.wait() == 0
-        with ForkedProcess("fibonacci_action_client", "--order", "46", env=environment) as client:
+        with client_process(domain, "fibonacci_action_client", "--order", "46") as client:
             client.wait_for("Received feedback")
             client.send_signal(signal.SIGINT)
             server.wait_for("Goal canceled")
             assert client.wait() == 130
-        with ForkedProcess("fibonacci_action_client", "--order", "46", env=environment) as client:
+        with client_process(domain, "fibonacci_action_client", "--order", "46") as client:
             client.wait_for("Received feedback")
             server.send_signal(signal.SIGTERM)
             client.wait_for("The goal was aborted")
@@ -136,7 +136,7 @@ def test_fibonacci_refuses_what_does_not_fit_in_an_int32(domain: int) -> None:
     environment = ros_environment(domain)
     with (
         ForkedProcess("fibonacci_action_server", env=environment) as server,
-        ForkedProcess("fibonacci_action_client", "--order", "47", env=environment) as client,
+        client_process(domain, "fibonacci_action_client", "--order", "47") as client,
     ):
         server.wait_for("order is 47, but must be from 0 to 46")
         assert client.wait() == 3

@@ -22,7 +22,7 @@ from tests.support.docking import (
     watch_wheels,
 )
 from tests.support.observer import Observer
-from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.processes import ForkedProcess, client_process, ros_environment
 from tests.support.sensors import odometry
 from tests.support.waiting import wait_until
 
@@ -30,6 +30,8 @@ pytestmark = pytest.mark.ros
 
 BATTERY = "battery_status"
 PROGRAM = "docking_server"
+# A robot that does not move is blocked only after this, on a busy machine, too: what the test is about comes first.
+HELD = "blocked_after:=60.0"
 UNDOCK_NODE = "disconnect_from_charging_dock_action_server"
 
 
@@ -99,7 +101,7 @@ def test_nothing_moves_without_odometry(domain: int, observer: Observer) -> None
 
 
 def test_one_goal_at_a_time_over_both_actions(domain: int, observer: Observer) -> None:
-    with docking_servers(domain):
+    with docking_servers(domain, HELD):
         wheels = watch_wheels(observer)
         reports = Reports(observer)
         with observer.publishing(LOW, BATTERY):
@@ -133,7 +135,7 @@ def test_undocking_preempts_docking_where_the_policy_says_so(domain: int, observ
 
 
 def test_a_latched_stop_ends_undocking_and_lets_in_nothing(domain: int, observer: Observer) -> None:
-    with docking_servers(domain):
+    with docking_servers(domain, HELD):
         wheels = watch_wheels(observer)
         reports = Reports(observer)
         with on_the_dock(observer):
@@ -148,7 +150,7 @@ def test_a_latched_stop_ends_undocking_and_lets_in_nothing(domain: int, observer
 
 
 def test_the_program_holds_both_servers_and_ends_at_a_signal(domain: int, observer: Observer) -> None:
-    arguments = ("--ros-args", "-r", "__ns:=/robot1", "-p", "controller:=dock_pose")
+    arguments = ("--ros-args", "-r", "__ns:=/robot1", "-p", "controller:=dock_pose", "-p", HELD)
     with ForkedProcess(PROGRAM, *arguments, env=ros_environment(domain)) as program:
         wheels = watch_wheels(observer, "/robot1/cmd_vel")
         reports = Reports(observer)
@@ -173,16 +175,16 @@ def test_the_program_holds_both_servers_and_ends_at_a_signal(domain: int, observ
 
 def test_the_client_undocks(domain: int, observer: Observer) -> None:
     client = "disconnect_from_charging_dock_client"
-    with docking_servers(domain):
-        with observer.publishing(LOW, BATTERY), ForkedProcess(client, env=ros_environment(domain)) as process:
+    with docking_servers(domain, HELD):
+        with observer.publishing(LOW, BATTERY), client_process(domain, client) as process:
             process.wait_for("Goal accepted...")
             process.wait_for("The goal was aborted: it is not known whether the robot is docked")
             assert process.wait() == 1
-        with on_the_dock(observer), ForkedProcess(client, env=ros_environment(domain)) as process:
+        with on_the_dock(observer), client_process(domain, client) as process:
             process.wait_for("Received feedback (1 = CHARGING, 3 = NOT CHARGING): 1")
             process.send_signal(signal.SIGINT)
             process.wait_for("The goal was canceled")
             assert process.wait() == 130
-        with ForkedProcess(client, "--status", "1", env=ros_environment(domain)) as process:
+        with client_process(domain, client, "--status", "1") as process:
             assert "1 (CHARGING)" in process.wait_for("The goal was rejected: ")
             assert process.wait() == 3

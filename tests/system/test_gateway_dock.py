@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import BIN, Process, client_process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -157,7 +157,7 @@ def test_the_tutorials_client_beside_the_gateway(gateway: RunningGateway, shared
     gateway.publish(LOW)
     with (
         gateway.stream() as stream,
-        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(shared_domain)) as client,
+        client_process(shared_domain, "connect_to_charging_dock_client") as client,
     ):
         client.wait_for("Goal accepted")
         event = stream.until(lambda e: e["type"] == "feedback")
@@ -175,7 +175,7 @@ def test_a_goal_of_someone_else_can_be_canceled(gateway: RunningGateway, shared_
     gateway.publish(LOW)
     with (
         gateway.stream() as stream,
-        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(shared_domain)) as client,
+        client_process(shared_domain, "connect_to_charging_dock_client") as client,
     ):
         goal_id = stream.until(lambda e: e["type"] == "feedback")["goal_id"]
         assert gateway.http.post(f"/dock/{goal_id}/cancel").status_code == 202

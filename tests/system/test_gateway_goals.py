@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 from tests.support.gateway import RunningGateway, running_program
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import client_process
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -39,8 +39,8 @@ def test_goals_of_every_action(gateway: RunningGateway, shared_domain: int) -> N
         second = gateway.http.post(two, json={"order": 4}, headers=ENDED).json()
         assert (first["status"], second["status"]) == ("succeeded", "succeeded")
         assert ids(gateway) == [second["goal_id"], first["goal_id"]]
-        client = (str(BIN / "fibonacci_action_client"), "--ros-args", "-r", "__ns:=/robot1", "-p", "order:=5")
-        with Process(*client, env=ros_environment(shared_domain)) as process:
+        client = ("fibonacci_action_client", "--ros-args", "-r", "__ns:=/robot1", "-p", "order:=5")
+        with client_process(shared_domain, *client) as process:
             assert process.wait() == 0
         wait_until(lambda: len(ids(gateway, "?origin=external&status=succeeded")) == 1, "its goal")
         (external,) = ids(gateway, "?origin=external")

@@ -220,7 +220,11 @@ def parse_arguments(client: type[GoalClient], arguments: Sequence[str]) -> argpa
     )
     client.add_options(parser)
     parser.add_argument(
-        "--timeout", type=_seconds, default=10.0, metavar="S", help="time to wait for a server (default 10 s)"
+        "--timeout",
+        type=_seconds,
+        default=10.0,
+        metavar="S",
+        help="time to wait for a server, and for its answer to the goal (default 10 s)",
     )
     return parser.parse_args(arguments)
 
@@ -241,7 +245,7 @@ def run_client(client: type[GoalClient], args: Sequence[str] | None) -> int:
 def _run(client: type[GoalClient], args: Sequence[str] | None) -> int:
     args = list(sys.argv if args is None else args)
     options = parse_arguments(client, remove_ros_args(args)[1:])
-    goal, patience = client.make_goal(options), Patience(server=options.timeout)
+    goal, patience = client.make_goal(options), Patience(server=options.timeout, acceptance=options.timeout)
     signals = StopSignals()
     with ros_context(args) as context:
         node = client(goal, patience=patience, on_over=signals.wake, context=context)
