@@ -1,6 +1,7 @@
 """Alerts of a real gateway: they come, are acknowledged, hold elsewhere and after a restart, and end."""
 
 import signal
+import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -122,3 +123,27 @@ def test_a_robot_that_is_docked_and_not_charged_then_one_that_is_lost(
             server.send_signal(signal.SIGKILL)
         (lost,) = until_alerts(stream, "goal_lost")
         assert (lost["goal_id"], lost["robot"]) == (goal_id, "/")
+
+
+def test_a_lost_goal_is_over_when_the_robot_has_docked(shared_domain: int, running: RunningGateway) -> None:
+    """Each goal of several is lost with its server; then the server is back, and the robot docks."""
+    for _ in range(2):
+        with running_dock_server(shared_domain) as server:
+            running.wait_until_ready()
+            running.publish(LOW)
+            goal_id = running.http.post("/dock").raise_for_status().json()["goal_id"]
+            running.wait_for_goal(goal_id, "executing")
+            server.send_signal(signal.SIGKILL)
+            running.wait_for_goal(goal_id, "lost")
+            wait_until(lambda lost=goal_id: [each["goal_id"] for each in alerts(running)] == [lost], "one alert")
+    with running_dock_server(shared_domain):
+        running.wait_until_ready()
+        assert [alert["kind"] for alert in alerts(running)] == ["goal_lost"]  # nothing is known of the robot yet
+        running.publish(CHARGING)
+        goal = running.http.post("/dock", headers={"Prefer": "wait=50"}).raise_for_status().json()
+        assert goal["status"] == "succeeded"
+        wait_until(lambda: alerts(running) == [], "no alert")
+        refused = running.http.post("/dock", json={"desired_battery_state": {"power_supply_status": 3}})
+        assert refused.json()["code"] == "goal_rejected"  # it tells nothing, and changes nothing
+        time.sleep(1.2)  # two looks
+        assert alerts(running) == []

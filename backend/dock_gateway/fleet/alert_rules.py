@@ -245,7 +245,8 @@ def _lost(states: list[RobotState], strays: Iterable[Goal], now: datetime) -> It
                 since,
                 "Goal lost",
                 f"Lost contact during the goal on {goal.action_name}; the state of the robot is unknown{reason}. "
-                "Check that it stands still, then start its action server again.",
+                "Check that it stands still, then start its action server again. The alert ends with the next goal "
+                "that the server accepts.",
                 goal.goal_id,
             )
 

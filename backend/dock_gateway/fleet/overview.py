@@ -3,6 +3,8 @@
 import asyncio
 import logging
 from collections import defaultdict
+from collections.abc import Mapping
+from datetime import datetime
 from typing import Any
 
 import orjson
@@ -10,7 +12,7 @@ import orjson
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import parent_of
-from dock_gateway.core.goal import Goal, encode
+from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
@@ -81,12 +83,35 @@ class Fleet:
 
     def _see(self) -> tuple[list[RobotState], list[Goal]]:
         """Return the current state of every robot, by name, and the lost goals on actions that belong to no robot."""
-        running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
+        running, lost = self._actions.running(), self._actions.lost()
+        newest = _newest([*lost, *(goal for goal in running if goal.status is not GoalStatus.PENDING)])
+        running_of, lost_of = self._by_robot(running), self._by_robot(lost)
         states = [
-            self._state(robot, running.get(robot.namespace, []), lost.get(robot.namespace, []))
+            self._state(robot, running_of.get(robot.namespace, []), lost_of.get(robot.namespace, []), newest)
             for robot in self._robots.all()
         ]
-        return states, lost.get(None, [])
+        return states, self._unresolved(lost_of.get(None, []), frozenset(), newest)
+
+    def _unresolved(self, lost: list[Goal], docking: frozenset[str], newest: Mapping[str, datetime]) -> list[Goal]:
+        """Return the lost goals after which nothing has been learned of the robot.
+
+        A later goal on the same action, or one that docks or undocks the robot, shows that an action server controls
+        the robot again; if it is lost, too, it stands for both.
+
+        Args:
+            lost: The lost goals of a robot, or those of none.
+            docking: The actions that dock and undock the robot.
+            newest: By action, when the newest goal was sent that is lost, or that a server has accepted.
+        """
+        found = []
+        for goal in lost:
+            self._last_goals.watch(goal.action_name)
+            names = docking | {goal.action_name}
+            ran = self._last_goals.ran(*names)
+            followed = any(newest.get(name, goal.created_at) > goal.created_at for name in names)
+            if not followed and not (ran is not None and _ended_later(ran, goal)):
+                found.append(goal)
+        return found
 
     def _by_robot(self, goals: list[Goal]) -> dict[str | None, list[Goal]]:
         found: dict[str | None, list[Goal]] = defaultdict(list)
@@ -95,7 +120,7 @@ class Fleet:
             found[None if owner is None else owner.namespace].append(goal)
         return found
 
-    def _state(self, robot: Robot, running: list[Goal], lost: list[Goal]) -> RobotState:
+    def _state(self, robot: Robot, running: list[Goal], lost: list[Goal], newest: Mapping[str, datetime]) -> RobotState:
         name = robot.namespace
         names = self._actions.docking.of(name)
         all_names = self._actions.docking.all_names(name)
@@ -115,7 +140,7 @@ class Fleet:
             dock=None if dock is None else dock.watch.state,
             undock=None if undock is None else undock.watch.state,
             goals=running,
-            lost=lost,
+            lost=self._unresolved(lost, all_names, newest),
             last_goal=latest([self._last_goals.last(*all_names), *ended]),
             left_docked=None if succeeded is None else succeeded.verb == "dock",
         )
@@ -168,6 +193,20 @@ class Fleet:
     async def close(self) -> None:
         """Stop checking."""
         await cancel(self._task)
+
+
+def _newest(goals: list[Goal]) -> dict[str, datetime]:
+    """Return, by action, when the newest of these goals was sent."""
+    found: dict[str, datetime] = {}
+    for goal in goals:
+        found[goal.action_name] = max(goal.created_at, found.get(goal.action_name, goal.created_at))
+    return found
+
+
+def _ended_later(goal: Goal, lost: Goal) -> bool:
+    """Return whether a goal was sent after a lost one, and ended after that was lost."""
+    ended, lost_at = goal.finished_at or goal.updated_at, lost.finished_at or lost.updated_at
+    return goal.created_at > lost.created_at and ended > lost_at
 
 
 def _join(state: RobotState, sights: list[Sight]) -> Join | None:

@@ -33,7 +33,7 @@ class RobotState:
         dock: The server of its docking action, or None if it has no such action.
         undock: The server of its undocking action, likewise.
         goals: The running goals on its actions, newest first.
-        lost: The lost goals on its actions, newest first.
+        lost: The lost goals on its actions after which nothing has been learned of it, newest first.
         last_goal: The last docking or undocking goal that ended.
         left_docked: Whether the last of them that succeeded left it docked; None if none succeeded.
     """

@@ -1,4 +1,4 @@
-"""The last goal that ended and the last one that succeeded, for the watched actions."""
+"""The last goal that ended, the last that ran and the last that succeeded, for the watched actions."""
 
 import asyncio
 import logging
@@ -30,6 +30,7 @@ class LastGoals:
         self._retry_interval = retry_interval
         self._watched: set[str] = set()
         self._last: dict[str, Goal] = {}
+        self._ran: dict[str, Goal] = {}
         self._succeeded: dict[str, Goal] = {}
         self._read: set[str] = set()  # ids of goals read from the history
         self._unread: asyncio.Queue[str] = asyncio.Queue()
@@ -47,12 +48,18 @@ class LastGoals:
         if goal.action_name not in self._watched or goal.goal_id in self._read:
             return
         self._last[goal.action_name] = latest([self._last.get(goal.action_name), goal]) or goal
+        if goal.status is not GoalStatus.REJECTED:
+            self._ran[goal.action_name] = latest([self._ran.get(goal.action_name), goal]) or goal
         if goal.status is GoalStatus.SUCCEEDED:
             self._succeeded[goal.action_name] = latest([self._succeeded.get(goal.action_name), goal]) or goal
 
     def last(self, *action_names: str) -> Goal | None:
         """Return the last goal on these actions that ended."""
         return latest(self._last.get(name) for name in action_names)
+
+    def ran(self, *action_names: str) -> Goal | None:
+        """Return the last goal on these actions that ended and was not rejected."""
+        return latest(self._ran.get(name) for name in action_names)
 
     def succeeded(self, *action_names: str) -> Goal | None:
         """Return the last goal on these actions that succeeded."""

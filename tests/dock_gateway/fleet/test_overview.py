@@ -92,6 +92,12 @@ class Parts:
     def last(self, *_: str) -> Goal | None:
         return self.outcome[0]
 
+    def ran(self, *_: str) -> Goal | None:
+        return self.outcome[0]
+
+    def watch(self, *_: str) -> None:
+        pass
+
     def succeeded(self, *_: str) -> Goal | None:
         return self.outcome[1]
 
@@ -232,6 +238,51 @@ async def test_the_alarm_sees_all_robots_and_the_goals_of_none() -> None:
     duplicates = {"/robot1": ["/robot1/dock", "/robot1/undock"], "/arm": ["/arm/move"]}
     assert parts.looked == [(["/robot1", "/robot2"], ["stray"], duplicates)]
     assert [[goal.goal_id for goal in state.lost] for state in fleet.states()] == [["own"], []]
+    await fleet.close()
+
+
+DOCK, UNDOCK, OTHER = (f"/robot1/{name}" for name in ("connect_to_charging_dock", "undock", "fibonacci"))
+
+
+@pytest.mark.parametrize(
+    ("lost", "later", "resolved"),
+    [
+        (DOCK, goal(DOCK, "b", GoalStatus.PENDING, 2), False),
+        (DOCK, goal(DOCK, "b", GoalStatus.ACCEPTED, 2), True),
+        (DOCK, goal(DOCK, "b", GoalStatus.EXECUTING, 2), True),
+        (DOCK, goal(DOCK, "b", GoalStatus.LOST, 2), True),
+        (DOCK, goal(DOCK, "b", GoalStatus.EXECUTING, 0), False),
+        (DOCK, goal(UNDOCK, "b", GoalStatus.EXECUTING, 2), True),
+        (DOCK, goal(OTHER, "b", GoalStatus.EXECUTING, 2), False),
+        (OTHER, goal(DOCK, "b", GoalStatus.EXECUTING, 2), True),
+        (OTHER, goal(OTHER, "b", GoalStatus.EXECUTING, 2), True),
+        ("/fibonacci", goal("/fibonacci", "b", GoalStatus.EXECUTING, 2), True),
+        ("/fibonacci", goal(DOCK, "b", GoalStatus.EXECUTING, 2), False),
+    ],
+)
+async def test_a_lost_goal_is_over_when_a_later_one_is_accepted(lost: str, later: Goal, *, resolved: bool) -> None:
+    parts = Parts("/robot1")
+    fleet = parts.fleet()
+    parts.goals = [goal(lost, "a", GoalStatus.LOST, 1), later]
+    fleet.look()
+    ((_, strays, _),) = parts.looked
+    unresolved = [*strays, *(each.goal_id for state in fleet.states() for each in state.lost)]
+    assert ("a" not in unresolved) is resolved
+    await fleet.close()
+
+
+@pytest.mark.parametrize(
+    ("sent", "ended", "resolved"), [(2, 5, True), (2, 3, False), (0, 5, False), (6, 7, True), (2, 4, False)]
+)
+async def test_a_lost_goal_is_over_after_one_that_ended_later(sent: int, ended: int, *, resolved: bool) -> None:
+    """A goal that the server finished before it was gone says nothing of what came then."""
+    parts = Parts("/robot1")
+    fleet = parts.fleet()
+    lost, other = goal(DOCK, "a", minute=1), goal(DOCK, "b", minute=sent)
+    lost.advance(GoalStatus.LOST, NOON.replace(minute=4))
+    other.advance(GoalStatus.ABORTED, NOON.replace(minute=ended))
+    parts.goals, parts.outcome[0] = [lost], other
+    assert [each.goal_id for each in fleet.states()[0].lost] == ([] if resolved else ["a"])
     await fleet.close()
 
 

@@ -103,3 +103,15 @@ def test_a_rejected_goal_counts_unless_another_one_ran_on() -> None:
     later = ended(DOCK, 12, GoalStatus.REJECTED)
     assert latest([ran, later]) is latest([later, ran]) is later
     assert latest([None]) is None
+
+
+async def test_a_rejected_goal_did_not_run(history: AwayHistory, last_goals: LastGoals) -> None:
+    history.away = False
+    await asyncio.sleep(0.1)
+    last_goals.take(ended(DOCK, 1, GoalStatus.ABORTED))
+    last_goals.take(ended(DOCK, 2, GoalStatus.REJECTED))
+    last, ran = last_goals.last(DOCK, UNDOCK), last_goals.ran(DOCK, UNDOCK)
+    assert last is not None
+    assert ran is not None
+    assert (last.status, ran.status) == (GoalStatus.REJECTED, GoalStatus.ABORTED)
+    assert last_goals.ran(UNDOCK) is None
