@@ -70,7 +70,8 @@ TYPES = "The robot's docking server decides which further fields there are: thos
 DOCK = Operations(
     "dock",
     "Send the robot to its charging dock.\n\nAn empty body asks for CHARGING, at the default dock. `dock_id` names the "
-    f"dock, where the docking server knows docks by name. {TYPES} {WAITING}",
+    "dock, where the docking server knows docks by name; with our own server, `nearest` means the dock that the robot "
+    f"is nearest to. {TYPES} {WAITING}",
     docking_body("dock_id"),
     Scope.DOCK,
 )

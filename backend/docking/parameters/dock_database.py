@@ -16,6 +16,8 @@ from docking.parameters.dock import DockType
 KEYS = frozenset({"type", "frame", "pose", "id"})
 
 
+NEAREST = "nearest"
+"""The name that stands for the nearest dock, unless a dock has this name."""
 MOST = 1000
 """Docks in a file."""
 FARTHEST = 1e7
@@ -168,12 +170,17 @@ class DockDatabase:
         """The dock that a goal means: what to call it, the dock itself where it is known, and its type.
 
         Args:
-            location: Its name, empty for the first one; or a description, see `read_dock`.
+            location: Its name, empty for the first one; or a description, see `read_dock`. The nearest dock is any one
+                of the docks with a pose: which one it is depends on the robot.
 
         Raises:
             DockNotInDb: There is no such dock.
             DockNotValid: The description is none.
         """
+        if self.is_nearest(location):
+            if not self.has_poses:
+                raise DockNotInDb("which dock is the nearest cannot be known: none of them has a pose")
+            location = self.located[0]
         if not location.lstrip().startswith("{"):
             kind = self.type_of(location)
             found = self.entry_of(location)
@@ -214,10 +221,19 @@ class DockDatabase:
         name = name or next(iter(self.docks), "")
         return (name, self.entries[name]) if name in self.entries else None
 
+    def is_nearest(self, name: str) -> bool:
+        """Whether a goal that names this dock means the nearest one."""
+        return name == NEAREST and bool(self.docks) and name not in self.entries
+
+    @property
+    def located(self) -> tuple[str, ...]:
+        """Names of the docks whose poses are known."""
+        return tuple(name for name in self.docks if self.entries[name].pose)
+
     @property
     def has_poses(self) -> bool:
         """Whether the pose of any dock is known."""
-        return any(entry.pose for entry in self.entries.values())
+        return bool(self.located)
 
     def find_fault(self) -> str | None:
         """The dock whose type is missing or unknown, as a sentence; None where there is none."""

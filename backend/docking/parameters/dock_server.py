@@ -97,12 +97,20 @@ class DockSettings(ServerSettings):
 
     def at_dock(self, name: str) -> Self:
         """The settings for a goal; see `ServerSettings`."""
-        known, entry, kind = self.database.locate(name)
-        dock = self.database.types.get(kind)
+        database = self.database
+        known, entry, kind = database.locate(name)
+        dock = database.types.get(kind)
         place = DockPlace(known, entry.frame, Pose(*entry.pose)) if entry is not None and entry.pose else None
+        choices = self._places if database.is_nearest(name) else ()
         staging = self._find_staging(dock or self.dock, place)
         settings = self if dock is None else self._of_type(dock)
-        return replace(settings, dock_type=kind, dock_name=known, staging_goal=staging, place=place)
+        return replace(settings, dock_type=kind, dock_name=known, staging_goal=staging, place=place, choices=choices)
+
+    @property
+    def _places(self) -> tuple[DockPlace, ...]:
+        """The docks whose poses are known."""
+        entries = self.database.entries
+        return tuple(DockPlace(name, entries[name].frame, Pose(*entries[name].pose)) for name in self.database.located)
 
     def _of_type(self, dock: DockType) -> Self:
         """With what depends on the type of a dock."""

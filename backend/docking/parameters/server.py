@@ -92,6 +92,7 @@ class ServerSettings(NodeSettings):
     # No parameters, but what `at_dock` finds out of the dock that a goal names.
     staging_goal: StagingGoal | None = None
     place: DockPlace | None = None
+    choices: tuple[DockPlace, ...] = ()  # for a goal that asks for the nearest dock
 
     def at_dock(self, name: str) -> Self:
         """The settings for a goal; only docking knows docks.

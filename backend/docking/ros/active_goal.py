@@ -8,6 +8,7 @@ from rclpy.task import Future
 
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
+from docking.goal.nearest_dock import NearestDock
 from docking.goal.outcome import Outcome
 
 
@@ -20,6 +21,7 @@ class Execution:
         goal_id: The same as text.
         goal: The goal itself.
         end: Ends it, on the server it came to.
+        nearest: Finds the dock, for a goal that asks for the nearest one; None once it is known.
         ended: Holds the outcome in the end.
     """
 
@@ -27,6 +29,7 @@ class Execution:
     goal_id: str
     goal: Goal
     end: Callable[[Outcome], None]
+    nearest: NearestDock | None = None
     ended: Future = field(default_factory=Future)
 
 

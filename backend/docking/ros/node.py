@@ -18,6 +18,7 @@ from docking.core.errors import DockingError, ErrorCode
 from docking.core.observation import STANDSTILL
 from docking.goal.admission import Rejection, admit
 from docking.goal.engine import Goal
+from docking.goal.nearest_dock import NearestDock
 from docking.goal.outcome import End, Outcome
 from docking.parameters import read_topics
 from docking.ros.active_goal import ActiveGoal, Execution
@@ -209,7 +210,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         settings = self._settings.at_dock(handle.request.desired_battery_state.location)
         goal = self._action.make_goal(settings, self._active_goal.memory, control_time(self))
-        execution = Execution(handle, goal_id, goal, self._end)
+        choices, now = settings.choices, control_time(self)
+        execution = Execution(handle, goal_id, goal, self._end, NearestDock(choices, now) if choices else None)
         self._running = self._active_goal.running = execution
         self._reporter.begin()
         self._fed_back_at = -math.inf
@@ -287,6 +289,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._drive.go(STANDSTILL, decided_at)
             return
         observation = self._sensors.observe(self._battery.latest)
+        if running.nearest is not None and not self._choose_dock(running, running.nearest):
+            return
         step = running.goal.step(observation)
         if isinstance(step, Outcome):
             self._end(step)
@@ -304,6 +308,23 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if step.stage is stage and not step.error_msg:
             self.get_logger().info(line, throttle_duration_sec=1.0)
         self._reporter.go_on(step, running.goal_id)
+
+    def _choose_dock(self, running: Execution, nearest: NearestDock) -> bool:
+        """Begin with the goal for the nearest dock once that is known; whether it has begun."""
+        try:
+            place = nearest.find(control_time(self), self._sensors.robot_in)
+        except DockingError as error:
+            self._end(running.goal.abort(error.error_code, str(error)))
+            return False
+        if place is None:
+            self._drive.go(STANDSTILL, time.monotonic())
+            return False
+        self.get_logger().info(f"The nearest dock is '{place.dock}'.")
+        settings = self._settings.at_dock(place.dock)
+        running.goal = self._action.make_goal(settings, self._active_goal.memory, control_time(self))
+        running.nearest = None
+        self._prepare(running.goal, settings)
+        return True
 
     def _end(self, outcome: Outcome) -> None:
         """End the goal of this server that runs: the robot stops, whatever the outcome."""

@@ -47,6 +47,10 @@ class Box:
             away_x, away_y, nearest_x, nearest_y = self._way_out(x, y)
         return Obstruction(nearest_x + away_x * radius, nearest_y + away_y * radius, away_x, away_y)
 
+    def seen_from(self, y: float) -> "Box":
+        """The same in a world whose origin is so far to the left, in m."""
+        return Box(self.x_min, self.y_min - y, self.x_max, self.y_max - y)
+
     def hides(self, x: float, y: float) -> bool:
         """Whether it stands between a point in world and the origin, where the marker is."""
         enters, leaves = 0.0, 1.0  # on the way from the point to the origin

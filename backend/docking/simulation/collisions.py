@@ -68,7 +68,7 @@ class Collisions:
         self._bouncing = bouncing
         self._blocked = self._at_dock = False
         self._contact_since: float | None = None
-        self._lip = Lip(dock.settings.lip)
+        self._lip = Lip(dock)
 
     def look(self, robot: Robot, obstacles: Sequence[Obstacle], now: float, *, driven: bool = True) -> None:
         """Keep the robot out of everything solid.
@@ -81,7 +81,7 @@ class Collisions:
         """
         speed, blocked = abs(robot.linear), False
         self._lip.hold(robot, now, driven=driven)
-        solids: tuple[Solid, ...] = (self._dock.box, *obstacles, *self._room)
+        solids: tuple[Solid, ...] = (*self._dock.boxes, *obstacles, *self._room)
         for solid in solids:
             obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
             if obstruction is not None:
@@ -126,13 +126,14 @@ class Collisions:
 class Lip:
     """A lip on the floor in front of the contacts, which the robot gets over when it has pushed for a while."""
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, dock: Dock) -> None:
         """Start with the robot in front of it.
 
         Args:
-            seconds: For how long the robot must push; 0: there is no lip.
+            dock: Where it is, and for how long the robot must push.
         """
-        self._seconds = seconds
+        self._dock = dock
+        self._seconds = dock.settings.lip
         self._pushes_since: float | None = None
         self._over = False
 
@@ -145,7 +146,7 @@ class Lip:
             driven: Whether it drove there; else it was set down.
         """
         edge = DOCKED.x - LIP
-        if self._seconds == 0.0 or abs(robot.y) > LIP or robot.x <= edge:
+        if self._seconds == 0.0 or abs(robot.y - self._dock.nearest(robot.y)) > LIP or robot.x <= edge:
             self._over, self._pushes_since = False, None
             return
         if self._over or not driven:

@@ -1,6 +1,7 @@
 """The dock: a solid box with contacts, a marker and an infrared beacon at its front."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
@@ -53,30 +54,42 @@ class DockSettings:
 
 
 class Dock:
-    """Stands at the world's origin, its marker looking along -x.
+    """Stands at the world's origin, its marker looking along -x; others of its kind may stand along the same wall.
 
     Attributes:
-        box: What of it is solid.
-        docked: base_link of a robot from which a current flows, in world.
+        boxes: What of each is solid.
+        docked: base_link of a robot from which a current flows, in world, at the first one.
+        places: y of each, in world; 0 is the first one.
     """
 
-    __slots__ = ("box", "docked", "settings")
+    __slots__ = ("boxes", "docked", "places", "settings")
 
-    def __init__(self, settings: DockSettings) -> None:
+    def __init__(self, settings: DockSettings, others: Sequence[float] = ()) -> None:
+        """Put it up.
+
+        Args:
+            settings: Properties of each.
+            others: How far to the left of the first one others stand, in m.
+        """
         self.settings = settings
+        self.places = (0.0, *others)
         give = settings.travel + settings.contact_distance if settings.travel else 0.0
         side, front = 0.5 * settings.width, settings.front + give
-        self.box = Box(front, -side, front + settings.depth, side)
+        self.boxes = tuple(Box(front, y - side, front + settings.depth, y + side) for y in self.places)
         self.docked = Pose(DOCKED.x + give, DOCKED.y, math.pi if settings.at_back else 0.0)
 
     def in_contact(self, x: float, y: float, theta: float) -> bool:
         """Whether a robot at this pose in world touches the contacts."""
         settings, docked = self.settings, self.docked
         return (
-            math.hypot(x - docked.x, y - docked.y) <= settings.contact_distance
+            math.hypot(x - docked.x, y - self.nearest(y) - docked.y) <= settings.contact_distance
             and abs(normalize_angle(theta - docked.theta)) <= settings.contact_angle
         )
 
     def clearance(self, x: float, y: float) -> float:
-        """From a point in world to the box, in m; 0 inside."""
-        return self.box.clearance(x, y)
+        """From a point in world to the nearest box, in m; 0 inside."""
+        return min(box.clearance(x, y) for box in self.boxes)
+
+    def nearest(self, y: float) -> float:
+        """Where, along y, the dock is that is the nearest to a point in world."""
+        return min(self.places, key=lambda place: abs(place - y))

@@ -200,8 +200,9 @@ def draw(scene: Scene, robot: Pose, camera_yaw: float, field_of_view: float, sec
             drawing.box(box, FURNITURE, WOODS[number % len(WOODS)])
     for obstacle in scene.obstacles:
         drawing.pillar(obstacle, ORANGE)
-    drawing.box(scene.dock.box, DOCK, STEEL)
-    for y in {0.0, second_y}:
+    for box in scene.dock.boxes:
+        drawing.box(box, DOCK, STEEL)
+    for y in {*scene.dock.places, second_y or 0.0}:
         drawing.box(Box(0.0, y - 0.6 * MARKER, 0.02, y + 0.6 * MARKER), BOARD, CARDBOARD if scene.covered else WHITE)
         if not scene.covered:
             drawing.marker(y)

@@ -78,9 +78,9 @@ class LaserScanner:
         angles = self._angles + scanner.theta
         cos, sin = np.cos(angles), np.sin(angles)
         if room is None:
-            distances = _to_boxes(scanner, cos, sin, (dock.box,))
+            distances = _to_boxes(scanner, cos, sin, dock.boxes)
         else:
-            seen_within = _to_boxes(scanner, cos, sin, (dock.box, *room.furniture))
+            seen_within = _to_boxes(scanner, cos, sin, (*dock.boxes, *room.furniture))
             distances = np.minimum(seen_within, _to_walls(scanner, cos, sin, room.floor))
         for obstacle in obstacles:
             distances = np.minimum(distances, _to_circle(scanner, cos, sin, obstacle))

@@ -1,7 +1,7 @@
 """Solid round things in the world: the robot runs into them, and they hide the marker."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,10 @@ class Obstacle:
             return None
         away_x, away_y = (away_x / distance, away_y / distance) if distance > 1e-9 else (-1.0, 0.0)
         return Obstruction(self.x + reach * away_x, self.y + reach * away_y, away_x, away_y)
+
+    def seen_from(self, y: float) -> "Obstacle":
+        """The same in a world whose origin is so far to the left, in m."""
+        return replace(self, y=self.y - y)
 
     def hides(self, x: float, y: float) -> bool:
         """Whether it stands between a point in world and the origin, where the marker is."""

@@ -56,7 +56,7 @@ def map_of(room: Room, dock: Dock) -> Occupancy:
         _below(floor.y_max / CELL),
     )
     occupied[inside[1] - bottom : inside[3] - bottom, inside[0] - left : inside[2] - left] = False
-    _fill(occupied, (*room.furniture, dock.box), left, bottom)
+    _fill(occupied, (*room.furniture, *dock.boxes), left, bottom)
     return Occupancy(left * CELL, bottom * CELL, occupied)
 
 

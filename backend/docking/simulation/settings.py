@@ -1,9 +1,11 @@
 """Everything that can be chosen of the simulation."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from docking.core.geometry import Pose
-from docking.core.parameter import group, number
+from docking.core.parameter import group, number, numbers
 from docking.simulation.battery import BatterySettings
 from docking.simulation.dock import DockSettings
 from docking.simulation.infrared import InfraredSettings
@@ -13,6 +15,25 @@ from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
 from docking.simulation.robot import RobotSettings
 from docking.simulation.room import Room
+
+APART = 0.5
+"""How far docks must be apart, in m."""
+
+
+def check_docks(places: Sequence[float]) -> None:
+    """Refuse docks that stand in each other.
+
+    Raises:
+        ValueError: Two are too near to each other, or far away.
+    """
+    if not all(abs(place) <= FARTHEST for place in places):
+        raise ValueError(f"is {list(places)}, but each must be from -{FARTHEST:g} to {FARTHEST:g} m")
+    if any(right - left < APART for left, right in pairwise(sorted((0.0, *places)))):
+        raise ValueError(f"is {list(places)}, but docks must be {APART:g} m from each other, and from the one at 0")
+
+
+FARTHEST = 20.0
+"""How far from the first dock another one may be, in m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +62,7 @@ class Settings:
         infrared: Its receivers and the dock's beacon.
         laser: Its laser scanner.
         battery: Its battery and the dock's charger.
-        dock: The dock.
+        dock: The dock, and each of the others.
     """
 
     start: Pose = group(Start, "start_")
@@ -55,6 +76,12 @@ class Settings:
     laser: LaserSettings = group(LaserSettings, "laser_")
     battery: BatterySettings = group(BatterySettings)
     command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
+    docks: tuple[float, ...] = numbers(
+        "[y, …]",
+        "Where more docks like the first one stand, each with a marker and contacts: in m to its left, along the wall. "
+        "Applies at the next start.",
+        check_docks,
+    )
     obstacles: tuple[Obstacle, ...] = ()
     room: Room | None = None
     dock: DockSettings = group(DockSettings, "contact_")

@@ -96,10 +96,14 @@ class Simulation:
         self.time = 0.0
         self.faults = frozenset()
         self.robot = Robot(settings.robot, settings.start, self._random("robot"))
-        self.dock = Dock(settings.dock)
+        self.dock = Dock(settings.dock, settings.docks)
         self.odometry = DriftingOdometry(settings.odometry, settings.robot.wheel_separation, self._random("odometry"))
         self.battery = BatteryPack(settings.battery, self._random("battery"))
-        self._camera = MarkerCamera(settings.marker, self._random("marker"), self._random("outliers"))
+        numbers = ("", *(f" {number}" for number in range(2, len(self.dock.places) + 1)))
+        self._cameras = [
+            MarkerCamera(settings.marker, self._random(f"marker{number}"), self._random(f"outliers{number}"))
+            for number in numbers
+        ]
         self._second = MarkerCamera(settings.marker, self._random("second"), self._random("second outliers"))
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
         self._scanner = LaserScanner(settings.laser, self._random("laser").getrandbits(32))
@@ -338,7 +342,10 @@ class Simulation:
         outliers = WRONG if Fault.WRONG_DETECTIONS in self.faults else 0.0
         room = self.settings.room
         hiding: tuple[Obstacle | Box, ...] = self.obstacles + (() if room is None else room.furniture)
-        seen = [self._camera.look(robot, self.time, hiding, outliers)]
+        seen = [
+            camera.look(robot.relative_to(Pose(y=y)), self.time, [thing.seen_from(y) for thing in hiding], outliers)
+            for camera, y in zip(self._cameras, self.dock.places, strict=True)
+        ]
         if settings.second_y != 0.0:
             seen.append(self._second.look(robot.relative_to(Pose(y=settings.second_y)), self.time))
         if markers := [marker for marker in seen if marker is not None]:
@@ -360,7 +367,7 @@ class Simulation:
 
     def _measure_ranges(self) -> None:
         ranges = self._receivers.measure(
-            self.robot.pose,
+            self.robot.pose.relative_to(Pose(y=self.dock.nearest(self.robot.y))),
             self.time,
             hidden=Fault.HIDDEN_BEACON in self.faults,
             ghosts=GHOSTS if Fault.INFRARED_GHOSTS in self.faults else 0.0,

@@ -21,7 +21,7 @@ export interface paths {
          * Dock
          * @description Send the robot to its charging dock.
          *
-         *     An empty body asks for CHARGING, at the default dock. `dock_id` names the dock, where the docking server knows docks by name. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
+         *     An empty body asks for CHARGING, at the default dock. `dock_id` names the dock, where the docking server knows docks by name; with our own server, `nearest` means the dock that the robot is nearest to. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["dock"];
         delete?: never;

@@ -369,3 +369,20 @@ def test_a_file_of_something_else_is_refused_by_name(tmp_path: Path, text: str, 
 def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"^dock_database: .*No such file"):
         read_file(str(tmp_path / "docks.yaml"))
+
+
+def test_the_nearest_dock_is_one_of_those_that_have_a_pose() -> None:
+    given = {"docks": ("home", "lab", "yard"), "lab.pose": (1.0, 2.0, 0.0), "yard.pose": (3.0, 4.0, 0.0)}
+    settings = settings_from(**given).at_dock("nearest")
+    assert settings.choices == (DockPlace("lab", "map", Pose(1.0, 2.0)), DockPlace("yard", "map", Pose(3.0, 4.0)))
+    assert settings.place in settings.choices
+    assert settings_from(**given).at_dock("lab").choices == ()
+    with pytest.raises(DockNotInDb, match="none of them has a pose"):
+        settings_from(docks=("home",)).at_dock("nearest")
+    assert settings_from().at_dock("nearest").choices == (), "without docks, every name is taken and ignored"
+
+
+def test_a_dock_that_is_called_nearest_is_meant_by_its_name() -> None:
+    given = {"docks": ("home", "nearest"), "home.pose": (1.0, 2.0, 0.0)}
+    settings = settings_from(**given).at_dock("nearest")
+    assert (settings.choices, settings.dock_name) == ((), "nearest")

@@ -35,13 +35,13 @@ def test_contact_is_within_two_centimetres_and_five_degrees(x: float, y: float, 
 
 def test_the_whole_contact_zone_that_can_be_reached_head_on_is_free() -> None:
     for millimetres in range(-20, 10):
-        assert DOCK.box.obstruct(DOCKED.x + millimetres / 1000.0, 0.0, RADIUS) is None
-    assert DOCK.box.obstruct(DOCKED.x + 0.011, 0.0, RADIUS) is not None
+        assert DOCK.boxes[0].obstruct(DOCKED.x + millimetres / 1000.0, 0.0, RADIUS) is None
+    assert DOCK.boxes[0].obstruct(DOCKED.x + 0.011, 0.0, RADIUS) is not None
 
 
 @given(NEAR, NEAR)
 def test_what_would_be_inside_is_kept_outside_and_close_by(x: float, y: float) -> None:
-    obstruction = DOCK.box.obstruct(x, y, RADIUS)
+    obstruction = DOCK.boxes[0].obstruct(x, y, RADIUS)
     if obstruction is None:
         assert DOCK.clearance(x, y) >= RADIUS - 1e-9
         return
@@ -52,6 +52,6 @@ def test_what_would_be_inside_is_kept_outside_and_close_by(x: float, y: float) -
 
 
 def test_a_corner_pushes_away_from_itself() -> None:
-    obstruction = DOCK.box.obstruct(-0.1, 0.2, RADIUS)
+    obstruction = DOCK.boxes[0].obstruct(-0.1, 0.2, RADIUS)
     assert obstruction is not None
     assert obstruction.normal_x < 0.0 < obstruction.normal_y

@@ -23,7 +23,7 @@ RADIUS = 0.15
 DOCK = Dock(DockSettings())
 ROUTES = Routes(map_of(WORKSHOP, DOCK), RADIUS)
 PLACES = st.tuples(st.floats(-9.6, 0.0), st.floats(-3.3, 4.3)).filter(ROUTES.is_free)
-SOLIDS = (*WORKSHOP.furniture, DOCK.box, WORKSHOP)
+SOLIDS = (*WORKSHOP.furniture, *DOCK.boxes, WORKSHOP)
 
 
 @settings(max_examples=60)

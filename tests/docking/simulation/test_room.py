@@ -30,7 +30,7 @@ def clearance(room: Room, x: float, y: float) -> float:
     """From a point to the nearest wall, piece of furniture, or the dock, in m; below 0 behind a wall."""
     floor = room.floor
     walls = min(x - floor.x_min, floor.x_max - x, y - floor.y_min, floor.y_max - y)
-    return min(walls, *(box.clearance(x, y) for box in (*room.furniture, DOCK.box)))
+    return min(walls, *(box.clearance(x, y) for box in (*room.furniture, *DOCK.boxes)))
 
 
 @settings(max_examples=100)

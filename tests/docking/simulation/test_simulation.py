@@ -15,7 +15,7 @@ from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
 from docking.simulation.robot import RobotSettings
-from docking.simulation.settings import Settings
+from docking.simulation.settings import Settings, check_docks
 from docking.simulation.simulation import STEP, Simulation
 
 IN_FRONT = Pose(-0.8, 0.0, 0.0)
@@ -418,3 +418,29 @@ def test_the_fault_wrong_detections_moves_a_third_of_them() -> None:
         seen.add(simulation.sighting)
     wrong = sum(sighting.marker.distance_to(Pose(0.8)) > 0.001 for sighting in seen)
     assert wrong / len(seen) == pytest.approx(1.0 / 3.0, abs=0.08)
+
+
+@pytest.mark.parametrize("y", [0.0, 1.5, -2.0])
+def test_each_of_several_docks_has_contacts_a_marker_a_beacon_and_is_solid(y: float) -> None:
+    several = replace(EXACT, docks=(1.5, -2.0))
+    here = Simulation(replace(several, start=Pose(DOCKED.x, y)))
+    here.run(2.0)
+    assert here.contact
+    assert here.charging
+    far = Simulation(replace(several, start=Pose(-0.8, y)))
+    far.scanning = True
+    drive(far, 4.0, 0.3)
+    assert far.robot.x < 0.0, "it does not drive through"
+    assert [touch.on_contacts for touch in far.touches] == [True]
+    front = Simulation(replace(several, start=Pose(-0.8, y), marker=replace(several.marker, range=1.0)))
+    front.run(0.5)
+    assert front.detection is not None
+    assert front.detection[1].distance_to(Pose(0.8)) < 1e-6
+    assert front.ranges is not None
+    assert front.ranges[1].center == pytest.approx(0.65, abs=0.05)
+
+
+@pytest.mark.parametrize("places", [(0.2,), (1.0, 1.3), (math.nan,), (30.0,)])
+def test_docks_that_stand_in_each_other_are_refused(places: tuple[float, ...]) -> None:
+    with pytest.raises(ValueError, match=r"^is \["):
+        check_docks(places)
