@@ -126,7 +126,7 @@ def _spun(context: Context, battery: Battery, *servers: ActionNode[Any]) -> Iter
     with Spinner(context, [*servers, BatteryStateSubscriber(battery, context=context)]) as spinner:
         yield
         for server in servers:
-            spinner.call(server.close).result(5.0)
+            spinner.call(server.close).result(PATIENCE)
     assert spinner.failure is None
 
 

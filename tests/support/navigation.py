@@ -20,6 +20,7 @@ from docking.ros.process import Spinner
 from robot_io.qos import LATCHED
 from tests.support.docking_servers import Server
 from tests.support.observer import ros_nodes
+from tests.support.waiting import PATIENCE
 from tf2_msgs.msg import TFMessage
 
 MOTION = MotionLimits(v_linear_max=0.8, a_linear_max=1.5)
@@ -129,5 +130,5 @@ def nav2(domain: int, start: Pose) -> Iterator[Nav2]:
             try:
                 yield server
             finally:
-                spinner.call(server.server.destroy).result(5.0)  # which rclpy would leave on the ROS graph
+                spinner.call(server.server.destroy).result(PATIENCE)  # which rclpy would leave on the ROS graph
         assert spinner.failure is None

@@ -183,4 +183,4 @@ def ros_observer(domain: int, name: str = "observer") -> Iterator[Observer]:
             try:
                 yield observer
             finally:
-                spinner.call(observer.close).result(5.0)
+                spinner.call(observer.close).result(PATIENCE)

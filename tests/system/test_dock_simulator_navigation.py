@@ -69,7 +69,7 @@ def robot(domain: int, observer: Observer, *parameters: str) -> Iterator[Robot]:
 def test_it_drives_around_what_is_in_the_way(domain: int, observer: Observer) -> None:
     with robot(domain, observer, "start_x:=-3.9", "start_y:=-2.05", "start_theta:=0.0", "odometry_drift:=0.05") as here:
         goal = here.send(BEHIND_COLUMN)
-        assert goal.result(60.0).status == GoalStatus.STATUS_SUCCEEDED
+        assert goal.result().status == GoalStatus.STATUS_SUCCEEDED
         wait_until(lambda: not here.drives, "a standstill")
         assert here.pose.distance_to(BEHIND_COLUMN) < 0.1
         assert goal.feedback[-1].distance_remaining < 0.3

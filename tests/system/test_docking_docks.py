@@ -120,6 +120,6 @@ def test_a_robot_backs_onto_a_dock_of_that_type_and_leaves_it_forwards(domain: i
         assert abs(normalize_angle(site.pose.theta - BACKED.theta)) < math.radians(6.0)
 
         driven = len(site.wheels.messages)
-        assert send_undock_goal(observer).result(60.0).status == SUCCEEDED
+        assert send_undock_goal(observer).result().status == SUCCEEDED
         assert min(message.linear.x for message in site.wheels.messages[driven:]) >= 0.0
         assert site.pose.x < -0.8

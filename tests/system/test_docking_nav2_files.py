@@ -116,7 +116,7 @@ def test_a_robot_docks_as_a_file_of_nav2_says(domain: int, observer: Observer, t
         assert abs(normalize_angle(site.pose.theta - target.theta)) < math.radians(6.0)
         assert max(abs(message.linear.x) for message in site.wheels.messages) <= 0.15 + 1e-9
 
-        assert send_undock_goal(observer).result(60.0).status == SUCCEEDED
+        assert send_undock_goal(observer).result().status == SUCCEEDED
         assert site.pose.distance_to(target) == pytest.approx(0.6, abs=0.1)
 
 

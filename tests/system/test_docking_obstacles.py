@@ -41,7 +41,7 @@ def test_the_robot_waits_for_an_obstacle_and_is_aborted_where_it_stays(domain: i
         assert 0.0 < gap(here) < 0.3
         here.controls.switch("obstacle", on=False)
         wait_until(lambda: here.wheels.moving, "the way on")
-        assert goal.result(60.0).status == SUCCEEDED
+        assert goal.result().status == SUCCEEDED
         assert_docked(here.pose)
 
         here.place(NEAR)

@@ -34,7 +34,7 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer) -> None:
         plans = observer.record(Path, "plan")
         here.place(ASIDE)
         goal = send_dock_goal(observer)
-        answer = goal.result(75.0)
+        answer = goal.result()
         assert answer.status == SUCCEEDED
         assert answer.result.final_battery_state.power_supply_status == CHARGING
         assert_docked(here.pose)
@@ -54,7 +54,7 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer) -> None:
         assert {plan.header.frame_id for plan in plans.messages} == {"odom"}
 
         undocking = send_undock_goal(observer)
-        answer = undocking.result(20.0)
+        answer = undocking.result()
         assert answer.status == SUCCEEDED
         assert answer.result.final_battery_state.power_supply_status not in {CHARGING, 4}
         here.expect_standstill()

@@ -223,7 +223,7 @@ def test_a_stream_from_a_foreign_page_is_refused(gateway: RunningGateway) -> Non
         pass
     assert refused.value.response.status_code == 403
     with connect(address, origin=gateway.url) as stream:  # type: ignore[arg-type]
-        assert json.loads(stream.recv(5))["type"] == "snapshot"
+        assert json.loads(stream.recv(PATIENCE))["type"] == "snapshot"
 
 
 def test_too_many_streams_are_refused_and_there_is_room_again(gateway: RunningGateway) -> None:

@@ -153,7 +153,7 @@ def test_a_wait_for_the_end_of_a_goal_ends_with_the_login_and_the_goal_goes_on(d
         goal = wait_until(lambda: http.get(running, headers=root).raise_for_status().json()["goals"], "the goal")[0]
         (token,) = tokens(http, root)
         assert http.delete(f"/tokens/{token['id']}", headers=root).status_code == 204
-        waiting.join(4.0)
+        waiting.join(PATIENCE)
         (answer,) = answers
         assert (answer.status_code, answer.json()["code"]) == (401, "invalid_token")
         assert answer.json()["goal_id"] == goal["goal_id"]

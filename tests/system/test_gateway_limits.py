@@ -12,7 +12,7 @@ from tests.support.access import Site, bearer, stream
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import LOW, RunningGateway, running_dock_server
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -251,7 +251,7 @@ def texts_until(socket: Any, text: str) -> str:
     """Read on to a message with this text, and a second more."""
     seen: list[str] = []
     while not seen or text not in seen[-1]:
-        seen.append(socket.recv(timeout=30))
+        seen.append(socket.recv(PATIENCE))
     return "\n".join(seen)
 
 
@@ -330,7 +330,7 @@ def test_actions_and_topics_are_limits_of_their_own(robots: Robots) -> None:
     assert [goal["goal_id"] for goal in own["goals"]] == [goal_id]
     assert all(not robot["goals"] for robot in robots.ask(robots.undocker, "GET", "/robots")["robots"])
     with stream(robots.gateway, f"/ws/feedback?robot={ONE}&include=robots", robots.undocker) as socket:
-        assert goal_id not in socket.recv(timeout=30)
+        assert goal_id not in socket.recv(PATIENCE)
     for topic in ("feedback", "status"):
         path = f"/ws/topics?topic={ONE}/connect_to_charging_dock/_action/{topic}"
         with pytest.raises(InvalidStatus) as hidden, stream(robots.gateway, path, robots.undocker):
@@ -340,7 +340,7 @@ def test_actions_and_topics_are_limits_of_their_own(robots: Robots) -> None:
     answer = robots.answer(robots.undocker, "POST", f"/undock?robot={ONE}")
     assert answer.json()["code"] != "not_covered"  # there is no undocking server, but it was let through
     with stream(robots.gateway, f"/ws/topics?topic={TWO}/battery_status", robots.reporter) as socket:
-        assert "battery_status" in socket.recv(timeout=30)
+        assert "battery_status" in socket.recv(PATIENCE)
     with (
         pytest.raises(InvalidStatus) as refused,
         stream(robots.gateway, f"/ws/topics?topic={TWO}/cmd_vel", robots.reporter),

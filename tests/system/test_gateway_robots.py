@@ -11,7 +11,7 @@ import pytest
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -163,7 +163,7 @@ def test_on_the_socket_too(gateway: RunningGateway) -> None:
             '{"op": "subscribe", "id": "2", "feedback": "some"}',
         ):
             socket.send(text)
-        received = [orjson.loads(socket.recv(10)) for _ in range(4)]
+        received = [orjson.loads(socket.recv(PATIENCE)) for _ in range(4)]
     answers = {answer["id"]: answer for answer in received if "op" in answer}
     assert (answers["1"]["op"], answers["2"]["code"]) == ("ack", "invalid_field")
     assert {len(event["robots"]) for event in received if event.get("type") == "snapshot"} == {2}

@@ -19,6 +19,7 @@ from dock_gateway.graph import subscription as module
 from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.graph.subscription import Listening, listening_for
 from dock_gateway.ros.raw_port import Heard, Reading
+from tests.support.waiting import PATIENCE
 
 BOOL, INT = "std_msgs/msg/Bool", "std_msgs/msg/Int32"
 
@@ -114,9 +115,9 @@ class Viewing:
         self.events: list[dict[str, Any]] = []
 
     async def until(self, matches: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(PATIENCE):
             while True:
-                for event in (orjson.loads(event.data) for event in (await self.subscriber.take(5))[0]):
+                for event in (orjson.loads(event.data) for event in (await self.subscriber.take(PATIENCE))[0]):
                     self.events.append(event)
                 for event in self.events:
                     if matches(event):

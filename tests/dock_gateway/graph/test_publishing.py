@@ -10,6 +10,7 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.graph import publishing
 from dock_gateway.graph.publishing import FoundTopic, Publishing
 from dock_gateway.settings import Settings
+from tests.support.waiting import PATIENCE
 
 TOPIC = "/robot1/speed"
 
@@ -59,7 +60,7 @@ class World:
         """Publish a message that waits for its subscribers."""
         before = len(self.ports)
         task = asyncio.create_task(self.publishing.publish(TOPIC, {}, type_name=type_name))
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(PATIENCE):
             while len(self.ports) == before:  # noqa: ASYNC110 - nothing tells it
                 await asyncio.sleep(0)
         return task

@@ -14,7 +14,7 @@ from dock_gateway.ros.bridge import MAX_BRANCHES, Bridge
 from tests.support.gateway import running_program
 from tests.support.processes import Process
 from tests.support.rejoining import lose_answers
-from tests.support.waiting import until
+from tests.support.waiting import PATIENCE, until
 
 pytestmark = pytest.mark.ros
 
@@ -56,7 +56,7 @@ async def port(bridge: Bridge, server: Process, heard: Heard) -> ActionPort:
 
 async def start_goal(port: ActionPort, heard: Heard) -> None:
     call = port.send(A, port.goal_codec.parse({"order": 46}))
-    assert (await asyncio.wait_for(call.response, 10)).accepted
+    assert (await asyncio.wait_for(call.response, PATIENCE)).accepted
     await until(lambda: bool(heard.stamps))
 
 
