@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.parameters import ControllerName, DockSettings
+from docking.parameters import ControllerName, DockDirection, DockSettings
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from docking.simulation.settings import Settings
@@ -128,6 +128,20 @@ def _mounted(distance: float, angle: float) -> Change:
     return change
 
 
+def _aside(distance: float) -> Change:
+    """The camera is mounted to the left or to the right of where it is taken to be."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        return _set("marker", camera_error_y=random.choice((distance, -distance)))(settings, random)
+
+    return change
+
+
+def _rotates(settings: DockSettings) -> DockSettings:
+    """With rotate_to_dock."""
+    return replace(settings, dock=replace(settings.dock, dock_direction=DockDirection.BACKWARD, rotate_to_dock=True))
+
+
 def _turned(angle: float) -> Change:
     """The marker is turned on its dock, to the left or to the right."""
 
@@ -197,6 +211,11 @@ CAMERA = "The dock seems to turn as the robot comes near: it gives up before con
 TWO_TAGS = "Without the dock's pose, nothing decides which of the two tags is the dock's."
 UNSEEN = "The dock cannot be seen from there, and nothing says where it is: give its pose, or set search_radius."
 SEARCHES = "Driving around to look for the dock does not always come to where it can be seen: give its pose."
+ASIDE = (
+    "A camera beside the place that tf says cannot be told from a dock that is there, before the first contact. That is"
+    " beside the contacts, at v_linear_min."
+)
+BLINDLY = "The robot backs onto the dock without seeing it; what odometry misjudges shows only at the contact."
 """Why less than 95 % of the goals of a row dock."""
 
 CASES = (
@@ -268,6 +287,20 @@ CASES = (
     Case("a lip that takes 1.5 s of pushing", BOTH, _set("dock", lip=1.5), final_push=0.06),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0)), why=CAMERA),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0)), why=CAMERA),
+    Case("camera 3 cm aside", (DOCK_POSE,), _aside(0.03), why=ASIDE),
+    Case("two-fold ambiguity of a flat marker", (DOCK_POSE,), _set("marker", mirrored=0.5)),
+    Case(
+        "rotate_to_dock with 5 % slip in turns",
+        (DOCK_POSE,),
+        _all(_set("robot", turn_slip=0.05), _set("dock", at_back=True)),
+        parameters=_rotates,
+        why=BLINDLY,
+    ),
+    Case("marker not seen below 0.30 m", (DOCK_POSE,), _set("marker", range_min=0.3)),
+    Case(
+        "half-visible marker, biased", (DOCK_POSE,), _set("marker", cut_off_bias=1.0, field_of_view=math.radians(40.0))
+    ),
+    Case("noise grows with the square of the distance", (DOCK_POSE,), _set("marker", noise_per_square_metre=0.02)),
     Case("pushed 10 cm sideways in the last 20 cm", BOTH, disturb=_push_once),
     Case("two tags on one topic", (DOCK_POSE,), _two_tags, why=TWO_TAGS),
     Case("two tags on one topic, pose known", (DOCK_POSE,), _two_tags, known=True),

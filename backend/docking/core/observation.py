@@ -58,10 +58,12 @@ class MarkerDetection:
     Attributes:
         pose: Of the marker in odom; its x axis points into the dock, the way the robot drives to get there.
         stamp: When it was seen.
+        camera: Where it was seen from, in odom; None where that is not known.
     """
 
     pose: Pose
     stamp: float
+    camera: Pose | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

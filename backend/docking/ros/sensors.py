@@ -184,9 +184,12 @@ class Sensors:
         self._unrelated_since = None
         odometry = self._odometry_at(measured_at)
         pose = pose_of(lies.compose(seen).compose(self.marker_tilt))
+        camera = None
         if frame == self._base_frame:
             pose = odometry.pose.compose(pose)
-        self._markers = [*self._markers, MarkerDetection(pose, min(odometry.stamp, received))][-MOST_MARKERS:]
+            camera = odometry.pose.compose(Pose(*lies.translation[:2]))
+        detection = MarkerDetection(pose, min(odometry.stamp, received), camera)
+        self._markers = [*self._markers, detection][-MOST_MARKERS:]
 
     def _odometry_at(self, measured_at: float) -> Odometry:
         """Where the robot was when something was measured.

@@ -33,7 +33,7 @@ from docking.simulation.dock import Dock
 from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, LATE, REPEATING, WORN, WRONG, Fault
 from docking.simulation.infrared import InfraredReceivers
 from docking.simulation.laser import ANGLE_MIN, LaserScanner
-from docking.simulation.marker import MarkerCamera
+from docking.simulation.marker import MarkerCamera, camera_mount
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, Repeater
 from docking.simulation.readings import LaserScan, Sighting
@@ -258,7 +258,11 @@ class Simulation:
         now = self.time if now is None else now
         offset = now - self.time
         ranges, measured, odometry = self.ranges, self.measurement, self.track.latest
-        markers = [MarkerDetection(one.odometry.compose(one.marker), one.at + offset) for one in self.sightings]
+        camera = camera_mount(self.settings.marker.camera_yaw)
+        markers = [
+            MarkerDetection(one.odometry.compose(one.marker), one.at + offset, one.odometry.compose(camera))
+            for one in self.sightings
+        ]
         return Observation(
             now=now,
             battery=None if measured is None else _reading(measured[0], measured[1] + offset),
