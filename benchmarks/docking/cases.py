@@ -69,6 +69,8 @@ class Case:
         parameters: Changes the parameters of the docking server.
         why: Sentences for docs/docking-results.md: why less than 95 % of its goals dock. Empty for the other rows.
         final_push: The parameter, in m.
+        located: Whether the dock is not detected, but known by the database and the localization alone. The robot feels
+            for the contacts then, so that slow touches beside them are no failure.
     """
 
     name: str
@@ -83,6 +85,7 @@ class Case:
     parameters: Callable[[DockSettings], DockSettings] = lambda settings: settings
     why: str = ""
     final_push: float = 0.0
+    located: bool = False
 
 
 def _set(part: str, **values: Any) -> Change:
@@ -159,6 +162,17 @@ def _two_tags(settings: Settings, random: Random) -> Settings:
 def _sprung(settings: Settings, random: Random) -> Settings:
     """The contacts need 2 to 5 cm more push."""
     return _set("dock", travel=random.uniform(0.02, 0.05))(settings, random)
+
+
+def _off(distance: float, angle: float = math.radians(4.0), jump: float = 0.0) -> Change:
+    """By the localization the dock is somewhere at a distance from where it is, and turned by up to an angle."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        way, yaw = random.uniform(-math.pi, math.pi), random.uniform(-angle, angle)
+        x, y = distance * math.cos(way), distance * math.sin(way)
+        return _set("localization", error_x=x, error_y=y, error_yaw=yaw, noise=0.005, jump=jump)(settings, random)
+
+    return change
 
 
 def _push_often(random: Random) -> Disturbance:
@@ -284,6 +298,10 @@ CASES = (
     Case("dirty contacts", BOTH, disturb=_dirty),
     Case("dirty contacts, pressed again", BOTH, disturb=_dirty, recovers=True),
     Case("contacts on springs, 2 to 5 cm more push", BOTH, _sprung, final_push=0.06),
+    Case("no marker, pose off by 1 cm, up to 4°", (DOCK_POSE,), _off(0.01), located=True),
+    Case("no marker, pose off by 4 cm, up to 4°", (DOCK_POSE,), _off(0.04), located=True),
+    Case("no marker, pose off by 8 cm, up to 4°", (DOCK_POSE,), _off(0.08), located=True),
+    Case("no marker, localization jumps 5 to 20 cm", (DOCK_POSE,), _off(0.01, 0.02, jump=0.2), located=True),
     Case("a lip that takes 1.5 s of pushing", BOTH, _set("dock", lip=1.5), final_push=0.06),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0)), why=CAMERA),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0)), why=CAMERA),
