@@ -274,7 +274,6 @@ def test_the_report_is_repeated_while_nothing_happens(domain: int, observer: Obs
             "goal_id": "",
             "error_number": "0",
             "retries": "0",
-            "doubts": "",
         }
 
 

@@ -37,7 +37,6 @@ class Explore:
         places: Iterator[Pose],
         motion: MotionLimits,
         sees: Callable[[float], bool],
-        timeout: float,
         *,
         at_once: bool = False,
     ) -> None:
@@ -48,7 +47,6 @@ class Explore:
             places: Where to drive, in odom, one after another.
             motion: Limits of the robot's motion.
             sees: Whether the dock is in view at a moment.
-            timeout: How long this may take from the first drive on, in s.
             at_once: Whether to drive without looking around first.
         """
         self.away = False
@@ -56,8 +54,6 @@ class Explore:
         self._places = places
         self._motion = motion
         self._sees = sees
-        self._timeout = timeout
-        self._left = timeout
         self._last_look = 0.0
         self._search = search()
         self._target: Pose | None = next(places, None) if at_once else None
@@ -65,9 +61,6 @@ class Explore:
     def step(self, observation: Observation, dt: float) -> Step:
         """Turn, or drive on."""
         self.away = self.away or self._target is not None
-        self._left -= dt if self.away else 0.0
-        if self._left <= 0.0:
-            return Failed(FailedToDetectDock(f"the dock was not found within {self._timeout:g} s (search_timeout)"))
         if observation.odometry is None:
             return STANDSTILL
         if self._target is not None:

@@ -2,7 +2,7 @@
 
 import math
 
-from docking.core.battery import BatteryReading, describe_status
+from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.parameters import ChargingSettings, ChargingSource
@@ -11,6 +11,16 @@ MOVING, TURNING = 0.06, 0.1
 """In m/s and rad/s: faster than robots drive onto the last centimetres, with the contacts at the charger's."""
 FLICKERS = 3
 """Number of interruptions from which a charge counts as flickering."""
+MESSAGES, RARE_MESSAGES = 3, 5
+"""How many messages in a row must say that the battery charges; the second where fewer than two come in a second.
+
+Twice as many after one that said otherwise: rare messages see little of a charge that flickers.
+"""
+OFTEN = 0.5
+"""Mean seconds between messages that are not rare."""
+FULL = 0.95
+"""State of charge above which many chargers wait until it is below again."""
+ROUNDING = 1e-9
 
 
 def tells_charging(battery: BatteryReading, settings: ChargingSettings, velocity: Velocity = STANDSTILL) -> bool:
@@ -24,9 +34,14 @@ def tells_charging(battery: BatteryReading, settings: ChargingSettings, velocity
     if settings.charging_source is ChargingSource.STATUS:
         return battery.connected
     if settings.charging_source is ChargingSource.CURRENT:
-        moves = abs(velocity.linear_x) > MOVING or abs(velocity.angular_z) > TURNING
-        return not moves and current_in(battery, settings) > settings.charging_threshold  # NaN is above nothing
+        current = current_in(battery, settings)
+        return not moves(velocity) and current > settings.charging_threshold  # NaN is above nothing
     return False
+
+
+def moves(velocity: Velocity) -> bool:
+    """Whether a robot is faster than on a charger's contacts."""
+    return abs(velocity.linear_x) > MOVING or abs(velocity.angular_z) > TURNING
 
 
 def stands_docked(robot: Pose | None, docked: Pose | None, settings: ChargingSettings, threshold: float) -> bool:
@@ -58,8 +73,16 @@ def describe_charging(battery: BatteryReading | None, settings: ChargingSettings
     return f"its battery is {describe_status(battery.status)}"
 
 
+def is_full(battery: BatteryReading) -> bool:
+    """Whether a full battery is connected to a charger that does not charge it now."""
+    at_charger = battery.status in {PowerSupplyStatus.NOT_CHARGING, PowerSupplyStatus.FULL}
+    return at_charger and FULL <= battery.percentage <= 1.0
+
+
 class ChargeRecord:
     """Keeps count of the charges of one goal.
+
+    What counts is what the battery has said, not the time since: a driver may say it ten times a second, or every 5 s.
 
     Attributes:
         breaks: Number of charges that broke off.
@@ -69,12 +92,14 @@ class ChargeRecord:
         """Start without a charge.
 
         Args:
-            stable_for: How long a charge must last, in s.
+            stable_for: How long a charge must last, in s; where it is 0, one message is enough.
         """
         self.breaks = 0
+        self._count = 0
         self._stable_for = stable_for
         self._first_at = self._broke_at = math.nan
         self._began_at: float | None = None
+        self._heard_at = math.nan
         self._longest = 0.0
         self._current = math.nan
         self._highest = math.nan
@@ -85,26 +110,54 @@ class ChargeRecord:
         """Whether the charge comes and goes."""
         return self.breaks >= FLICKERS
 
-    def hear(self, now: float, reading: BatteryReading, *, charges: bool) -> None:
-        """Take notice of a battery reading.
+    @property
+    def charges(self) -> bool:
+        """Whether the last message said so."""
+        return self._began_at is not None
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether enough messages have said so, for long enough, and none said otherwise."""
+        if self._began_at is None or self._stable_for == 0.0:
+            return self.charges
+        lasted = self._heard_at - self._began_at + ROUNDING
+        often = lasted <= OFTEN * (self._count - 1) + 2.0 * ROUNDING
+        least = (MESSAGES if often else RARE_MESSAGES) * (2 if self.breaks else 1)
+        return self._count >= least and lasted >= self._stable_for
+
+    def longest(self, silence: float) -> float:
+        """The longest that a charge may last, in s, before it is stable or breaks off, but for silences.
 
         Args:
-            now: The moment.
-            reading: The battery message.
+            silence: The longest time between two messages that is none.
+        """
+        return self._stable_for + 2 * RARE_MESSAGES * silence if self._stable_for else 0.0
+
+    def hear(self, at: float, reading: BatteryReading | None, *, charges: bool) -> None:
+        """Take notice of a battery message, or of the pose; of each once.
+
+        Args:
+            at: When it came.
+            reading: The battery message; None where the pose tells it.
             charges: Whether it charges by that.
         """
-        self._status, self._current = reading.status, reading.current
+        if at == self._heard_at:
+            return
+        self._heard_at = at
+        if reading is not None:
+            self._status, self._current = reading.status, reading.current
         if charges:
+            self._count += 1
             if self._began_at is None:
-                self._began_at = now
-                self._first_at = self._first_at if self.breaks else now
+                self._began_at = at
+                self._first_at = self._first_at if self.breaks else at
             self._highest = max(
-                reading.current, self._highest, key=lambda current: (not math.isnan(current), abs(current))
+                self._current, self._highest, key=lambda current: (not math.isnan(current), abs(current))
             )
         elif self._began_at is not None:
             self.breaks += 1
-            self._broke_at, self._longest = now, max(self._longest, now - self._began_at)
-            self._began_at = None
+            self._broke_at, self._longest = at, max(self._longest, at - self._began_at)
+            self._began_at, self._count = None, 0
 
     def describe(self) -> str:
         """Describe the interrupted charges, as the end of a sentence; empty without any."""

@@ -27,7 +27,11 @@ class DetectorService(Protocol):
 
 
 class Detector:
-    """Waits, for a while, until the detector is on."""
+    """Waits, for a while, until the detector is on.
+
+    Attributes:
+        timeout: The longest that it waits, in s.
+    """
 
     def __init__(self, service: DetectorService, timeout: float) -> None:
         """Ask for nothing yet.
@@ -37,7 +41,7 @@ class Detector:
             timeout: How long to wait for it, in s.
         """
         self._service = service
-        self._timeout = timeout
+        self.timeout = timeout
         self._waited = 0.0
 
     def is_on(self, dt: float) -> bool:
@@ -56,7 +60,7 @@ class Detector:
         if answer is not None:
             raise FailedToDetectDock(f"{name} did not switch it on: {answer}")
         self._waited += dt
-        if self._waited > self._timeout:
+        if self._waited > self.timeout:
             what = "did not answer" if called else "was not there"
-            raise FailedToDetectDock(f"{name} {what} for {self._timeout:g} s (detector_service_timeout)")
+            raise FailedToDetectDock(f"{name} {what} for {self.timeout:g} s (detector_service_timeout)")
         return False

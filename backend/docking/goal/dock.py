@@ -1,5 +1,6 @@
 """Docking: reached when the battery charges, and goes on charging."""
 
+import math
 from dataclasses import replace
 
 from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
@@ -11,13 +12,15 @@ from docking.core.errors import (
     FailedToStage,
     Stage,
 )
+from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.motion_model import MotionModel
-from docking.goal.charging import ChargeRecord, stands_docked, tells_charging
+from docking.goal.charger_doubt import ChargerDoubt
+from docking.goal.charging import FLICKERS, ChargeRecord, is_full, stands_docked, tells_charging
 from docking.goal.dock_memory import DockMemory
 from docking.goal.motion_watch import makes_sense
 from docking.goal.objective import Deadline, Objective, Progress
-from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, RecoverySettings, Staging
+from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, RecoverySettings, SearchSettings, Staging
 
 DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
     Stage.INITIAL_PERCEPTION: ("initial_perception_timeout", FailedToDetectDock, "the dock was not found"),
@@ -51,6 +54,7 @@ class Docking(Objective):
         staging: Staging | None = None,
         dock_type: str = "",
         dock_name: str = "",
+        search: SearchSettings | None = None,
     ) -> None:
         """Begin with a battery that does not charge.
 
@@ -64,6 +68,7 @@ class Docking(Objective):
             staging: Of the dock, to be remembered; None is the usual one.
             dock_type: Of the dock, to be remembered.
             dock_name: Of the dock, to be remembered.
+            search: How long the robot may drive about to find the dock, at each attempt; None is the usual time.
         """
         super().__init__(timeouts, memory, charging)
         self.max_retries = timeouts.max_retries
@@ -76,7 +81,8 @@ class Docking(Objective):
         self._status: int | None = None
         self._stable_for = timeouts.charge_stable_for
         self._record = ChargeRecord(timeouts.charge_stable_for)
-        self._connected_since: float | None = None
+        self._charger = ChargerDoubt()
+        self._read_at = math.nan
         self._motion = MotionModel()  # for the velocity, measured from poses
         self._deadlines = {
             stage: Deadline(parameter, getattr(timeouts, parameter), error, message)
@@ -89,6 +95,8 @@ class Docking(Objective):
                 FailedToControl,
                 f"the robot did not stay within {docking_threshold:g} m (docking_threshold) of the docked pose",
             )
+        search_timeout = (search or SearchSettings()).search_timeout
+        self._search = Deadline("search_timeout", search_timeout, FailedToDetectDock, "the dock was not found")
         if recovery is not None:
             self._deadlines[Stage.CORRECTING] = Deadline(
                 "correction_timeout", recovery.correction_timeout, FailedToControl, "the robot did not press again"
@@ -101,29 +109,35 @@ class Docking(Objective):
         if robot is not None:
             self._motion.look(observation.now, robot)
         self.memory.heads_for(self._staging, self._dock_type, robot, charges=self._charging.charges)
-        known = battery is not None or not self.needs_battery
-        charges = known and self._charges(observation, battery, progress)
-        if battery is not None and self.needs_battery:
-            self._record.hear(observation.now, battery, charges=charges)
-        if not charges:
-            self._connected_since = None
-            return False
-        if self._connected_since is None:
-            self._connected_since = observation.now
-        reached = observation.now - self._connected_since >= self._stable_for
-        if reached:
-            self.memory.docked_at(self._dock_name, robot, progress.turn)
-        return reached
+        if battery is not None or not self.needs_battery:
+            self._hear(observation.now, robot, battery, progress)
+            if self._record.is_stable:
+                self.memory.docked_at(self._dock_name, robot, progress.turn)
+                return True
+        return False
 
-    def _charges(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
-        odometry = observation.odometry
+    def _hear(self, now: float, robot: Pose | None, battery: BatteryReading | None, progress: Progress) -> None:
+        """Take notice of what tells the charge: each message of the battery once, or the pose at each step."""
         if battery is not None:
             self._status = battery.status
-            if tells_charging(battery, self._charging, self._motion.velocity):
-                return True
-        # Before the robot has arrived, it may still be where it was docked last.
-        docked = progress.docked if progress.arrived else self.memory.at if self.memory.docked else None
-        return stands_docked(None if odometry is None else odometry.pose, docked, self._charging, self._threshold)
+        if self._charging.by_pose or battery is None:
+            # Before the robot has arrived, it may still be where it was docked last.
+            docked = progress.docked if progress.arrived else self.memory.at if self.memory.docked else None
+            charges = stands_docked(robot, docked, self._charging, self._threshold)
+            self._record.hear(now, battery, charges=charges)
+        elif battery.received_at != self._read_at:
+            self._read_at = battery.received_at
+            says = tells_charging(battery, self._charging, self._motion.velocity)
+            charges = self._charger.believes(robot, self._motion.velocity, progress.docked, charges=says)
+            full = not charges and self._is_full(robot, battery, progress)
+            self.doubt = _describe_full(battery) if full else self._charger.reason or self.doubt
+            self._record.hear(battery.received_at, battery, charges=charges or full)
+
+    def _is_full(self, robot: Pose | None, battery: BatteryReading, progress: Progress) -> bool:
+        """Whether the robot stands on its dock with a battery that takes no more: its driver may say NOT_CHARGING."""
+        if not progress.arrived or robot is None or progress.docked is None:
+            return False
+        return is_full(battery) and robot.distance_to(progress.docked) <= self._threshold
 
     def holds(self, stage: Stage) -> bool:
         """Whether the battery charges and the robot is not pressing on.
@@ -132,18 +146,31 @@ class Docking(Objective):
         """
         if not self._charging.charges and stage is Stage.WAIT_FOR_CHARGE:
             return False
-        return self._connected_since is not None and stage is not Stage.CONTROLLING
+        return self._record.charges and stage is not Stage.CONTROLLING
 
     @property
     def flickers(self) -> bool:
         """Whether the charge comes and goes."""
         return self._record.flickers
 
+    @property
+    def search(self) -> Deadline | None:
+        """The time limit of driving about to find the dock."""
+        return self._search
+
+    def limit(self, stage: Stage) -> float:
+        """The longest that a stage may take, but for waiting and for a charge that is not stable yet."""
+        return super().limit(stage) + (0.0 if self._charging.charges else self._stable_for)
+
+    def held(self, failures: int) -> float:
+        """The longest that the robot stands for a charge that breaks off, beyond the limits of its stages."""
+        return (FLICKERS + failures) * self._record.longest(self.timeouts.battery_stale_after)
+
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of a stage."""
-        if not self._charging.charges and self._connected_since is not None:
-            return None  # in a moment it is docked
         deadline = self._deadlines.get(stage)
+        if deadline is not None and not self._charging.charges and self._record.charges:
+            return replace(deadline, seconds=deadline.seconds + self._stable_for)  # in a moment it is docked
         if deadline is not None and stage is Stage.WAIT_FOR_CHARGE and self._record.breaks:
             return replace(deadline, message="the charge did not become stable")
         return deadline
@@ -160,3 +187,10 @@ class Docking(Objective):
             status = describe_status(self._status)
             return FailedToCharge(f"{failure}: its status is {status}; charging_source may be current or pose")
         return failure
+
+
+def _describe_full(battery: BatteryReading) -> str:
+    return (
+        f"the battery is full ({100.0 * battery.percentage:.0f} %) and its status is {describe_status(battery.status)}:"
+        " a charger may wait until it takes some again. That the robot is docked is known by its pose alone"
+    )

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from docking.core.battery import BatteryReading
 from docking.core.errors import DockingError, ErrorCode, FailedToControl, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.goal.battery_watch import CLOCK_JUMP, BatteryWatch
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.detector import Detector
 from docking.goal.doubts import Doubts
@@ -16,9 +16,7 @@ from docking.goal.outcome import Command, End, Outcome
 from docking.goal.pace import Pace
 from docking.goal.plan import DockTarget, Plan, RecoveringPlan
 from docking.goal.recovery import Recovery
-
-CLOCK_JUMP = 0.5
-"""Seconds: a clock that goes back by more has jumped, and a reading that is ahead by more is of another clock."""
+from docking.goal.time_limits import TimeLimits
 
 
 class Goal:
@@ -50,7 +48,8 @@ class Goal:
         self._objective = objective
         self._obstacles = obstacles if plan.motion is not None else None
         self._timeouts = objective.timeouts
-        self._started_at = self._stepped_at = self._heard_at = started_at
+        self._started_at = self._stepped_at = started_at
+        self._battery = BatteryWatch(objective.timeouts, started_at)
         self._pace: Pace | None = None
         self._watch: MotionWatch | None = None
         if plan.motion is not None:
@@ -59,12 +58,19 @@ class Goal:
         self._navigation: Navigation | None = None
         self._detector: Detector | None = None
         self._recovery = Recovery(plan, objective, self.doubts)
+        self._limits = TimeLimits(plan, objective, 0.0 if self._obstacles is None else self._obstacles.timeout)
         self._enter(plan.stages[0])
 
     @property
     def retries(self) -> int:
         """Number of retries."""
         return self._recovery.retries
+
+    @property
+    def longest(self) -> float:
+        """Seconds after which the goal has ended, whatever happens; infinite where nothing limits it."""
+        before = sum(first.timeout for first in (self._navigation, self._detector) if first is not None)
+        return self._limits.longest(before)
 
     def navigate_first(self, navigation: Navigation) -> None:
         """Have the robot driven to its staging pose before the plan begins; call it before the first step."""
@@ -92,50 +98,46 @@ class Goal:
         """
         if self.outcome is not None:
             return self.outcome
-        now, battery, timeouts = observation.now, observation.battery, self._timeouts
+        now, timeouts = observation.now, self._timeouts
         dt, self._stepped_at = now - self._stepped_at, now
         if dt < -CLOCK_JUMP:
             return self._give_up(ErrorCode.UNKNOWN, f"the clock jumped back by {-dt:.3g} s")
-        if battery is not None and battery.age(now) < -CLOCK_JUMP:
-            battery = None
-        if battery is not None:
-            self._heard_at = max(self._heard_at, battery.received_at)
-        fresh = battery if battery is not None and battery.age(now) <= timeouts.battery_stale_after else None
+        dt = max(0.0, dt)
+        self._limits.elapse(dt)
+        fresh = self._battery.fresh(observation.battery, now)
         try:
-            if self._objective.is_reached(observation, fresh, self._progress):
-                return self._succeed(observation)
+            reached = self._objective.is_reached(observation, fresh, self._progress)
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
+        if self._objective.doubt:
+            self.doubts.note("charge", self._objective.doubt)
+        if reached:
+            return self._succeed(observation)
         if 0.0 < timeouts.goal_timeout <= now - self._started_at:
             return self._give_up(
                 ErrorCode.TIMEOUT, f"the goal was not reached within {timeouts.goal_timeout:g} s (goal_timeout)"
             )
         waits = fresh is None and self._objective.needs_battery
-        return self._wait_for_battery(now, battery) if waits else self._go_on(observation, max(0.0, dt))
+        return self._wait_for_battery(observation, dt) if waits else self._go_on(observation, dt)
 
     @property
     def _progress(self) -> Progress:
         poses = self._plan.poses
         return Progress(self._stage is self._plan.stages[-1], self._finished, poses.filtered_dock, poses.turn)
 
-    def _wait_for_battery(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
-        stale_after, lost_after = self._timeouts.battery_stale_after, self._timeouts.battery_lost_after
-        if now - self._heard_at > lost_after:
-            return self._give_up(
-                ErrorCode.BATTERY_LOST, f"no battery message for {lost_after:g} s (battery_lost_after)"
-            )
-        message = (
-            "no battery message received yet: the robot waits"
-            if battery is None
-            else f"no battery message for over {stale_after:g} s: the robot waits"
-        )
-        return Command(Stage.WAIT_FOR_BATTERY, self._rest(), ErrorCode.BATTERY_STALE, message, retries=self.retries)
+    def _wait_for_battery(self, observation: Observation, dt: float) -> Command | Outcome:
+        if lost := self._battery.describe_loss(observation.now):
+            return self._give_up(ErrorCode.BATTERY_LOST, lost)
+        silence = self._battery.describe_silence(observation.battery, observation.now)
+        return self._wait(Stage.WAIT_FOR_BATTERY, ErrorCode.BATTERY_STALE, silence, dt)
 
     def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
         """The battery charges, another server drives to the staging pose, or the plan drives."""
         if self._objective.holds(self._stage):
-            self._stage_time += dt if self._objective.flickers else 0.0
+            self._limits.count(dt if self._objective.flickers else 0.0)
             return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
+        if (failure := self._limits.exceeded(self._stage, finished=self._finished)) is not None:
+            return self._recover(self._objective.reword(failure))
         if self._navigation is not None:
             return self._navigate(self._navigation, observation, dt)
         return self._follow_plan(observation, dt)
@@ -144,7 +146,7 @@ class Goal:
         """Leave the wheels to the server that drives to the staging pose; then the plan begins."""
         try:
             if self._watch is not None and self._watch.hears(observation) is None and self._watch.waiting:
-                return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, self._watch.waiting)
+                return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, self._watch.waiting, dt)
             going = navigation.step(dt)
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
@@ -167,7 +169,7 @@ class Goal:
             if watch is not None and self._plan.poses.pushes:
                 watch.restart()
             if watch is not None and not watch.sees(observation):
-                return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, watch.waiting)
+                return self._wait(Stage.WAIT_FOR_ODOMETRY, ErrorCode.ODOMETRY_LOST, watch.waiting, dt)
             if self._detector is not None:
                 if not self._detector.is_on(dt):
                     return self._command(self._rest())
@@ -179,9 +181,7 @@ class Goal:
             ahead = observation if watch is None else watch.ahead(observation)
             if obstacles is not None and not obstacles.look(ahead, self._plan.poses.filtered_dock, dt):
                 code = ErrorCode.SCAN_LOST if obstacles.lost else ErrorCode.OBSTRUCTED
-                return self._wait(Stage.WAIT_FOR_CLEARANCE, code, obstacles.reason)
-            self._stage_time += dt
-            self._check_deadline()
+                return self._wait(Stage.WAIT_FOR_CLEARANCE, code, obstacles.reason, dt)
             velocity = self._move(observation, ahead, dt)
         except DockingError as failure:
             return self._recover(self._objective.reword(failure))
@@ -191,24 +191,15 @@ class Goal:
             self._objective.memory.moves()
         return self._command(velocity)
 
-    def _check_deadline(self) -> None:
-        """See whether the stage has taken too long.
-
-        Raises:
-            DockingError: It has.
-        """
-        deadline = self._objective.deadline(self._stage, self._finished)
-        if self._plan.poses.explores:
-            self._stage_time = 0.0
-        if self._watch is not None and deadline is not None and self._stage_time > deadline.seconds:
-            raise deadline.error(f"{deadline.message} within {deadline.seconds:g} s ({deadline.parameter})")
-
     def _move(self, observation: Observation, ahead: Observation, dt: float) -> Velocity:
         """Let the controller say what to do, and keep the limits.
 
         Raises:
-            DockingError: It fails, or says nothing sensible.
+            DockingError: It fails, says nothing sensible, or has taken too long.
         """
+        self._limits.count(dt, searches=self._plan.poses.explores and self._stage is self._plan.stages[0])
+        if (too_long := self._limits.exceeded(self._stage, finished=self._finished)) is not None:
+            raise too_long
         if self._finished:
             return self._rest()
         step = self._controller.step(ahead, dt)
@@ -244,8 +235,9 @@ class Goal:
 
     def _recover(self, failure: DockingError) -> Command | Outcome:
         """Try again where that may help, else give up."""
-        if self._objective.holds(self._plan.stages[-1]):  # pressing on, it has come as far as it can get
-            self._enter(self._plan.stages[-1])
+        last = self._plan.stages[-1]
+        if self._stage is not last and self._objective.holds(last):  # pressing on, it has come as far as it can get
+            self._enter(last)
             return self._command(self._rest())
         after = self._recovery.after(failure, self._stage)
         if isinstance(after, DockingError):
@@ -255,7 +247,7 @@ class Goal:
 
     def _enter(self, stage: Stage) -> None:
         self._stage = stage
-        self._stage_time = 0.0
+        self._limits.enter()
         self._finished = False
         self._controller: Behavior = self._behavior(stage)
         if self._watch is not None:
@@ -314,8 +306,11 @@ class Goal:
             self._watch.rest()
         return STANDSTILL
 
-    def _wait(self, stage: Stage, error_code: ErrorCode, reason: str) -> Command:
-        """Stand still, and say why once it is worth a word."""
+    def _wait(self, stage: Stage, error_code: ErrorCode, reason: str, dt: float) -> Command | Outcome:
+        """Stand still, and say why once it is worth a word; the sum of all waits has a limit, too."""
+        if too_long := self._limits.wait(dt):
+            lost = ErrorCode.BATTERY_LOST if error_code is ErrorCode.BATTERY_STALE else error_code
+            return self._give_up(lost, f"{reason or stage.value}; {too_long}")
         waiting = self._command(self._rest())
         return replace(waiting, stage=stage, error_code=error_code, error_msg=reason) if reason else waiting
 

@@ -90,6 +90,7 @@ class Navigation:
         self._ride: Ride | None = None
         self._waited = self._driven = self._silent = 0.0
         self._feedback = 0
+        self._asked = False
 
     def step(self, dt: float) -> Going:
         """Let time pass, and say who drives now.
@@ -101,22 +102,26 @@ class Navigation:
             FailedToStage: The robot was not driven to the staging pose.
         """
         ride = self._ride
-        if ride is None:
-            return self._decide(dt)
-        self._driven += dt
-        state = ride.state
-        if state is RideState.REACHED:
+        self._driven += dt if self._asked else 0.0
+        if ride is not None and ride.state is RideState.REACHED:
             self._ride = None
             return Going.OVER
-        if state is RideState.FAILED:
+        if ride is not None and ride.state is RideState.FAILED:
             raise FailedToStage(ride.reason)
         if self._driven > self._settings.max_staging_time:
             raise FailedToStage(
                 f"navigate_to_pose did not reach the staging pose within {self._settings.max_staging_time:g} s"
                 " (max_staging_time)"
             )
-        self._listen(ride, state, dt)
+        if ride is None:
+            return self._decide(dt)
+        self._listen(ride, ride.state, dt)
         return Going.DRIVES
+
+    @property
+    def timeout(self) -> float:
+        """The longest that it takes, in s, with all interruptions."""
+        return self._settings.max_staging_time + DISCOVERY
 
     def interrupt(self) -> None:
         """Cancel the ride, if there is one: the robot must stand still now."""
@@ -136,7 +141,7 @@ class Navigation:
             return Going.OVER
         if distance <= self._settings.dock_prestaging_tolerance:
             return Going.OVER
-        self._ride = self._navigator.send()
+        self._ride, self._asked = self._navigator.send(), True
         self._silent, self._feedback = 0.0, 0
         return Going.DRIVES
 

@@ -1,5 +1,6 @@
 """The objective of a goal: when it is reached, how long its stages may take, and the memory of the dock."""
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -54,6 +55,7 @@ class Objective(ABC):
         recovery: Moves on the contacts and after the last attempt; None without any.
         memory: Knowledge of the dock that is kept from goal to goal.
         docks: Whether the robot is docked when the goal is reached.
+        doubt: What seems wrong with the charge, as a sentence; empty where nothing does.
         slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
     """
 
@@ -61,6 +63,7 @@ class Objective(ABC):
     max_retries = 0
     recovery: RecoverySettings | None = None
     slowdown_radius = 0.0
+    doubt = ""
 
     def __init__(self, timeouts: Timeouts, memory: DockMemory | None, charging: ChargingSettings | None) -> None:
         """Begin.
@@ -90,6 +93,24 @@ class Objective(ABC):
     @abstractmethod
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of a stage; None where it has none."""
+
+    @property
+    def search(self) -> Deadline | None:
+        """The time limit of driving about to find the dock, at a stage; None where it has none."""
+        return None
+
+    def limit(self, stage: Stage) -> float:
+        """The longest that a stage may take, in s, but for waiting and for a charge that is not stable yet."""
+        deadline = self.deadline(stage, False)
+        return math.inf if deadline is None else deadline.seconds
+
+    def held(self, failures: int) -> float:
+        """The longest that a goal may stand still for a charge that breaks off, in s, beyond the limits of its stages.
+
+        Args:
+            failures: Number of stages that may fail.
+        """
+        return 0.0
 
     @property
     def flickers(self) -> bool:

@@ -55,6 +55,11 @@ class ObstacleWatch:
         self._waited_for = 0.0
         self._free_for = 0.0
 
+    @property
+    def timeout(self) -> float:
+        """The longest wait, in s."""
+        return self._settings.obstacle_timeout
+
     def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
         """Take in the scan, and say whether the robot may move.
 

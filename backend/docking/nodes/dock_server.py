@@ -31,6 +31,7 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
         staging=settings.dock,
         dock_type=settings.dock_type,
         dock_name=settings.dock_name,
+        search=settings.search,
     )
 
 
@@ -50,7 +51,7 @@ class DockAction(RobotAction[DockSettings]):
 
     def needs(self, settings: DockSettings) -> frozenset[Sensor]:
         """Those of the controller, and the laser scan where obstacles are watched."""
-        needs = frozenset(map(Sensor, sensors_of(settings)))
+        needs = frozenset(map(Sensor, sensors_of(settings.controller)))
         watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
         needs |= {Sensor.JOINTS} if settings.joints and Sensor.ODOMETRY in needs else set()
         return needs | {Sensor.SCAN} if watched else needs

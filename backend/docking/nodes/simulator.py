@@ -55,6 +55,8 @@ from robot_io.qos import LATCHED, LATEST
 
 PERIOD = 1.0 / 30.0
 TICKS_PER_BATTERY_MESSAGE = 3
+BATTERY_RATE = 10.0
+"""Battery messages per second with that; where `battery_rate` is lower, not each measurement is published again."""
 DIAGNOSTICS_PERIOD = 1.0
 LONGEST_LAPSE = 0.25
 """The most time, in s, that is caught up with; the simulation stands still while the process does."""
@@ -144,6 +146,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._range_messages = [RangeMessage(receiver, infrared) for receiver in RECEIVERS]
         self._scan_message = ScanMessage(self._simulation.settings.laser)
         self._battery_message = BatteryMessage()
+        self._battery_told = -math.inf
         self._odometry_told = self._marker_told = self._ranges_told = self._scan_told = -math.inf
 
     def _make_subscriptions(self) -> None:
@@ -239,7 +242,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._odometry_told = odometry.stamp  # of its arrival: its message may repeat the one before
             reckoned = self._stamp(reading[0])
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
-            self._frames.publish(odometry.pose, simulation.located_origin, simulation.time, reckoned)
+            self._frames.publish(odometry.pose, simulation.odometry_origin, simulation.time, reckoned)
         if self._joints.get_subscription_count() > 0:
             self._joints.publish(joint_message(simulation.wheels, stamp))
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
@@ -266,7 +269,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         if self._others_publish_battery(now) or Fault.SILENT_BATTERY in self._simulation.faults:
             return
         measured = self._simulation.measurement
-        if measured is not None:
+        repeats = measured is not None and measured[1] == self._battery_told
+        if measured is not None and not (repeats and self._simulation.settings.battery.battery_rate < BATTERY_RATE):
+            self._battery_told = measured[1]
             message = serialize_message(self._battery_message.fill(measured[0], self._now()))
             self._courtesy.sent(message)
             self._battery.publish(message)

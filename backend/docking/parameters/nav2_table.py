@@ -135,11 +135,11 @@ NAV2: tuple[Nav2Parameter, ...] = (
     *_same(0.0, "<type>.staging_yaw_offset", text="it counts with `navigate_to_staging_pose`"),
     *_same("forward", "<type>.dock_direction"),
     *_same(False, "<type>.rotate_to_dock"),
-    Nav2Parameter(
+    _refused(
         "<type>.use_external_detection_pose",
         False,
-        Meaning.SAME,
-        text="where it is false, the robot feels for the contacts, too",
+        (True,),
+        "The robot docks only where the dock is detected. Write true, and publish detected_dock_pose.",
         differs="true",
     ),
     *_same(1.0, "<type>.external_detection_timeout"),

@@ -25,7 +25,12 @@ class Timeouts:
         "Not below battery_stale_after.",
     )
     goal_timeout: float = number(
-        0.0, 0.0, 86400.0, "s", "Maximum duration of a goal, after which it is aborted; 0: no limit."
+        0.0,
+        0.0,
+        86400.0,
+        "s",
+        "Maximum duration of a goal, after which it is aborted; 0: as long as its stages and waits may take, and with "
+        "rotate no limit.",
     )
     odometry_timeout: float = number(
         5.0,
@@ -61,8 +66,9 @@ class DockTimeouts(Timeouts):
         0.0,
         60.0,
         "s",
-        "Time for which the battery must charge without a break until the goal succeeds; meanwhile the robot goes on "
-        "to the docked pose. With rotate, the first battery message counts, as in the tutorial.",
+        "Time for which the battery must charge without a break until the goal succeeds, with at least 3 messages that "
+        "say so, 5 where they are rare; meanwhile the robot goes on to the docked pose. With rotate, the first battery "
+        "message counts, as in the tutorial.",
     )
     retry_timeout: float = number(30.0, 0.1, 3600.0, "s", "Time limit for backing off.")
     max_retries: int = number(3, 0, 100, "", "Maximum number of retries; the robot backs off before each of them.")

@@ -94,6 +94,7 @@ class InfraredPlan(SightedPlan):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
+        self.begin()
         if stage is Stage.RETRY and self._approaching and self.beacon.known:
             self.beacon.forget_axis()  # the robot may have been pushed: it looks for the edges of the light again
         self._approaching = stage is Stage.CONTROLLING

@@ -109,6 +109,10 @@ class SightedPlan(DockTarget):
         """Whether the robot drives about to find the dock."""
         return self._explore is not None and self._explore.away
 
+    def begin(self) -> None:
+        """A stage begins: what drove about to find the dock before drives no longer."""
+        self._explore = None
+
     def explore(self, search: Callable[[], Search], sees: Callable[[float], bool]) -> Explore:
         """Look for the dock, by driving, too, where that is allowed.
 
@@ -122,7 +126,6 @@ class SightedPlan(DockTarget):
             self._places(expected),
             replace(self.motion, v_linear_max=self.motion.v_linear_back),
             sees,
-            self._where.search_timeout,
             at_once=robot is not None and self._is_certain and not may_be_seen(robot, expected or robot),
         )
         return self._explore

@@ -25,6 +25,7 @@ class BatterySettings:
     battery_reports_status: bool = switch(
         True, "Whether power_supply_status tells what the battery does; else it is always UNKNOWN (0)."
     )
+    battery_rate: float = number(10.0, 0.1, 100.0, "Hz", "Battery messages per second.")
     battery_charges_negative: bool = switch(False, "Whether the current is negative while the battery charges.")
     cells: int = 7
     charge_current: float = number(6.5, 0.0, 65.0, "A", "Charging current until the battery is full.")

@@ -83,11 +83,11 @@ class Trial:
         self.navigator = navigator
         self.goal = Goal(TurningPlan(), Docking(limits), 0.0)
         self.goal.navigate_first(Navigation(navigator, SETTINGS))
-        self.now = 0.0
+        self.now, self.speed = 0.0, 0.5
         self.steps: list[Command] = []
 
     def step(self, battery: int | None = LOW, *, odometry: bool = True) -> Command | Outcome:
-        seen = Odometry(Pose(0.5 * self.now), STANDSTILL, self.now) if odometry else None
+        seen = Odometry(Pose(self.speed * self.now), STANDSTILL, self.now) if odometry else None
         reading = None if battery is None else BatteryReading(battery, self.now)
         if self.navigator.rides and self.navigator.talks:
             self.navigator.rides[-1].feedback += 1
@@ -276,6 +276,7 @@ def test_a_clock_that_stands_still_stops_it() -> None:
 
 def test_a_robot_whose_battery_charges_is_not_driven() -> None:
     trial = Trial(Navigator())
+    trial.speed = 0.0
     assert trial.step(CHARGING) == Command(Stage.WAIT_FOR_CHARGE, STANDSTILL)
     assert trial.run(1.0, CHARGING) == Outcome(End.SUCCEEDED)
     assert trial.navigator.rides == []
