@@ -53,7 +53,7 @@ class VelocityPublisher:
         self.frame = frame
         self._node = node
         self._topic = node.resolve_topic_name(TOPIC)
-        self._second: SecondParticipant | None = None
+        self._others: dict[str, SecondParticipant] = {}  # by type, as none can have both
         self._unmatched: dict[str, set[str]] = {}  # nodes that subscribe to another type, by type
         # Replaced, never changed: other threads publish.
         self._publishers: dict[str, Publisher] = {}
@@ -73,7 +73,7 @@ class VelocityPublisher:
         self._publishers = {name: publisher for name, publisher in before.items() if name in wanted}
         for name in before.keys() - wanted:
             if not self._node.destroy_publisher(before[name]):
-                self._second_node().destroy_publisher(before[name])
+                self._others[name].node.destroy_publisher(before[name])
         return len(self._publishers) < len(before)
 
     def _wanted(self) -> frozenset[str]:
@@ -115,20 +115,24 @@ class VelocityPublisher:
             raise failure
 
     def _make(self, name: str) -> Publisher:
-        """A publisher of a type, on a second participant if the node's has the topic with the other type."""
+        """A publisher of a type, on a participant of its own if the node's has the topic with the other type.
+
+        Other nodes of the process decide, too, which type the node's participant has, and may change it.
+        """
         overriding = QoSOverridingOptions.with_default_policies()
         try:
             return self._node.create_publisher(CLASSES[name], TOPIC, 10, qos_overriding_options=overriding)
         except RCLError:
-            return self._second_node().create_publisher(CLASSES[name], self._topic, 10)
+            return self._other_node(name).create_publisher(CLASSES[name], self._topic, 10)
 
-    def _second_node(self) -> Node:
-        if self._second is None:
-            self._second = SecondParticipant(self._node, f"{self._node.get_name()}_cmd_vel")
-        return self._second.node
+    def _other_node(self, name: str) -> Node:
+        if name not in self._others:
+            kind = name.rpartition("/")[2].lower()
+            self._others[name] = SecondParticipant(self._node, f"{self._node.get_name()}_cmd_vel_{kind}")
+        return self._others[name].node
 
     def close(self) -> None:
-        """Leave the second participant, if there is one."""
-        if self._second is not None:
-            self._second.close()
-            self._second = None
+        """Leave the other participants, if there are any."""
+        for participant in self._others.values():
+            participant.close()
+        self._others = {}

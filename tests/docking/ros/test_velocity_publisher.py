@@ -101,3 +101,18 @@ def test_whoever_hears_nothing_is_named(nodes: tuple[Node, Node], observer: Obse
     look(publisher)
     look(publisher)
     assert publisher.mismatch is None
+
+
+@pytest.mark.ros
+def test_another_node_of_the_process_may_publish_either_type(nodes: tuple[Node, Node]) -> None:
+    """Its publisher decides which type is left for others on the participant that they share, whatever came before."""
+    one, other = VelocityPublisher(nodes[0], FALSE), VelocityPublisher(nodes[1], TRUE)
+    for mode, left in ((TRUE, FALSE), (FALSE, TRUE), (TRUE, FALSE)):
+        one.mode = mode
+        look(one)
+        look(one)
+        other.mode = left
+        other.add_wanted()  # in a moving robot nothing is dropped
+        other.publish(Velocity(0.1))
+    for publisher in (one, other):
+        publisher.close()
