@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway
-from tests.support.processes import BIN, Process, client_process, ros_environment
+from tests.support.processes import ForkedProcess, client_process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -206,8 +206,8 @@ def test_battery_states_are_published_once_and_repeatedly(gateway: RunningGatewa
 
 
 def test_the_command_line(gateway: RunningGateway, shared_domain: int) -> None:
-    def run(*arguments: str) -> Process:
-        return Process(str(BIN / "dock-gateway"), *arguments, "--url", gateway.url, env=ros_environment(shared_domain))
+    def run(*arguments: str) -> ForkedProcess:
+        return ForkedProcess("dock-gateway", *arguments, "--url", gateway.url, env=ros_environment(shared_domain))
 
     with run("battery", "--status", "not-charging", "--percentage", "0.24", "--rate", "5") as command:
         assert command.wait() == 0
