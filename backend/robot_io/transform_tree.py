@@ -134,6 +134,25 @@ class TransformTree:
                 transform = self._at(parent, measured_at).inverse().compose(transform)
         return transform
 
+    def newest(self, target: str, frame: str) -> float | None:
+        """When the oldest of the last transforms between two frames was measured; None where all are fixed.
+
+        Args:
+            target: One of the frames.
+            frame: The other one.
+
+        Raises:
+            TransformError: There is no way from one to the other.
+        """
+        path = self.path(frame, target)
+        links = [
+            self._links[child]
+            for one, other in pairwise(path)
+            for child, parent in ((one, other), (other, one))
+            if child in self._links and self._links[child].parent == parent
+        ]
+        return min((link.samples[-1][0] for link in links if not link.fixed), default=None)
+
     def _at(self, child: str, measured_at: float) -> Transform:
         link = self._links[child]
         try:

@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.parameters import ControllerName, DockSettings
+from docking.parameters import ControllerName, DockDirection, DockSettings
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from docking.simulation.settings import Settings
@@ -69,6 +69,8 @@ class Case:
         parameters: Changes the parameters of the docking server.
         why: Sentences for docs/docking-results.md: why less than 95 % of its goals dock. Empty for the other rows.
         final_push: The parameter, in m.
+        located: Whether the dock is not detected, but known by the database and the localization alone. The robot feels
+            for the contacts then, so that slow touches beside them are no failure.
     """
 
     name: str
@@ -83,6 +85,7 @@ class Case:
     parameters: Callable[[DockSettings], DockSettings] = lambda settings: settings
     why: str = ""
     final_push: float = 0.0
+    located: bool = False
 
 
 def _set(part: str, **values: Any) -> Change:
@@ -132,6 +135,20 @@ def _mounted(distance: float, angle: float) -> Change:
     return change
 
 
+def _aside(distance: float) -> Change:
+    """The camera is mounted to the left or to the right of where it is taken to be."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        return _set("marker", camera_error_y=random.choice((distance, -distance)))(settings, random)
+
+    return change
+
+
+def _rotates(settings: DockSettings) -> DockSettings:
+    """With rotate_to_dock."""
+    return replace(settings, dock=replace(settings.dock, dock_direction=DockDirection.BACKWARD, rotate_to_dock=True))
+
+
 def _turned(angle: float) -> Change:
     """The marker is turned on its dock, to the left or to the right."""
 
@@ -149,6 +166,17 @@ def _two_tags(settings: Settings, random: Random) -> Settings:
 def _sprung(settings: Settings, random: Random) -> Settings:
     """The contacts need 2 to 5 cm more push."""
     return _set("dock", travel=random.uniform(0.02, 0.05))(settings, random)
+
+
+def _off(distance: float, angle: float = math.radians(4.0), jump: float = 0.0) -> Change:
+    """By the localization the dock is somewhere at a distance from where it is, and turned by up to an angle."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        way, yaw = random.uniform(-math.pi, math.pi), random.uniform(-angle, angle)
+        x, y = distance * math.cos(way), distance * math.sin(way)
+        return _set("localization", error_x=x, error_y=y, error_yaw=yaw, noise=0.005, jump=jump)(settings, random)
+
+    return change
 
 
 def _push_often(random: Random) -> Disturbance:
@@ -201,6 +229,11 @@ CAMERA = "The dock seems to turn as the robot comes near: it gives up before con
 TWO_TAGS = "Without the dock's pose, nothing decides which of the two tags is the dock's."
 UNSEEN = "The dock cannot be seen from there, and nothing says where it is: give its pose, or set search_radius."
 SEARCHES = "Driving around to look for the dock does not always come to where it can be seen: give its pose."
+ASIDE = (
+    "A camera beside the place that tf says cannot be told from a dock that is there, before the first contact. That is"
+    " beside the contacts, at v_linear_min."
+)
+BLINDLY = "The robot backs onto the dock without seeing it; what odometry misjudges shows only at the contact."
 """Why less than 95 % of the goals of a row dock."""
 
 CASES = (
@@ -274,9 +307,27 @@ CASES = (
     Case("dirty contacts", BOTH, disturb=_dirty),
     Case("dirty contacts, pressed again", BOTH, disturb=_dirty, recovers=True),
     Case("contacts on springs, 2 to 5 cm more push", BOTH, _sprung, final_push=0.06),
+    Case("no marker, pose off by 1 cm, up to 4°", (DOCK_POSE,), _off(0.01), located=True),
+    Case("no marker, pose off by 4 cm, up to 4°", (DOCK_POSE,), _off(0.04), located=True),
+    Case("no marker, pose off by 8 cm, up to 4°", (DOCK_POSE,), _off(0.08), located=True),
+    Case("no marker, localization jumps 5 to 20 cm", (DOCK_POSE,), _off(0.01, 0.02, jump=0.2), located=True),
     Case("a lip that takes 1.5 s of pushing", BOTH, _set("dock", lip=1.5), final_push=0.06),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0)), why=CAMERA),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0)), why=CAMERA),
+    Case("camera 3 cm aside", (DOCK_POSE,), _aside(0.03), why=ASIDE),
+    Case("two-fold ambiguity of a flat marker", (DOCK_POSE,), _set("marker", mirrored=0.5)),
+    Case(
+        "rotate_to_dock with 5 % slip in turns",
+        (DOCK_POSE,),
+        _all(_set("robot", turn_slip=0.05), _set("dock", at_back=True)),
+        parameters=_rotates,
+        why=BLINDLY,
+    ),
+    Case("marker not seen below 0.30 m", (DOCK_POSE,), _set("marker", range_min=0.3)),
+    Case(
+        "half-visible marker, biased", (DOCK_POSE,), _set("marker", cut_off_bias=1.0, field_of_view=math.radians(40.0))
+    ),
+    Case("noise grows with the square of the distance", (DOCK_POSE,), _set("marker", noise_per_square_metre=0.02)),
     Case("pushed 10 cm sideways in the last 20 cm", BOTH, disturb=_push_once),
     Case("two tags on one topic", (DOCK_POSE,), _two_tags, why=TWO_TAGS),
     Case("two tags on one topic, pose known", (DOCK_POSE,), _two_tags, known=True),

@@ -13,9 +13,10 @@ from docking.goal.dock import Docking
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.outcome import Command, End, Outcome
-from docking.parameters import ControllerName, DockSettings, MotionLimits
+from docking.parameters import ControllerName, DockDatabase, DockEntry, DockSettings, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
+from docking.simulation.localization import RATE
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
@@ -81,6 +82,13 @@ class Trial:
 def settings_of(controller: ControllerName, case: Case = CASES[0]) -> DockSettings:
     """The defaults, with a controller; a robot that searches by driving watches its way."""
     settings, searches = DockSettings(controller=controller), case.search_radius > 0.0
+    if case.located:
+        home = {"home": DockEntry(pose=(DOCKED.x, DOCKED.y, DOCKED.theta))}
+        settings = replace(
+            settings,
+            dock=replace(settings.dock, use_external_detection_pose=False),
+            database=DockDatabase(docks=("home",), entries=home),
+        ).at_dock("home")
     return case.parameters(
         replace(
             settings,
@@ -105,8 +113,11 @@ def _database_error(random: Random) -> Pose:
     return Pose(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.09, 0.09))
 
 
-def _observe(simulation: Simulation, database_error: Pose | None) -> Observation:
-    """What is known now; also where the database has the dock, if its error is given."""
+def _observe(simulation: Simulation, database_error: Pose | None, *, located: bool = False) -> Observation:
+    """What is known now; also where the database has the dock, if its error is given, or the localization."""
+    if located:
+        heard_at = math.floor(RATE * simulation.time) / RATE
+        return replace(simulation.observe(), expected_dock=simulation.located_docked, localized_at=heard_at)
     if database_error is None:
         return simulation.observe()
     odom = simulation.odometry.pose.compose(simulation.robot.pose.inverse())
@@ -136,12 +147,12 @@ def run_trial(
     off = _database_error(Random(f"{seed} database")) if case.known else None
     random = Random(f"{seed} disturbances")
     disturb = case.disturb(random)
-    objective = Docking(settings.timeouts, recovery=settings.recovery if case.recovers else None)
+    objective = Docking(settings.timeouts, recovery=settings.recovery if case.recovers or case.located else None)
     own = Goal(make_plan(settings), objective, simulation.time, watch_obstacles(settings))
     goal = own if law is None else GracefulGoal(own, law, settings)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
-    step: Command | Outcome = goal.step(_observe(simulation, off))
+    step: Command | Outcome = goal.step(_observe(simulation, off, located=case.located))
     while isinstance(step, Command) and simulation.time < LONGEST:
         speeds.told(step.velocity, period)
         disturb(simulation)
@@ -150,14 +161,14 @@ def run_trial(
         speeds.driven(simulation.robot.velocity)
         if simulation.time >= TRAIL_PERIOD * len(trail):
             trail.append((simulation.robot.x, simulation.robot.y))
-        step = goal.step(_observe(simulation, off))
+        step = goal.step(_observe(simulation, off, located=case.located))
     seconds = simulation.time
     simulation.run(SETTLING, STANDSTILL)
     robot = simulation.robot.pose
     succeeded = isinstance(step, Outcome) and step.end is End.SUCCEEDED
     return Trial(
         seed=seed,
-        docked=succeeded and simulation.contact and simulation.bumps == 0,
+        docked=succeeded and simulation.contact and (simulation.bumps == 0 or case.located),
         error_code=step.error_code.value if isinstance(step, Outcome) else "NO_END",
         error_msg=step.error_msg,
         seconds=seconds,

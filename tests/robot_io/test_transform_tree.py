@@ -167,3 +167,15 @@ def test_a_frame_is_related_to_either_end() -> None:
     assert nearer_frame(tree_of(camera="base_link"), "camera", "odom", "base_link") == "base_link"
     with pytest.raises(TransformError, match="no transform has 'camera' or 'base_link'"):
         nearer_frame(tree_of(odom="map"), "camera", "odom", "base_link")
+
+
+def test_the_newest_transform_of_a_way_is_as_old_as_its_oldest_link() -> None:
+    tree = tree_of(laser="base_link")
+    assert tree.newest("base_link", "laser") is None, "fixed ones are never old"
+    tree.add("map", "odom", AT + 3.0, ahead(1.0))
+    tree.add("odom", "base_link", AT + 5.0, ahead(1.0))
+    assert tree.newest("odom", "map") == tree.newest("map", "odom") == AT + 3.0
+    assert tree.newest("odom", "laser") == AT + 5.0
+    assert tree.newest("map", "laser") == AT + 3.0
+    with pytest.raises(TransformError):
+        tree.newest("map", "nowhere")

@@ -175,7 +175,10 @@ def test_each_parameter_that_has_no_effect_is_told_once(domain: int, observer: O
         ("base_frame: chassis", "base_frame is 'chassis', which is not possible here. "),
         ("odom_topic: odometry/filtered", "Odometry is heard on `odom`: remap it, by `-r odom:=<topic>`."),
         ("dock_backwards: 1", "dock_backwards is 1, but must be true or false"),
-        ("{dock_plugins: [a], a: {use_external_detection_pose: false}}", "a.use_external_detection_pose is false"),
+        (
+            "{controller: dock_pose, use_external_detection_pose: false, charging_source: pose}",
+            "charging_source is 'pose', but with use_external_detection_pose false the pose is known",
+        ),
         ("{dock_plugins: [a], a: {plugin: 'my::Dock'}}", "a.plugin is 'my::Dock', which is not possible here. "),
         (
             "{dock_backwards: true, dock_plugins: [a], a: {dock_direction: forward}}",

@@ -274,6 +274,7 @@ def test_the_report_is_repeated_while_nothing_happens(domain: int, observer: Obs
             "goal_id": "",
             "error_number": "0",
             "retries": "0",
+            "doubts": "",
         }
 
 

@@ -27,6 +27,7 @@ FAULTS = (
     "wrong_detections",
     "future_detections",
     "repeated_odometry",
+    "localization_jumps",
     "obstacle",
     "hidden_beacon",
     "infrared_ghosts",

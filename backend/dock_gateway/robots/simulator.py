@@ -31,6 +31,7 @@ Fault = Literal[
     "wrong_detections",
     "future_detections",
     "repeated_odometry",
+    "localization_jumps",
     "obstacle",
     "hidden_beacon",
     "infrared_ghosts",

@@ -78,7 +78,7 @@ class KeepInSight:
         period = MISSED * self._aim.period
         lost_after = max(UNSURE, period) + max(self._lost_after, period) + (PEEK / self._speed if peeks else 0.0)
         if self._unseen > lost_after and (left > self._blind_distance or peeks or self._aim.disputed):
-            return self._lost(f"the dock was out of sight for {lost_after:.1f} s (external_detection_timeout)")
+            return self._lost(f"{self._aim.unseen} for {lost_after:.1f} s (external_detection_timeout)")
         return None
 
     def hold(self, left: float) -> Velocity | None:

@@ -17,16 +17,17 @@ REACHED = 0.05
 class BackOut:
     """Drives backwards along a straight line, from where the robot is at the first step."""
 
-    def __init__(self, distance: float, motion: MotionLimits) -> None:
+    def __init__(self, distance: float, motion: MotionLimits, line: Pose | None = None) -> None:
         """Plan the way.
 
         Args:
             distance: How far, in m.
             motion: Limits of the robot's motion.
+            line: Where the line begins, in odom, and how the robot is turned on it; None is where it is at first.
         """
         self._distance = distance
         self._motion = motion
-        self._start: Pose | None = None
+        self._start = line
 
     def step(self, observation: Observation, dt: float) -> Velocity | Done:
         """Backwards, slower towards the end; needs odometry and stands still without."""

@@ -93,6 +93,8 @@ class ErrorCode(enum.StrEnum):
     """Aborted: the marker on the dock was seen, and then no longer."""
     INFRARED_LOST = "INFRARED_LOST", 963
     """Aborted: the dock's infrared beacon was seen, and then no longer, or the receivers are silent."""
+    LOCALIZATION_LOST = "LOCALIZATION_LOST", 966
+    """Aborted: the localization that says where the dock is has fallen silent, or does not know where the robot is."""
     BLOCKED = "BLOCKED", 970
     """Aborted: the robot did not move as commanded, or not at all."""
     PUSHED_OFF = "PUSHED_OFF", 971
@@ -173,6 +175,12 @@ class InfraredLost(DockingError):
     """The dock's beacon was seen, and then no longer, or the receivers are silent."""
 
     error_code = ErrorCode.INFRARED_LOST
+
+
+class LocalizationLost(DockingError):
+    """The localization that says where the dock is was heard, and then no longer."""
+
+    error_code = ErrorCode.LOCALIZATION_LOST
 
 
 class OdometryLost(DockingError):

@@ -58,10 +58,12 @@ class MarkerDetection:
     Attributes:
         pose: Of the marker in odom; its x axis points into the dock, the way the robot drives to get there.
         stamp: When it was seen.
+        camera: Where it was seen from, in odom; None where that is not known.
     """
 
     pose: Pose
     stamp: float
+    camera: Pose | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +125,8 @@ class Observation:
         other_markers: Detections shortly before `marker`, the oldest first: two tags may be detected in one image.
         expected_dock: Where the docked robot is at the goal's dock, looking into it, in odom, by the dock's pose in the
             database; None where that is not known.
+        localized_at: When the localization that says so was heard last.
+        localization_error: Its standard deviation, in m; NaN where it does not say.
         joints: The joints that tell whether the wheels stall, by name.
     """
 
@@ -134,4 +138,6 @@ class Observation:
     scan: Scan | None = None
     other_markers: tuple[MarkerDetection, ...] = ()
     expected_dock: Pose | None = None
+    localized_at: float = -math.inf
+    localization_error: float = math.nan
     joints: Mapping[str, Joint] = field(default_factory=dict)

@@ -2,7 +2,6 @@
 
 import math
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
@@ -11,7 +10,9 @@ import numpy.typing as npt
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import MarkerDetection, Observation
+from docking.estimation.flat_marker import FlatMarker
 from docking.estimation.marker_selection import MarkerSelection
+from docking.estimation.poses import difference, median_pose, squared_distance
 
 POSITION_NOISE = 0.01
 """Standard deviation of a detection, in m, until it has been measured."""
@@ -91,6 +92,7 @@ class DockEstimate:
         noticed_at: When the last detection was made, even if it was left out.
         period: Seconds between two detections, usually.
         selection: Which detections are of the dock's marker.
+        flat: Whether their headings are mirrored.
     """
 
     def __init__(self, memory: float) -> None:
@@ -104,6 +106,7 @@ class DockEstimate:
         self.seen_at = self.noticed_at = -math.inf
         self.period = 0.0
         self.selection = MarkerSelection()
+        self.flat = FlatMarker()
         self._memory = memory
         self._newest = -math.inf
         self._at_newest: list[Pose] = []  # detections with that stamp
@@ -141,7 +144,7 @@ class DockEstimate:
             return False
         position, angle = self._noise(math.hypot(*self._state[:2].tolist()))
         first, *others = self._left_out
-        return all(_squared_distance(_difference(one, first), (2.0 * position, 2.0 * angle)) < GATE for one in others)
+        return all(squared_distance(difference(one, first), (2.0 * position, 2.0 * angle)) < GATE for one in others)
 
     def spread(self, docked: Pose) -> Spread:
         """How well the docked pose is known.
@@ -184,11 +187,13 @@ class DockEstimate:
         if not self.selection.takes(marker.pose, robot, self.pose):
             return
         self._learn_period(marker.stamp)
-        self.raw = marker.pose
+        self.raw, changed = self.flat.correct(marker.pose, marker.camera or robot, robot, self.pose)
+        if changed:
+            self._start_again()
         if self._state is None:
-            self._begin(marker.pose, robot, marker.stamp)
+            self._begin(self.raw, robot, marker.stamp)
         else:
-            self._correct(self._state, marker.pose, robot, marker.stamp)
+            self._correct(self._state, self.raw, robot, marker.stamp)
 
     def _learn_period(self, stamp: float) -> None:
         pause, self.noticed_at = stamp - self.noticed_at, stamp
@@ -198,13 +203,22 @@ class DockEstimate:
 
     def forget(self) -> None:
         """Begin again with the next detections; what was learned of odometry and noise is kept."""
+        self._let_go()
+        self.count = 0
+        self.selection.forget()
+
+    def _let_go(self) -> None:
         if self._state is not None:
             self._errors = (float(self._state[YAW]), float(self._state[SCALE]))
         self._state = None
-        self.count = 0
         self._beginning.clear()
         self._left_out.clear()
-        self.selection.forget()
+
+    def _start_again(self) -> None:
+        """The headings of earlier detections were wrong, and so are the estimate and the noise."""
+        self._let_go()
+        self._position_noise.clear()
+        self._angle_noise.clear()
 
     # The robot moves.
 
@@ -243,16 +257,16 @@ class DockEstimate:
         known, first = [one for _, one in self._beginning], self._beginning[0][0]
         if len(known) < BEGINNING and (len(known) < FEWEST or stamp - first < BEGINNING_TIME):
             return
-        middle = _median(known)
+        middle = median_pose(known)
         self._scales = (NOISE_LIMITS[1] ** 2,) * 2
         noise = self._noise(robot.distance_to(middle))
-        agreeing = [one for one in known if _squared_distance(_difference(one, middle), noise) < 0.5 * GATE]
+        agreeing = [one for one in known if squared_distance(difference(one, middle), noise) < 0.5 * GATE]
         self._scales = (1.0, 1.0)
         if 2 * len(agreeing) <= len(known):
             return
-        middle = _median(agreeing)
+        middle = median_pose(agreeing)
         for one in agreeing:
-            self._learn_noise(_difference(one, middle), robot.distance_to(middle))
+            self._learn_noise(difference(one, middle), robot.distance_to(middle))
         self._beginning.clear()
         self._restart(middle, robot, len(agreeing), stamp)
 
@@ -272,7 +286,7 @@ class DockEstimate:
     def _correct(self, state: Array, marker: Pose, robot: Pose, stamp: float) -> None:
         seen, p = marker.relative_to(robot), self._covariance
         distance = math.hypot(seen.x, seen.y)
-        off = _difference(seen, Pose(*state[:3].tolist()))
+        off = difference(seen, Pose(*state[:3].tolist()))
         innovation = np.array((off.x, off.y, off.theta))
         position, angle = self._noise(distance)
         noise = np.array((position, position, angle))
@@ -301,11 +315,11 @@ class DockEstimate:
         """How far the marker has been moved; None if it has not."""
         if len(self._recent) < RECENT:
             return None
-        error = _median(self._recent)
+        error = median_pose(self._recent)
         share = math.pi / 2.0 / AGREEING  # variance of the median of n values: π/2n of that of one
-        if _squared_distance(error, (share * spread[0], share * spread[1])) < GATE:
+        if squared_distance(error, (share * spread[0], share * spread[1])) < GATE:
             return None
-        agreeing = sum(_squared_distance(_difference(one, error), noise) < GATE for one in self._recent)
+        agreeing = sum(squared_distance(difference(one, error), noise) < GATE for one in self._recent)
         return error if agreeing >= AGREEING else None
 
     def _learn_noise(self, off: Pose, distance: float) -> None:
@@ -328,19 +342,3 @@ class DockEstimate:
         if self._state is not None and max(growth) > 1.0:
             factors = np.sqrt((growth[0], growth[0], growth[1], 1.0, 1.0))
             self._covariance *= np.outer(factors, factors)
-
-
-def _difference(one: Pose, other: Pose) -> Pose:
-    return Pose(one.x - other.x, one.y - other.y, normalize_angle(one.theta - other.theta))
-
-
-def _squared_distance(off: Pose, noise: tuple[float, float]) -> float:
-    """Squared, in standard deviations."""
-    return (off.x**2 + off.y**2) / noise[0] + off.theta**2 / noise[1]
-
-
-def _median(poses: Sequence[Pose]) -> Pose:
-    """Of each coordinate."""
-    first = poses[0].theta
-    theta = first + median(normalize_angle(pose.theta - first) for pose in poses)
-    return Pose(median(pose.x for pose in poses), median(pose.y for pose in poses), normalize_angle(theta))

@@ -135,7 +135,7 @@ class Pace:
             return math.inf
         off = robot.relative_to(Pose(docked.x, docked.y, axis))
         coming = model.unseen.way
-        left = max(0.0, -off.x - max(0.0, math.copysign(coming, coming * linear)))
+        left = max(0.0, -off.x - poses.uncertainty - max(0.0, math.copysign(coming, coming * linear)))
         return math.hypot(left, max(0.0, abs(off.y) - SIDE))
 
 

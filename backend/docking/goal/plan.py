@@ -25,6 +25,7 @@ class KnownPoses:
         note: A remark about unusual detections, as a sentence; empty without one.
         explores: Whether the robot drives about to find the dock: that has a time limit of its own.
         turn: How far the marker is taken to be turned on its dock, in rad.
+        uncertainty: How far the docked pose may be off without anyone knowing, in m: the robot drives slowly sooner.
         pushes: Whether the robot is to push against the dock, where its wheels may stand.
     """
 
@@ -35,6 +36,7 @@ class KnownPoses:
     explores: bool = False
     turn: float = 0.0
     pushes: bool = False
+    uncertainty: float = 0.0
 
 
 class NothingLeftToTry(FailedToControl):
@@ -58,6 +60,9 @@ class DockTarget(ABC):
     @abstractmethod
     def seen_at(self) -> float:
         """When the dock was seen last."""
+
+    unseen = "the dock was out of sight"
+    """What it means that `seen_at` stays the same, as a part of a sentence."""
 
     @property
     def spread(self) -> Spread:

@@ -51,7 +51,7 @@ class DockAction(RobotAction[DockSettings]):
 
     def needs(self, settings: DockSettings) -> frozenset[Sensor]:
         """Those of the controller, and the laser scan where obstacles are watched."""
-        needs = frozenset(map(Sensor, sensors_of(settings.controller)))
+        needs = frozenset(map(Sensor, sensors_of(settings)))
         watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
         needs |= {Sensor.JOINTS} if settings.joints and Sensor.ODOMETRY in needs else set()
         return needs | {Sensor.SCAN} if watched else needs

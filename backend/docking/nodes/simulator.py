@@ -242,7 +242,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._odometry_told = odometry.stamp  # of its arrival: its message may repeat the one before
             reckoned = self._stamp(reading[0])
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
-            self._frames.publish(odometry.pose, simulation.odometry_origin, simulation.time, reckoned)
+            self._frames.publish(odometry.pose, simulation.located_origin, simulation.time, reckoned)
         if self._joints.get_subscription_count() > 0:
             self._joints.publish(joint_message(simulation.wheels, stamp))
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))

@@ -90,6 +90,12 @@ class Dock(Staging):
         "Heading of the docked robot, as it looks into the dock, relative to the marker's x axis.",
     )
 
+    use_external_detection_pose: bool = switch(
+        True,
+        "Whether the dock is detected (detected_dock_pose). If not, dock_pose drives by the dock's pose in the "
+        "database and the localization in its frame (tf) alone, and feels for the contacts until the battery charges.",
+    )
+
     rotate_to_dock: bool = switch(
         False,
         "Whether the robot detects the dock forwards, then turns round at the staging pose and backs onto the dock by "

@@ -3,9 +3,11 @@
 from dataclasses import dataclass, replace
 from typing import Self
 
+from docking.core.errors import DockNotValid
 from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
+from docking.parameters.charging import ChargingSettings, ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.detector import DetectorSettings
 from docking.parameters.dock import Dock, DockType, detection_timeout_field
@@ -21,6 +23,8 @@ from docking.parameters.timeouts import DockTimeouts
 from robot_io.transform import Transform
 
 TUTORIAL_PERIOD = 0.1
+LONGEST_PRESS = 40.0
+"""In s: how long a press beside the last one may take, with the way back before it."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,15 @@ class DockSettings(ServerSettings):
         choices = self._places if database.is_nearest(name) else ()
         staging = self._find_staging(dock or self.dock, place)
         settings = self if dock is None else self._of_type(dock)
+        if settings.by_localization:
+            if place is None and not choices:
+                raise DockNotValid(
+                    f"the dock {known or name or '(the only one)'!r:.80} has no pose in the database, by which a robot"
+                    " docks that detects no dock (use_external_detection_pose is false)"
+                )
+            longest = max(self.recovery.correction_timeout, LONGEST_PRESS)
+            presses = replace(self.recovery, max_corrections=self.recovery.max_presses, correction_timeout=longest)
+            settings = replace(settings, recovery=presses)
         return replace(settings, dock_type=kind, dock_name=known, staging_goal=staging, place=place, choices=choices)
 
     @property
@@ -111,6 +124,11 @@ class DockSettings(ServerSettings):
         """The docks whose poses are known."""
         entries = self.database.entries
         return tuple(DockPlace(name, entries[name].frame, Pose(*entries[name].pose)) for name in self.database.located)
+
+    @property
+    def by_localization(self) -> bool:
+        """Whether goals go by the pose in the database and the localization alone."""
+        return self.controller == ControllerName.DOCK_POSE and not self.dock.use_external_detection_pose
 
     def _of_type(self, dock: DockType) -> Self:
         """With what depends on the type of a dock."""
@@ -154,12 +172,26 @@ class DockSettings(ServerSettings):
             if charging.by_pose:
                 source = f"{prefix}charging_source is {charging.charging_source.value!r}"
                 conflict = conflict or f"{source}, but the controller rotate knows no docked pose"
-        conflict = conflict or self.database.find_fault()
+        conflict = conflict or self.database.find_fault() or self._find_blind_judge()
         if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
             return conflict
         for dock in (self.dock, *self.database.types.values()):
             conflict = conflict or self._find_fault(dock)
         return conflict or find_disorder("search_speed", self.search_speed, "v_angular_min", motion.v_angular_min)
+
+    def _find_blind_judge(self) -> str | None:
+        """A dock that nothing sees, where the pose alone is to tell that the battery charges."""
+        kinds: list[tuple[str, Dock, ChargingSettings]] = [
+            (f"{name}.", dock, dock.charging) for name, dock in self.database.types.items()
+        ]
+        for prefix, dock, charging in kinds or [("", self.dock, self.charging)]:
+            blind = self.controller == ControllerName.DOCK_POSE and not dock.use_external_detection_pose
+            if blind and charging.charging_source is ChargingSource.POSE:
+                return (
+                    f"{prefix}charging_source is 'pose', but with {prefix}use_external_detection_pose false the pose is"
+                    " known to some centimetres only: status or current has to tell that the battery charges"
+                )
+        return None
 
     def _find_unnamed_joints(self) -> str | None:
         stalls = {"": self.stall, **{f"{name}.": dock.stall for name, dock in self.database.types.items()}}

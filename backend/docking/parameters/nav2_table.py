@@ -135,11 +135,11 @@ NAV2: tuple[Nav2Parameter, ...] = (
     *_same(0.0, "<type>.staging_yaw_offset", text="it counts with `navigate_to_staging_pose`"),
     *_same("forward", "<type>.dock_direction"),
     *_same(False, "<type>.rotate_to_dock"),
-    _refused(
+    Nav2Parameter(
         "<type>.use_external_detection_pose",
         False,
-        (True,),
-        "The robot docks only where the dock is detected. Write true, and publish detected_dock_pose.",
+        Meaning.SAME,
+        text="where it is false, the robot feels for the contacts, too",
         differs="true",
     ),
     *_same(1.0, "<type>.external_detection_timeout"),

@@ -27,4 +27,12 @@ class RecoverySettings:
     correction_angle: float = number(
         0.035, 0.0, 0.35, "rad", "Angle to either side that corrective moves turn by; 0: straight back and on again."
     )
+    max_presses: int = number(
+        20,
+        0,
+        20,
+        "",
+        "Maximum number of presses beside each other that feel for the contacts, instead of these moves, at docks with "
+        "use_external_detection_pose false; 0: none.",
+    )
     correction_timeout: float = number(10.0, 1.0, 60.0, "s", "Time limit for each corrective move.")

@@ -9,14 +9,14 @@ from docking.behaviors.search import Search
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.turns import FullTurn, TurnToDock
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import FailedToDetectDock, LostMarker, Stage
+from docking.core.errors import DockingError, FailedToDetectDock, LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
 from docking.estimation.marker_selection import NEAR
 from docking.goal.behavior import Behavior, Fail
 from docking.goal.plan import KnownPoses, NothingLeftToTry
-from docking.parameters import DockSettings
+from docking.parameters import DockSettings, MotionLimits
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = Spread(0.05, math.radians(5.0))
@@ -39,7 +39,7 @@ MEMORY = 1.0
 class DockPosePlan(SightedPlan):
     """Finds the marker, drives to the staging pose in front of it, then along a smooth curve onto the dock."""
 
-    lost = LostMarker
+    lost: type[DockingError] = LostMarker
     sensors = frozenset({"odometry", "marker"})
 
     def __init__(self, settings: DockSettings) -> None:
@@ -223,10 +223,13 @@ class DockPosePlan(SightedPlan):
     def _check(self) -> Behavior:
         return Sequence() if self._knows() else Fail(self.lost("the dock was not seen again after a full turn"))
 
+    @property
+    def _motion_onto(self) -> MotionLimits:
+        """The limits on the way onto the dock."""
+        return replace(self.motion, v_linear_max=self.motion.v_linear_back) if self.dock.backward else self.motion
+
     def _approach(self) -> Behavior:
-        motion, settings = self.motion, self.approach
-        if self.dock.backward:
-            motion = replace(motion, v_linear_max=motion.v_linear_back)
+        motion, settings = self._motion_onto, self.approach
         if not self.dock.rotate_to_dock:
             return self.push_on(lambda: Approach(self, motion, settings, self.lost, self._detection_timeout))
         blind = replace(settings, blind_distance=math.inf, look_timeout=0.0)

@@ -8,6 +8,7 @@ from docking.parameters import ControllerName, DockSettings
 from docking.parameters.controller import load_controller
 from docking.plans.dock_pose import DockPosePlan
 from docking.plans.infrared import InfraredPlan
+from docking.plans.located import LocatedPlan
 
 
 class PlanType(Protocol):
@@ -39,17 +40,20 @@ OURS: dict[str, PlanType] = {
 }
 
 
-def _find(controller: str) -> PlanType:
+def _find(settings: DockSettings) -> PlanType:
     """What makes the plans."""
+    if settings.by_localization:
+        return LocatedPlan
+    controller = settings.controller
     plan_type: PlanType = OURS[controller] if controller in OURS else load_controller(controller)
     return plan_type
 
 
 def make_plan(settings: DockSettings) -> Plan:
-    """A new plan for a goal, by the parameter `controller`."""
-    return _find(settings.controller)(settings)
+    """A new plan for a goal, by the parameters `controller` and `use_external_detection_pose`."""
+    return _find(settings)(settings)
 
 
-def sensors_of(controller: str) -> frozenset[str]:
-    """What a controller needs: `odometry`, `marker`, `infrared`, `scan`."""
-    return frozenset(_find(controller).sensors)
+def sensors_of(settings: DockSettings) -> frozenset[str]:
+    """What the goals need: `odometry`, `marker`, `infrared`, `scan`, `localization`."""
+    return frozenset(_find(settings).sensors)

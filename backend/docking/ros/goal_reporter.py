@@ -23,6 +23,7 @@ SENSED = frozenset(
         ErrorCode.FAILED_TO_DETECT_DOCK,
         ErrorCode.LOST_MARKER,
         ErrorCode.INFRARED_LOST,
+        ErrorCode.LOCALIZATION_LOST,
         ErrorCode.ODOMETRY_LOST,
         ErrorCode.SCAN_LOST,
     }

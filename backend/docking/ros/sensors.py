@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -21,8 +21,10 @@ from docking.core.transform import pose_of, spatial
 from docking.estimation.scan import place
 from docking.estimation.track import Track
 from docking.parameters import DockPlace
+from docking.ros import localization
 from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from, seconds_of, transform_from
+from docking.ros.localization import LocalizationState
 from docking.ros.transforms import Transforms
 from robot_io.laser import flatten, points_of
 from robot_io.qos import LATEST, volatile
@@ -45,6 +47,7 @@ class Sensor(enum.Enum):
     INFRARED = "infrared"
     SCAN = "scan"
     JOINTS = "joints"
+    LOCALIZATION = "localization"
 
 
 class Sensors:
@@ -82,6 +85,7 @@ class Sensors:
         self._markers: list[MarkerDetection] = []  # since the last observation, and the one before
         self._unrelated_since: float | None = None  # markers come, and cannot be placed
         self._doubt = ""  # why not
+        self._localization = LocalizationState()
         self._scan: Scan | None = None
         self._joints: dict[str, Joint] = {}
         self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
@@ -108,6 +112,8 @@ class Sensors:
             return [self._subscription(LaserScan, "scan", self._take_scan)]
         if sensor is Sensor.JOINTS:
             return [self._subscription(JointState, "joint_states", self._take_joints)]
+        if sensor is Sensor.LOCALIZATION:
+            return [self._subscription(PoseWithCovarianceStamped, localization.TOPIC, self._localization.take)]
         return [self._subscription(Range, f"infrared/{name}", partial(self._take_range, name)) for name in RECEIVERS]
 
     def _subscription(self, message_type: type, topic: str, take: Callable[[Any, float], None]) -> Subscription:
@@ -139,6 +145,8 @@ class Sensors:
             self._scan = None
         elif sensor is Sensor.JOINTS:
             self._joints = {}
+        elif sensor is Sensor.LOCALIZATION:
+            self._localization.error = math.nan
         else:
             self._ranges.clear()
 
@@ -184,9 +192,12 @@ class Sensors:
         self._unrelated_since = None
         odometry = self._odometry_at(measured_at)
         pose = pose_of(lies.compose(seen).compose(self.marker_tilt))
+        camera = None
         if frame == self._base_frame:
             pose = odometry.pose.compose(pose)
-        self._markers = [*self._markers, MarkerDetection(pose, min(odometry.stamp, received))][-MOST_MARKERS:]
+            camera = odometry.pose.compose(Pose(*lies.translation[:2]))
+        detection = MarkerDetection(pose, min(odometry.stamp, received), camera)
+        self._markers = [*self._markers, detection][-MOST_MARKERS:]
 
     def _odometry_at(self, measured_at: float) -> Odometry:
         """Where the robot was when something was measured.
@@ -266,6 +277,7 @@ class Sensors:
             topic = self._node.resolve_topic_name(MARKER_TOPIC)
             self._set_fault(topic, f"{topic} {self._doubt}")
         markers, self._markers = self._markers, self._markers[-1:]
+        expected_dock = self._expect_dock()
         return Observation(
             now,
             battery,
@@ -274,7 +286,9 @@ class Sensors:
             self._infrared(),
             self._scan,
             other_markers=tuple(markers[:-1]),
-            expected_dock=self._expect_dock(),
+            expected_dock=expected_dock,
+            localized_at=self._localization.heard_at,
+            localization_error=self._localization.error,
             joints=dict(self._joints),
         )
 
@@ -284,10 +298,14 @@ class Sensors:
         if place is None or odometry is None:
             return None
         try:
-            return odometry.pose.compose(place.pose.relative_to(self.robot_in(place.frame)))
+            expected = odometry.pose.compose(place.pose.relative_to(self.robot_in(place.frame)))
         except ValueError as error:
             self._node.get_logger().warning(f"The pose of the dock {place.dock!r} is not used: it {error}", once=True)
             return None
+        frame = self._transforms.frame(place.frame)
+        stamp = self._transforms.newest(frame, self.odometry_frame, self._base_frame)
+        self._localization.note(stamp, control_time(self._node))
+        return expected
 
     def robot_in(self, frame: str) -> Pose:
         """Where the robot is in a frame, by odometry and tf.

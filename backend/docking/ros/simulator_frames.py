@@ -77,7 +77,7 @@ class SimulatorFrames:
 
         Args:
             odometry: base_link in odom.
-            origin: odom in the map.
+            origin: odom in the map, by the localization.
             now: Simulated seconds.
             stamp: Of the odometry.
         """

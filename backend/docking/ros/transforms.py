@@ -100,6 +100,19 @@ class Transforms:
 
         return take
 
+    def newest(self, frame: str, odometry: str, base: str) -> float | None:
+        """When a frame was last related to odometry, by the publishers' clocks; None where that never changes.
+
+        Args:
+            frame: The full name of the frame.
+            odometry: The frame that odometry is given in.
+            base: The robot's frame.
+        """
+        try:
+            return self._tree.newest(nearer_frame(self._tree, frame, odometry, base), frame)
+        except TransformError:
+            return None
+
     def locate(self, frame: str, odometry: str, base: str, measured_at: float) -> tuple[str, Transform]:
         """Relate a frame to odometry's.
 

@@ -17,6 +17,8 @@ AHEAD = 0.5
 """How far the camera's clock is ahead with the fault `future_detections`, in s."""
 REPEATING = OdometrySettings(repeat_every=3.0, repeat_for=0.5)
 """Behavior of odometry with the fault `repeated_odometry`."""
+JUMP = 0.2
+"""How far the localization jumps at most with the fault `localization_jumps`, in m."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
 """The obstacle in front of the dock with the fault `obstacle`."""
 
@@ -44,6 +46,8 @@ class Fault(enum.StrEnum):
     """The camera's clock is ahead by 0.5 s, and so are the stamps of detections."""
     REPEATED_ODOMETRY = "repeated_odometry"
     """For half a second in each three, odometry repeats its last message, with new stamps."""
+    LOCALIZATION_JUMPS = "localization_jumps"
+    """Every few seconds the localization jumps by 5 to 20 cm, for up to 3 s."""
     OBSTACLE = "obstacle"
     """Something stands in front of the dock."""
     HIDDEN_BEACON = "hidden_beacon"

@@ -35,6 +35,13 @@ class RobotSettings:
         0.5, 0.0, 60.0, "s", "Simulated time without a message on cmd_vel after which the robot stops."
     )
     slip: float = number(0.01, 0.0, 0.9, "", "Wheel slip, as a fraction of the wheel's rotation.")
+    turn_slip: float = number(
+        0.0,
+        0.0,
+        0.9,
+        "",
+        "How much less the robot turns than its wheels do, as a fraction: they skid sideways in turns.",
+    )
     slip_noise: float = number(0.003, 0.0, 0.1, "m", "Standard deviation of a wheel's travel over 1 m.")
     linear_dead_zone: float = number(
         0.0, 0.0, 1.0, "m/s", "A commanded linear velocity that is smaller does not move the robot."
@@ -161,7 +168,7 @@ class Robot:
         self.right = (self.linear + half) * dt
         left = self._on_ground(self.left * self._left_scale)
         right = self._on_ground(self.right * self._right_scale * (1.0 - worn))
-        turn = (right - left) / settings.wheel_separation
+        turn = (right - left) / settings.wheel_separation * (1.0 - settings.turn_slip)
         way, heading = 0.5 * (left + right), self.theta + 0.5 * turn
         self.x += way * math.cos(heading)
         self.y += way * math.sin(heading)

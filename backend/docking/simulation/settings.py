@@ -10,6 +10,7 @@ from docking.simulation.battery import BatterySettings
 from docking.simulation.dock import DockSettings
 from docking.simulation.infrared import InfraredSettings
 from docking.simulation.laser import LaserSettings
+from docking.simulation.localization import LocalizationSettings
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
@@ -60,6 +61,7 @@ class Settings:
         odometry: Its reckoning.
         marker: Its camera and the dock's marker.
         infrared: Its receivers and the dock's beacon.
+        localization: Its localization on the map.
         laser: Its laser scanner.
         battery: Its battery and the dock's charger.
         dock: The dock, and each of the others.
@@ -73,6 +75,7 @@ class Settings:
     odometry: OdometrySettings = group(OdometrySettings, "odometry_")
     marker: MarkerSettings = group(MarkerSettings, "marker_")
     infrared: InfraredSettings = group(InfraredSettings, "infrared_")
+    localization: LocalizationSettings = group(LocalizationSettings, "localization_")
     laser: LaserSettings = group(LaserSettings, "laser_")
     battery: BatterySettings = group(BatterySettings)
     command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")

@@ -29,11 +29,12 @@ from docking.simulation.battery import BatteryMeasurement, BatteryPack
 from docking.simulation.box import Box
 from docking.simulation.collisions import Collisions, Touch
 from docking.simulation.delay import Delay
-from docking.simulation.dock import Dock
-from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, LATE, REPEATING, WORN, WRONG, Fault
+from docking.simulation.dock import DOCKED, Dock
+from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, JUMP, LATE, REPEATING, WORN, WRONG, Fault
 from docking.simulation.infrared import InfraredReceivers
 from docking.simulation.laser import ANGLE_MIN, LaserScanner
-from docking.simulation.marker import MarkerCamera
+from docking.simulation.localization import Localization
+from docking.simulation.marker import MarkerCamera, camera_mount
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, Repeater
 from docking.simulation.readings import LaserScan, Sighting
@@ -103,6 +104,7 @@ class Simulation:
             for number in numbers
         ]
         self._second = MarkerCamera(settings.marker, self._random("second"), self._random("second outliers"))
+        self._localization = Localization(settings.localization, self._random("localization"))
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
         self._scanner = LaserScanner(settings.laser, self._random("laser").getrandbits(32))
         self._picture_due = self._scan_due = self._ranges_due = self._measurement_due = 0.0
@@ -232,6 +234,16 @@ class Simulation:
         return self.robot.pose.compose(self.odometry.pose.inverse())
 
     @property
+    def located_docked(self) -> Pose:
+        """base_link of the docked robot in odom, by the localization."""
+        return self.odometry_origin.inverse().compose(DOCKED).compose(self._localization.off)
+
+    @property
+    def located_origin(self) -> Pose:
+        """Odom in world, by the localization."""
+        return DOCKED.compose(self.located_docked.inverse())
+
+    @property
     def wheels(self) -> dict[str, tuple[float, float]]:
         """The velocity of each wheel's joint, in rad/s, and its effort, in N·m."""
         robot = self.robot
@@ -256,7 +268,11 @@ class Simulation:
         now = self.time if now is None else now
         offset = now - self.time
         ranges, measured, odometry = self.ranges, self.measurement, self.track.latest
-        markers = [MarkerDetection(one.odometry.compose(one.marker), one.at + offset) for one in self.sightings]
+        camera = camera_mount(self.settings.marker.camera_yaw)
+        markers = [
+            MarkerDetection(one.odometry.compose(one.marker), one.at + offset, one.odometry.compose(camera))
+            for one in self.sightings
+        ]
         return Observation(
             now=now,
             battery=None if measured is None else _reading(measured[0], measured[1] + offset),
@@ -306,6 +322,7 @@ class Simulation:
         """Each sensor measures when its time has come; what was measured arrives when its time has come."""
         now = self.time + 1e-9
         self._reckon()
+        self._localization.step(now, JUMP if Fault.LOCALIZATION_JUMPS in self.faults else 0.0)
         if now >= self._picture_due:
             self._picture_due += 1.0 / self.settings.marker.rate
             self._look()

@@ -107,6 +107,7 @@ const ADVICE: Record<string, string> = {
   infrared_lost:
     "Check that nothing stands between the dock's beacon and the robot's receivers, then dock again.",
   lost_marker: "Check that the marker is well lit and nothing stands in front of it, then dock again.",
+  localization_lost: "Check the robot's localization: set its pose on the map, then dock again.",
   obstructed:
     "Clear the way to the dock, then dock again. If nothing is there, clean the laser scanner and check how it is mounted.",
   odometry_lost: "Check the robot's base driver: there are no messages on odom.",
@@ -147,6 +148,7 @@ const SHORT: Record<string, string> = {
   result_too_large: "Result too large to show",
   infrared_lost: "Beacon was lost",
   lost_marker: "Marker was lost",
+  localization_lost: "Localization was lost",
   obstructed: "Obstacle in the way",
   odometry_lost: "Odometry data stopped",
   preempted: "Replaced by a newer goal",

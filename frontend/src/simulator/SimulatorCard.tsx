@@ -210,6 +210,12 @@ const FAULTS: readonly FaultWords[] = [
     effect: "Odometry repeats itself for half a second in each three: docking takes that for silence.",
   },
   {
+    fault: "localization_jumps",
+    name: "Localization jumps",
+    effect:
+      "The pose on the map jumps by 5 to 20 cm: docking without a marker stands still until that is over.",
+  },
+  {
     fault: "obstacle",
     name: "Obstacle",
     effect:

@@ -65,7 +65,7 @@ def parameter() -> Parameter:
 
 def test_it_docks_in_simulation() -> None:
     assert parameter().find_fault("line") is None
-    assert sensors_of("line") == {"odometry"}
+    assert sensors_of(DockSettings(controller="line")) == {"odometry"}
     settings = DockSettings(controller="line")
     assert settings.find_conflict() is None
     simulation = Simulation(Settings(start=DOCKED.compose(Pose(-0.3))), seed=1)

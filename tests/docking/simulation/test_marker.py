@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from itertools import pairwise
 from random import Random
 from statistics import fmean, pstdev
 
@@ -7,7 +8,7 @@ import pytest
 
 from docking.core.geometry import Pose
 from docking.simulation.faults import Fault
-from docking.simulation.marker import GHOST, OUTLIER_ANGLE, OUTLIER_DISTANCE, MarkerCamera, MarkerSettings
+from docking.simulation.marker import CAMERA_X, GHOST, OUTLIER_ANGLE, OUTLIER_DISTANCE, MarkerCamera, MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
@@ -74,6 +75,52 @@ def test_its_noise_grows_with_distance_and_angle() -> None:
     assert pstdev(pose.theta for pose in ahead if pose) == pytest.approx(0.0, abs=1e-6)
     aside = [looking.look(Pose(-1.0, -1.0, math.pi / 4.0)) for _ in range(2000)]
     assert pstdev(pose.theta for pose in aside if pose) == pytest.approx(0.1 * math.pi / 4.0, rel=0.1)
+
+
+def test_its_noise_can_grow_with_the_square_of_the_distance() -> None:
+    looking = camera(replace(SURE, noise=0.01, noise_per_square_metre=0.01))
+    for distance, noise in ((1.0, 0.02), (2.0, 0.05)):
+        seen = [looking.look(Pose(-CAMERA_X - distance, 0.0, 0.0)) for _ in range(2000)]
+        assert pstdev(pose.y for pose in seen if pose) == pytest.approx(noise, rel=0.1)
+
+
+def test_nearer_than_its_minimum_range_it_sees_nothing() -> None:
+    looking = camera(replace(SURE, range_min=0.3))
+    assert looking.look(Pose(-CAMERA_X - 0.31)) is not None
+    assert looking.look(Pose(-CAMERA_X - 0.29)) is None
+
+
+def test_a_camera_that_is_mounted_to_the_left_sees_everything_farther_to_the_right() -> None:
+    seen = camera(replace(SURE, camera_error_y=0.03)).look(Pose(-1.0, 0.0, 0.3))
+    true = camera(SURE).look(Pose(-1.0, 0.0, 0.3))
+    assert seen is not None
+    assert true is not None
+    assert (seen.x, seen.y, seen.theta) == (true.x, pytest.approx(true.y - 0.03), true.theta)
+
+
+@pytest.mark.parametrize(("degrees", "mirrored"), [(10.0, True), (-20.0, True), (35.0, False)])
+def test_a_flat_marker_is_taken_for_its_mirror_image_where_it_is_seen_nearly_from_the_front(
+    degrees: float, mirrored: bool
+) -> None:
+    side, looking = math.radians(degrees), camera(replace(SURE, mirrored=0.5))
+    robot = Pose(-math.cos(side), math.sin(side), -side).compose(Pose(-CAMERA_X))
+    seen = [looking.look(robot, 0.1 * number) for number in range(500)]
+    turns = {round(math.degrees(pose.theta)) for pose in seen if pose}
+    assert turns == ({degrees, -degrees} if mirrored else {degrees})
+    assert len({pose.x for pose in seen if pose}) == 1
+    if mirrored:  # it stays the same for half a second
+        changes = sum(one != other for one, other in pairwise(seen))
+        assert 30 < changes < 70
+
+
+def test_the_edge_of_the_image_can_cut_a_marker_off() -> None:
+    looking = camera(replace(SURE, cut_off_bias=1.0, field_of_view=math.radians(40.0)))
+    whole = looking.look(Pose(-1.0))
+    assert whole is not None
+    assert whole.y == pytest.approx(0.0)
+    off = looking.look(Pose(-CAMERA_X - 0.3, 0.09))  # the edge is 0.109 m from the middle there
+    assert off is not None
+    assert off.y == pytest.approx(-0.09 + 0.5 * (0.09 + 0.04 - 0.3 * math.tan(math.radians(20.0))))
 
 
 def test_outliers_are_as_many_as_they_are_set_and_anywhere_around() -> None:

@@ -41,6 +41,14 @@ def test_it_drives_a_circle() -> None:
     assert robot.pose.distance_to(start) < 0.01
 
 
+def test_a_robot_that_skids_in_turns_turns_less_than_its_wheels() -> None:
+    exact, skidding = make_robot(), make_robot(RobotSettings(slip=0.0, slip_noise=0.0, turn_slip=0.1))
+    for robot in (exact, skidding):
+        drive(robot, 1.0, Velocity(0.0, 0.5))
+    assert skidding.theta == pytest.approx(0.9 * exact.theta)
+    assert skidding.velocity == exact.velocity
+
+
 def test_slip_loses_its_part_of_the_way() -> None:
     straight, slipping = make_robot(), make_robot(RobotSettings(slip=0.1, slip_noise=0.0))
     for robot in (straight, slipping):

@@ -21,6 +21,7 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
         "wrong_detections": "false",
         "future_detections": "false",
         "repeated_odometry": "false",
+        "localization_jumps": "false",
         "obstacle": "false",
         "hidden_beacon": "false",
         "infrared_ghosts": "false",
