@@ -8,6 +8,7 @@ from typing import Any
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.parameters import ControllerName, DockDirection, DockSettings
+from docking.parameters.limits import DriveModel
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from docking.simulation.settings import Settings
@@ -115,6 +116,11 @@ def _flickering(battery_rate: float) -> Change:
     return _all(_set("dock", flickers=True), _set("battery", battery_rate=battery_rate))
 
 
+def _omni(settings: DockSettings) -> DockSettings:
+    """The base drives sideways, too."""
+    return replace(settings, motion=replace(settings.motion, motion_model=DriveModel.OMNI))
+
+
 def _one_wheel(error: float) -> Change:
     """One of the wheels, the left or the right one, is larger or smaller."""
 
@@ -212,6 +218,7 @@ FAR = Region(4.3, 6.0, math.radians(60.0), turned=math.radians(180.0))
 OFF_AXIS = Region(0.6, 2.5, math.radians(105.0), math.radians(77.0), math.radians(180.0))
 NARROW = _set("marker", field_of_view=math.radians(50.0), range=1.2)
 
+OMNI = _set("robot", omnidirectional=True)
 DEAD_ZONE = _set("robot", linear_dead_zone=0.13)
 NOT_SO_SLOWLY = (
     "The base does not move slowly enough to touch a dock. The error says so, and to set v_linear_min: it touches its"
@@ -272,6 +279,14 @@ CASES = (
     ),
     Case("base clamps at 0.15 m/s, 0.5 rad/s", BOTH, _set("robot", linear_max=0.15, angular_max=0.5)),
     Case("dead zone 0.05 m/s, 0.1 rad/s", BOTH, _set("robot", linear_dead_zone=0.05, angular_dead_zone=0.1)),
+    Case("omnidirectional base", (DOCK_POSE,), OMNI, parameters=_omni),
+    Case(
+        "omnidirectional base, pushed 10 cm sideways in the last 20 cm",
+        (DOCK_POSE,),
+        OMNI,
+        disturb=_push_once,
+        parameters=_omni,
+    ),
     Case("dead zone 0.13 m/s", BOTH, DEAD_ZONE, why=NOT_SO_SLOWLY),
     Case("dead zone 0.13 m/s, v_linear_min 0.15 m/s", BOTH, DEAD_ZONE, parameters=_slowest(0.15)),
     Case("dead zone 0.15 rad/s", BOTH, _set("robot", angular_dead_zone=0.15)),

@@ -21,6 +21,14 @@ LOOK = 0.3
 """Where the robot stands still and looks until it is known so well, in m before the docked pose."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
+GATE = 0.09
+"""Where an omnidirectional base must be straight before it drives on, in m before the docked pose."""
+FARTHEST_ASIDE, TURNED = 0.15, 0.35
+"""The largest errors, in m and rad, that such a base corrects without a retry."""
+RESPONSE = 2.0
+"""How much of them it corrects, in 1/s."""
+GENTLY = 2.0
+"""How many times v_linear_min it drives ahead meanwhile, at most."""
 HOPELESS = 1.25
 """How many times the tolerances the robot may be off there, as foreseen, before it gives this approach up."""
 STRIDE = 0.01
@@ -73,6 +81,7 @@ class Approach:
         self._sight = KeepInSight(aim, motion, settings, lost, lost_after)
         self._stalled = self._presses = 0.0
         self._looked = 0.0
+        self._slid = 0.0
         self._sure = False
 
     def step(self, observation: Observation, dt: float) -> Step:
@@ -82,16 +91,38 @@ class Approach:
             return STANDSTILL
         off = odometry.pose.relative_to(docked)
         left = -off.x
-        if left < self._until or self._touches(left, odometry, dt):
+        slides = self._can_slide(off, left)
+        aside = slides and left < GATE and not self._is_straight(off, 1.0 if left < COMMITTED else 0.5)
+        if left < self._until or (not aside and self._touches(left, odometry, dt)):
             return Done()
-        failure = self._sight.look(left, dt) or self._fault(off, left)
+        failure = self._sight.look(left, dt) or (None if slides else self._fault(off, left))
         if failure is not None:
             return Failed(failure)
         held = self._hold(left, dt)
         if held is not None:
             self._stalled = 0.0
             return held
-        return self._drive(odometry.pose, docked, left)
+        velocity = self._drive(odometry.pose, docked, left)
+        return self._slide(velocity, off, left, dt, aside=aside) if slides else velocity
+
+    def _can_slide(self, off: Pose, left: float) -> bool:
+        """Whether the base is omnidirectional, near the dock, and not too far off to correct that sideways."""
+        near = self._motion.v_lateral_max > 0.0 and left < LOOK
+        return near and abs(off.y) < FARTHEST_ASIDE and abs(off.theta) < TURNED and self._slid < 2.0 * FARTHEST_ASIDE
+
+    def _slide(self, ahead: Velocity, off: Pose, left: float, dt: float, *, aside: bool) -> Velocity:
+        """Correct the lateral error sideways, and the heading; slowly, since nothing sees what is there.
+
+        A robot that is too far off near the dock does not drive on meanwhile, but back where it touches nothing.
+        """
+        slowest = self._motion.v_linear_min
+        sideways = 0.0 if left < COMMITTED else bounded(-RESPONSE * off.y, slowest)
+        self._slid += abs(sideways) * dt
+        turning = bounded(-RESPONSE * off.theta, self._motion.v_angular_max)
+        if not aside:
+            return Velocity(min(ahead.linear_x, GENTLY * slowest) if sideways else ahead.linear_x, turning, sideways)
+        self._stalled = 0.0
+        return Velocity(-slowest if left < COMMITTED else 0.0, turning, sideways)
 
     def _hold(self, left: float, dt: float) -> Velocity | None:
         """Return the velocity while the robot must not drive on; None if it may."""

@@ -41,8 +41,12 @@ class Reversed:
         """Return the step of the behavior for a robot that is turned round, reversed."""
         odometry = observation.odometry
         if odometry is not None:
-            velocity = Velocity(-odometry.velocity.linear_x, odometry.velocity.angular_z)
+            velocity = _reversed(odometry.velocity)
             turned = replace(odometry, pose=odometry.pose.compose(TURNED), velocity=velocity)
             observation = replace(observation, odometry=turned)
         step = self._behavior.step(observation, dt)
-        return Velocity(-step.linear_x, step.angular_z) if isinstance(step, Velocity) else step
+        return _reversed(step) if isinstance(step, Velocity) else step
+
+
+def _reversed(velocity: Velocity) -> Velocity:
+    return Velocity(-velocity.linear_x, velocity.angular_z, -velocity.linear_y)

@@ -22,15 +22,21 @@ class Velocity:
     Attributes:
         linear_x: Forward, in m/s.
         angular_z: Counter-clockwise, in rad/s.
+        linear_y: To the left, in m/s: omnidirectional bases only.
     """
 
     linear_x: float = 0.0
     angular_z: float = 0.0
+    linear_y: float = 0.0
 
     @property
     def finite(self) -> bool:
         """Whether it is a velocity at all: neither NaN nor infinite."""
-        return math.isfinite(self.linear_x) and math.isfinite(self.angular_z)
+        return math.isfinite(self.linear_x) and math.isfinite(self.angular_z) and math.isfinite(self.linear_y)
+
+    def times(self, share: float) -> "Velocity":
+        """The velocity on the same way that is slower or faster by a factor."""
+        return Velocity(share * self.linear_x, share * self.angular_z, share * self.linear_y)
 
 
 STANDSTILL = Velocity()

@@ -41,7 +41,7 @@ class Clearance:
             velocity: Of the robot, as it goes on.
             horizon: How far to look ahead, in s.
         """
-        near = self._reach + abs(velocity.linear_x) * horizon
+        near = self._reach + math.hypot(velocity.linear_x, velocity.linear_y) * horizon
         points = points[np.abs(points).max(axis=1) <= near] if len(points) else points
         if velocity == STANDSTILL or not len(points):
             return math.inf
@@ -64,9 +64,10 @@ class Clearance:
 
 def _seen_from(points: Points, velocity: Velocity, seconds: float) -> Points:
     """Points of now in base_link of later."""
-    turn, way = velocity.angular_z * seconds, velocity.linear_x * seconds
-    # Where an arc leads: sin(turn) / turn and (1 - cos(turn)) / turn of its length, which is way.
-    x, y = way * np.sinc(turn / math.pi), way * np.sinc(0.5 * turn / math.pi) * math.sin(0.5 * turn)
+    turn, way, side = velocity.angular_z * seconds, velocity.linear_x * seconds, velocity.linear_y * seconds
+    # Where an arc leads: sin(turn) / turn and (1 - cos(turn)) / turn of its length.
+    along, across = np.sinc(turn / math.pi), np.sinc(0.5 * turn / math.pi) * math.sin(0.5 * turn)
+    x, y = way * along - side * across, way * across + side * along
     cos, sin = math.cos(turn), math.sin(turn)
     return np.asarray((points - (x, y)) @ np.array(((cos, -sin), (sin, cos))))
 

@@ -106,7 +106,9 @@ class Track:
 
 def _go_on(odometry: Odometry, seconds: float) -> Odometry:
     velocity = odometry.velocity
-    moved = odometry.pose.compose(Pose(velocity.linear_x * seconds, 0.0, velocity.angular_z * seconds))
+    moved = odometry.pose.compose(
+        Pose(velocity.linear_x * seconds, velocity.linear_y * seconds, velocity.angular_z * seconds)
+    )
     return Odometry(moved, velocity, odometry.stamp + seconds)
 
 

@@ -98,8 +98,7 @@ class ObstacleWatch:
     def slow_down(self, velocity: Velocity) -> Velocity:
         """The velocity on the same arc at which there is time enough to stop."""
         time = self._clearance.contact(self._points, velocity, self._settings.projection_time)
-        share = min(1.0, time / self._settings.projection_time)
-        return Velocity(share * velocity.linear_x, share * velocity.angular_z)
+        return velocity.times(min(1.0, time / self._settings.projection_time))
 
     def stops(self, velocity: Velocity) -> bool:
         """Whether this velocity must not be commanded; the robot then waits until it may be.

@@ -143,8 +143,7 @@ def _slowed(velocity: Velocity, most: float) -> Velocity:
     """The velocity on the same arc that is not faster."""
     if abs(velocity.linear_x) <= most:
         return velocity
-    share = most / abs(velocity.linear_x)
-    return Velocity(share * velocity.linear_x, share * velocity.angular_z)
+    return velocity.times(most / abs(velocity.linear_x))
 
 
 class Limiter:
@@ -175,6 +174,7 @@ class Limiter:
         self._last = Velocity(
             _towards(self._last.linear_x, linear, limits.v_linear_max, limits.a_linear_max * dt),
             _towards(self._last.angular_z, angular, limits.v_angular_max, limits.a_angular_max * dt),
+            _towards(self._last.linear_y, desired.linear_y, limits.v_lateral_max, limits.a_linear_max * dt),
         )
         return self._last
 

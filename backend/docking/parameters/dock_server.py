@@ -12,7 +12,7 @@ from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.detector import DetectorSettings
 from docking.parameters.dock import Dock, DockType, detection_timeout_field
 from docking.parameters.dock_database import DockDatabase
-from docking.parameters.limits import BACKWARDS
+from docking.parameters.limits import BACKWARDS, DriveModel
 from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
 from docking.parameters.recovery import RecoverySettings
@@ -165,6 +165,11 @@ class DockSettings(ServerSettings):
             conflict = (
                 f"infrared_distance_max ({receivers.infrared_distance_max:g} m) must be at least 0.1 m above"
                 f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
+            )
+        if motion.motion_model is DriveModel.ACKERMANN:
+            conflict = conflict or (
+                "motion_model is 'Ackermann', but docking turns on the spot, which such a base cannot: dock it with a"
+                " planner that knows its turning radius, such as nav2's docking server with a plugin of your own"
             )
         conflict = conflict or self._find_unnamed_joints()
         sources = {"": self.charging, **{f"{name}.": dock.charging for name, dock in self.database.types.items()}}

@@ -1,9 +1,10 @@
 """How fast the robot may move."""
 
+import enum
 import math
 from dataclasses import dataclass
 
-from docking.core.parameter import number
+from docking.core.parameter import choice, number
 
 BACKWARDS = 0.6
 """The part of v_linear_max that the robot backs with where it does not see what is behind it."""
@@ -22,6 +23,14 @@ def braked(error: float, acceleration: float) -> float:
     """
     most = min(math.sqrt(2.0 * RESERVE * acceleration * abs(error)), RESPONSE * abs(error))
     return math.copysign(most, error)
+
+
+class DriveModel(enum.StrEnum):
+    """How a base moves, with nav2's names."""
+
+    DIFF_DRIVE = "DiffDrive"
+    OMNI = "Omni"
+    ACKERMANN = "Ackermann"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +56,17 @@ class MotionLimits:
     )
     a_linear_max: float = number(0.5, 0.05, 5.0, "m/s²", "Maximum linear acceleration; does not apply to a stop.")
     a_angular_max: float = number(2.0, 0.1, 20.0, "rad/s²", "Maximum angular acceleration; does not apply to a stop.")
+
+    motion_model: DriveModel = choice(
+        DriveModel.DIFF_DRIVE,
+        "How the base moves. `Omni`: also sideways (linear.y), so that dock_pose corrects lateral errors before the "
+        "dock without a retry. `Ackermann`: docking is refused.",
+    )
+
+    @property
+    def v_lateral_max(self) -> float:
+        """Maximum velocity sideways, in m/s; 0 where the base cannot drive so."""
+        return self.v_linear_max if self.motion_model is DriveModel.OMNI else 0.0
 
     @property
     def v_linear_back(self) -> float:

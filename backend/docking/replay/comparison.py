@@ -108,7 +108,8 @@ def _nearest(recorded: Course, times: list[float], at: float, velocity: Velocity
 
 
 def _apart(one: Velocity, other: Velocity) -> float:
-    return max(abs(one.linear_x - other.linear_x) / LINEAR, abs(one.angular_z - other.angular_z) / ANGULAR)
+    linear = max(abs(one.linear_x - other.linear_x), abs(one.linear_y - other.linear_y))
+    return max(linear / LINEAR, abs(one.angular_z - other.angular_z) / ANGULAR)
 
 
 def _same(one: Velocity, other: Velocity) -> bool:

@@ -181,7 +181,7 @@ class Replay:
             message = _read(sample, CLASSES[sample.kind])
             if message is not None:
                 twist = getattr(message, "twist", message)
-                self.recorded.velocities.append((at, Velocity(twist.linear.x, twist.angular.z)))
+                self.recorded.velocities.append((at, Velocity(twist.linear.x, twist.angular.z, twist.linear.y)))
                 self._follow()
         for subscription in [each for node in self._nodes for each in node.subscriptions]:
             if subscription.msg_type in NEEDED and self.recorded.error_code not in UNHEARD:

@@ -164,7 +164,7 @@ class Sensors:
 
     def _take_odometry(self, message: OdometryMessage, received: float) -> None:
         twist = message.twist.twist
-        velocity = Velocity(twist.linear.x, twist.angular.z)
+        velocity = Velocity(twist.linear.x, twist.angular.z, twist.linear.y)
         pose = pose_from(message.pose.pose)
         if not velocity.finite:
             raise ValueError("has a velocity that is not a number")

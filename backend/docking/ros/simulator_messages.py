@@ -46,6 +46,7 @@ class OdometryMessage:
         position.x, position.y = pose.x, pose.y
         turn.z, turn.w = quaternion_of(pose.theta)[2:]
         message.twist.twist.linear.x = velocity.linear_x
+        message.twist.twist.linear.y = velocity.linear_y
         message.twist.twist.angular.z = velocity.angular_z
         return message
 

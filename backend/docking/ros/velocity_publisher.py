@@ -105,7 +105,7 @@ class VelocityPublisher:
             Exception: ROS does not take one of the messages; the others are published all the same.
         """
         failure: Exception | None = None
-        twist = Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z))
+        twist = Twist(linear=Vector3(x=velocity.linear_x, y=velocity.linear_y), angular=Vector3(z=velocity.angular_z))
         for name, publisher in self._publishers.items():
             try:
                 publisher.publish(velocity_message(name, twist, self._node, self.frame))

@@ -95,14 +95,14 @@ class DriftingOdometry:
             wheels: Their motion.
         """
         half = 0.5 * self._separation * wheels.angular_z
-        return Velocity(*self.measure(wheels.linear_x - half, wheels.linear_x + half))
+        return Velocity(*self.measure(wheels.linear_x - half, wheels.linear_x + half), wheels.linear_y)
 
-    def step(self, left: float, right: float) -> None:
-        """Update with the distances, in m, that the wheels have turned."""
+    def step(self, left: float, right: float, side: float = 0.0) -> None:
+        """Update with the distances, in m, that the wheels have turned; `side` is the one to the left."""
         way, turn = self.measure(left, right)
         heading = self.theta + 0.5 * turn
-        self.x += way * math.cos(heading)
-        self.y += way * math.sin(heading)
+        self.x += way * math.cos(heading) - side * math.sin(heading)
+        self.y += way * math.sin(heading) + side * math.cos(heading)
         self.theta = normalize_angle(self.theta + turn)
 
 

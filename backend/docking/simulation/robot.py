@@ -7,7 +7,7 @@ from random import Random
 from docking.core.footprint import ROBOT_RADIUS
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Velocity
-from docking.core.parameter import number
+from docking.core.parameter import number, switch
 
 ROUNDING = 1e-9
 """Rounding error of sums of many steps, in s."""
@@ -56,6 +56,7 @@ class RobotSettings:
         "are both wrong by that.",
     )
     right_wheel_error: float = number(0.0, -0.5, 0.5, "", "The same for the right wheel.")
+    omnidirectional: bool = switch(False, "Whether the base also drives sideways (linear.y of cmd_vel).")
     stall_time: float = 0.5
 
 
@@ -73,6 +74,8 @@ class Robot:
         angular: Velocity by the wheels, in rad/s counter-clockwise.
         left: The way that the left wheel has turned in the last step, in m.
         right: The same for the right one.
+        lateral: Velocity by the wheels, in m/s to the left; 0 unless the base is omnidirectional.
+        side: The way to the left that the wheels have turned in the last step, in m.
         stalled: Whether something kept a wheel from turning in the last step.
     """
 
@@ -86,9 +89,11 @@ class Robot:
         "_settings",
         "_stalled_for",
         "angular",
+        "lateral",
         "left",
         "linear",
         "right",
+        "side",
         "stalled",
         "theta",
         "x",
@@ -118,7 +123,7 @@ class Robot:
     @property
     def velocity(self) -> Velocity:
         """The velocity by the wheels."""
-        return Velocity(self.linear, self.angular)
+        return Velocity(self.linear, self.angular, self.lateral)
 
     @property
     def radius(self) -> float:
@@ -129,6 +134,7 @@ class Robot:
         """Lift the robot and set it down somewhere else in the world, standing still."""
         self.x, self.y, self.theta = pose.x, pose.y, normalize_angle(pose.theta)
         self.linear = self.angular = self.left = self.right = self._linear_target = 0.0
+        self.lateral = self.side = 0.0
         self.stalled = False
         self._stalled_for = 0.0
 
@@ -160,6 +166,8 @@ class Robot:
         self._linear_target = linear
         self.linear = _approach(self.linear, linear, settings.linear_acceleration * dt)
         self.angular = _approach(self.angular, angular, settings.angular_acceleration * dt)
+        if settings.omnidirectional:
+            self._slide(dt, halted=halted or stuck)
         if self.linear == 0.0 == self.angular:
             self.left = self.right = 0.0
             return
@@ -173,6 +181,17 @@ class Robot:
         self.x += way * math.cos(heading)
         self.y += way * math.sin(heading)
         self.theta = normalize_angle(self.theta + turn)
+
+    def _slide(self, dt: float, *, halted: bool) -> None:
+        """Drive sideways."""
+        settings = self._settings
+        stands = halted or self._command_age > settings.cmd_vel_timeout + ROUNDING
+        target = 0.0 if stands else min(settings.linear_max, max(-settings.linear_max, self._command.linear_y))
+        self.lateral = _approach(self.lateral, target, settings.linear_acceleration * dt)
+        self.side = self.lateral * dt
+        way = self._on_ground(self.side)
+        self.x -= way * math.sin(self.theta)
+        self.y += way * math.cos(self.theta)
 
     def block(self, x: float, y: float, normal_x: float, normal_y: float) -> None:
         """Something solid stands in the way: the body slides along it, the wheels stall.
@@ -193,6 +212,10 @@ class Robot:
             most = kept * abs(self._linear_target)
             self.linear = min(most, max(-most, self.linear))
             self.stalled = True
+        beside = math.cos(self.theta) * normal_y - math.sin(self.theta) * normal_x
+        if beside * self.lateral < 0.0:
+            kept = 1.0 - beside * beside
+            self.side, self.lateral = kept * self.side, kept * self.lateral
 
     def _target(self, dt: float, halted: bool) -> tuple[float, float]:
         settings, command = self._settings, self._command

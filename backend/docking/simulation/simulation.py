@@ -147,7 +147,7 @@ class Simulation:
             worn=WORN if Fault.WORN_WHEEL in self.faults else 0.0,
         )
         self._collide()
-        self.odometry.step(robot.left, robot.right)
+        self.odometry.step(robot.left, robot.right, robot.side)
         self._feed(dt)
         self._sense()
 
