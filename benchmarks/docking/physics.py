@@ -59,6 +59,7 @@ MODEL = """
         <geom type="cylinder" size="{wheel} 0.01" euler="90 0 0" mass="0.1"/>
       </body>
     </body>
+    {other}
   </worldbody>
   <contact>
     <exclude body1="world" body2="left pin"/>
@@ -70,8 +71,16 @@ MODEL = """
   </actuator>
 </mujoco>
 """
+OTHER_ROBOT = """
+    <body name="other" pos="-0.21 0 0.07">
+      <joint type="slide" axis="1 0 0" damping="50"/>
+      <joint type="slide" axis="0 1 0" damping="50"/>
+      <geom name="other" type="cylinder" size="0.14 0.06" mass="5"/>
+    </body>
+"""
+"""It can be pushed, but hardly; its wheels are blocked."""
 PADS_AT_PINS = {frozenset({"left pad", "left pin"}), frozenset({"right pad", "right pin"})}
-SOLID, ROLLING = {"dock", "wall", "left pin", "right pin"}, {"", "caster", "floor"}
+SOLID, ROLLING = {"dock", "wall", "left pin", "right pin", "other"}, {"", "caster", "floor"}
 """What the robot can run into, and what it does not run into things with."""
 
 
@@ -84,6 +93,7 @@ class RollingRobot(Robot):
             tick=TICK,
             wheel=WHEEL,
             half=0.5 * settings.wheel_separation,
+            other=OTHER_ROBOT if base.other_robot else "",
             mass=base.mass,
             friction=base.friction,
             torque=base.torque,
@@ -92,6 +102,7 @@ class RollingRobot(Robot):
         self._model = mujoco.MjModel.from_xml_string(text)
         self._data = mujoco.MjData(self._model)
         self._driver = settings
+        self.base = base
         self.came_at = 0.0
         super().__init__(settings, pose, random)
 
@@ -130,6 +141,11 @@ class RollingRobot(Robot):
         self.theta = normalize_angle(math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
 
     @property
+    def pressed(self) -> float:
+        """How far both pins are pressed, in m."""
+        return float(min(self._data.qpos[:2]))
+
+    @property
     def touching(self) -> set[frozenset[str]]:
         """Pairs of names: what touches what."""
         pairs = self._data.contact.geom.tolist()
@@ -143,13 +159,17 @@ class Plates(Collisions):
         """Take notice of the contacts; the engine itself keeps the robot out of the dock."""
         assert isinstance(robot, RollingRobot)
         touching = robot.touching
-        self.contact = touching >= PADS_AT_PINS
+        self.contact = touching >= PADS_AT_PINS and robot.pressed >= robot.base.spring_travel
         if not self.contact:
             self._contact_since = None
         elif self._contact_since is None:
             self._contact_since = now
             self.presses += 1
-        hits = [pair for pair in touching if pair & SOLID and not pair & ROLLING and pair not in PADS_AT_PINS]
+        hits = [
+            pair
+            for pair in touching
+            if pair & SOLID and not pair <= SOLID and not pair & ROLLING and pair not in PADS_AT_PINS
+        ]
         blocked = bool(hits)
         if driven and blocked and not self._blocked and not self.contact:
             self.bumps += 1
