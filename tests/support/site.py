@@ -53,7 +53,7 @@ class Site:
 
     def wait_for_stage(self, goal: GoalOfTest, stage: str) -> None:
         """Wait until the goal has come to a stage."""
-        self.reports.wait_for(30.0, goal_id=goal.goal_id, stage=stage)
+        self.reports.wait_for(goal_id=goal.goal_id, stage=stage)
 
     def expect_abort(self, goal: GoalOfTest, code: str, within: float) -> dict[str, str]:
         """The goal is aborted with a code, in time, and the robot stands still and is told to."""

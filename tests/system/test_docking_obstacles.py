@@ -34,7 +34,7 @@ def test_the_robot_waits_for_an_obstacle_and_is_aborted_where_it_stays(domain: i
         goal = send_dock_goal(observer)
         wait_until(lambda: here.wheels.moving, "a move")
         here.controls.switch("obstacle")
-        waiting = here.reports.wait_for(30.0, goal_id=goal.goal_id, stage="WAIT_FOR_CLEARANCE")
+        waiting = here.reports.wait_for(goal_id=goal.goal_id, stage="WAIT_FOR_CLEARANCE")
         assert (waiting["error_code"], waiting["level"]) == ("OBSTRUCTED", 1)
         assert waiting["message"] == "an obstacle is in the way: the robot waits"
         here.expect_standstill()
