@@ -1,12 +1,12 @@
 """Undocking: reached when the robot has backed out and its battery charges no longer."""
 
-from docking.core.battery import BatteryReading
+from docking.core.battery import BatteryReading, PowerSupplyStatus
 from docking.core.errors import Blocked, DockedUnknown, DockingError, FailedToUndock, Stage
 from docking.core.observation import Observation
-from docking.goal.charging import describe_charging, tells_charging
+from docking.goal.charging import FULL, describe_charging, tells_charging
 from docking.goal.dock_memory import DockMemory
 from docking.goal.objective import Deadline, Objective, Progress
-from docking.parameters import ChargingSettings, UndockTimeouts
+from docking.parameters import ChargingSettings, ChargingSource, UndockTimeouts
 
 
 class Undocking(Objective):
@@ -43,7 +43,7 @@ class Undocking(Objective):
         """Whether the robot is off the dock.
 
         Raises:
-            DockedUnknown: Nothing tells whether the robot is docked.
+            DockedUnknown: Nothing tells whether the robot is docked, or what tells it disagrees.
         """
         if battery is None and self.needs_battery:
             return False
@@ -64,8 +64,20 @@ class Undocking(Objective):
                 " earlier goal tells. If it is on the dock, switch the charger on, drive it off by hand, or set"
                 " assume_docked to true and send the goal again; if it is not, there is nothing to do"
             )
+        if known and battery is not None and not self._assume_docked and self._is_off(battery):
+            raise DockedUnknown(
+                f"the robot was docked and has not driven since, but {describe_charging(battery, self._charging)} at"
+                f" {100.0 * battery.percentage:.0f} %: it was lifted off its dock, or the dock has no power. Nothing is"
+                " driven, as nothing sees behind the robot. If it is on the dock, drive it off by hand, or set"
+                " assume_docked to true and send the goal again; if it is not, there is nothing to do"
+            )
         self._docked = known is not False
         return known is False
+
+    def _is_off(self, battery: BatteryReading) -> bool:
+        """Whether a battery tells that it is at no charger; a full one may be, where the charger has switched off."""
+        by_status = self._charging.charging_source is ChargingSource.STATUS
+        return by_status and battery.status == PowerSupplyStatus.DISCHARGING and battery.percentage < FULL
 
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of backing out until the battery charges no longer."""

@@ -127,6 +127,38 @@ def test_a_full_robot_whose_charger_switched_off_is_docked_still(at: Pose | None
     assert memory.docked is False
 
 
+def lifted() -> tuple[Simulation, DockMemory]:
+    """A robot that was docked, and that someone has put elsewhere since: odometry has not noticed."""
+    simulation = docked()
+    odometry = simulation.observe().odometry
+    assert odometry is not None
+    simulation.place(Pose(-2.0, 1.0, 0.5))
+    simulation.run(1.0)
+    return simulation, DockMemory(True, odometry.pose)
+
+
+def test_a_robot_that_was_lifted_off_its_dock_does_not_back_out() -> None:
+    simulation, memory = lifted()
+    place = simulation.robot.pose
+    outcome = undock(simulation, memory=memory)
+    assert outcome.error_code is ErrorCode.DOCKED_UNKNOWN
+    assert (
+        "its battery is 2 (DISCHARGING) at 24 %: it was lifted off its dock, or the dock has no power"
+        in outcome.error_msg
+    )
+    assert simulation.robot.pose.distance_to(place) < 0.001
+    assert undock(simulation, memory=memory, assume_docked=True) == Outcome(End.SUCCEEDED)
+
+
+@pytest.mark.parametrize(("status", "percentage"), [(2, 0.96), (2, math.nan), (3, 0.5)])
+def test_a_battery_that_may_be_at_its_charger_does_not_contradict_the_memory(status: int, percentage: float) -> None:
+    memory = DockMemory(True, Pose())
+    objective, battery = Undocking(UndockTimeouts(), memory), BatteryReading(status, 1.0, percentage=percentage)
+    observation = Observation(1.0, battery, Odometry(Pose(), STANDSTILL, 1.0))
+    assert not objective.is_reached(observation, battery, Progress(True, False, None))
+    assert objective.is_reached(observation, battery, Progress(True, True, None))
+
+
 def test_a_goal_that_fails_on_the_dock_leaves_it_known_that_the_robot_is_docked() -> None:
     simulation, memory = docked(), DockMemory()
     simulation.set_fault(Fault.STUCK_WHEEL, True)
