@@ -15,6 +15,7 @@ from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.automation.rule import RuleEntry
 from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
@@ -35,6 +36,8 @@ MAX_RULES = 50
 SYNC_EVERY = 2
 # How long after a decision without an outcome its gateway must have ended.
 INTERRUPTED_AFTER = timedelta(minutes=1)
+# Seconds for which the battery of a docked robot must be discharging until the robot counts as off its charger.
+OFF_CHARGER = 30.0
 STOPS = frozenset({"stop_latched", "stopped"})
 
 
@@ -76,6 +79,7 @@ class AutomaticDocking:
         self._policy = DockingPolicy()
         self._waits: dict[tuple[str, str], Wait] = {}
         self._answers: bool | None = None  # whether the history does
+        self._off_since: dict[str, float] = {}  # docked robots whose batteries discharge
         self._deciding: set[str] = set()  # robots
         self._looks = 0
         self._tasks = Tasks("docking automatically")
@@ -213,7 +217,8 @@ class AutomaticDocking:
             heard=heard or (server is not None and server.available),
             fresh=fresh,
             battery=reading.percentage,
-            docked=state.on_dock or (fresh and reading.power_supply in CHARGES),
+            docked=(state.on_dock and not self._left_charger(state, fresh))
+            or (fresh and reading.power_supply in CHARGES),
             reachable=server is not None and server.available and server.answering and not server.duplicate,
             shares_dock=server is not None and (servers.get(server.action_name, 0) > 1 or name in self._shared()),
             goal_running=bool(state.goals),
@@ -223,6 +228,19 @@ class AutomaticDocking:
             person_at=self._activity.person_at(name),
             failed_at=last.finished_at if last is not None and failed else None,
         )
+
+    def _left_charger(self, state: RobotState, fresh: bool) -> bool:
+        """Whether a robot that a goal has left docked has been off its charger for a while, as after it has slid off.
+
+        A battery that takes no current is NOT_CHARGING on its dock; one that is DISCHARGING has no charger, or a dead
+        one.
+        """
+        touches = state.simulator is not None and state.simulator["contact"]
+        if touches or not fresh or state.battery.reading.power_supply != PowerSupply.DISCHARGING:
+            self._off_since.pop(state.name, None)
+            return False
+        now = time.monotonic()
+        return now - self._off_since.setdefault(state.name, now) >= OFF_CHARGER
 
     # ------------------------------------------------------------------ carrying out
 

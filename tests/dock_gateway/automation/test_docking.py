@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import pytest
 
+from dock_gateway.automation import docking
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
@@ -46,16 +47,20 @@ class Robot:
         self.sent: list[str | None] = []
         self.refusal: GatewayError | None = None
         self.on_submit: Callable[[], None] = lambda: None
+        self.on_dock = False
+        self.power_supply = 2
+        self.simulator: dict[str, Any] | None = None
 
     def states(self) -> list[Any]:
-        battery = SimpleNamespace(reading=Reading(2, 0.1), age=0.1, stale_since=None)
+        battery = SimpleNamespace(reading=Reading(self.power_supply, 0.1), age=0.1, stale_since=None)
         return [
             SimpleNamespace(
                 name=name,
                 default=False,
                 label=NO_LABEL,
                 battery=battery,
-                on_dock=False,
+                on_dock=self.on_dock,
+                simulator=self.simulator,
                 dock=ServerState(f"{ROBOT}/dock", "pkg/action/Dock", available=True, answering=True),
                 goals=[],
                 lost=[],
@@ -155,6 +160,31 @@ async def test_a_robot_that_joins_before_the_goal_is_sent_to_its_server_prevents
     await gateway.replace("low", AT_ONCE)
     (decision,) = await site.decided()
     assert (decision.outcome, decision.code) == (Outcome.SKIPPED, "shared_action")
+    assert site.robot.sent == []
+
+
+@pytest.mark.parametrize(
+    ("power_supply", "contact", "docks"), [(2, None, True), (2, False, True), (2, True, False), (3, None, False)]
+)
+async def test_a_robot_that_has_slid_off_its_contacts_is_docked_again(
+    site: Site, monkeypatch: pytest.MonkeyPatch, power_supply: int, contact: bool | None, docks: bool
+) -> None:
+    """By its goals it is docked still; a battery that discharges for a while says otherwise, unless it touches."""
+    monkeypatch.setattr(docking, "OFF_CHARGER", 0.3)
+    site.robot.on_dock, site.robot.power_supply = True, power_supply
+    site.robot.simulator = None if contact is None else {"contact": contact, "docked": False}
+    gateway = site.gateway()
+    await gateway.replace("low", AT_ONCE)
+    await asyncio.sleep(0.1)
+    assert site.robot.sent == [], "contacts bounce"
+    if docks:
+        (decision,) = await site.decided()
+        assert decision.outcome is Outcome.SENT
+        assert len(site.robot.sent) == 1
+        return
+    await asyncio.sleep(0.6)
+    (rule,) = await gateway.documents()
+    assert [robot["waits_for"] for robot in rule["applies_to"]] == ["docked"]
     assert site.robot.sent == []
 
 
