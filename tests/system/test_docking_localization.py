@@ -102,3 +102,15 @@ def test_a_localization_that_dies_is_noticed_though_its_last_transform_stays(dom
             goal = send_dock_goal(observer)
             here.wait_for_stage(goal, "CONTROLLING")
         here.expect_abort(goal, "LOCALIZATION_LOST", within=20.0)
+
+
+def test_a_robot_undocks_though_its_pose_on_the_map_is_far_off(domain: int, observer: Observer) -> None:
+    """It was switched on at its dock, and its localization has not found itself yet."""
+    off = "localization_error_x:=0.6", "localization_error_y:=0.53", "localization_error_yaw:=0.35"
+    with site(domain, observer, *PARAMETERS, robot=off) as here:
+        here.place(DOCKED)
+        here.controls.wait_for_status(docked="true")
+        assert send_undock_goal(observer).result(30.0).status == SUCCEEDED
+        here.expect_standstill()
+        assert here.pose.relative_to(DOCKED).x == pytest.approx(-0.7, abs=0.1)
+        assert abs(here.pose.y) < 0.05

@@ -16,7 +16,7 @@ from docking.goal.doubts import Doubts
 from docking.goal.plan import DockTarget
 from docking.parameters import ApproachSettings, MotionLimits
 
-BACK = 0.45
+BACK = 0.6
 """How far before the docked pose each press begins, in m: the robot has to get to the side."""
 SIDES = (0.0, 0.025, -0.025, 0.05, -0.05, 0.075, -0.075)
 """How far to the left of the docked pose it presses, in m."""
@@ -82,6 +82,8 @@ def press_beside(
     motion: MotionLimits,
     settings: ApproachSettings,
     push_on: Callable[[Callable[[], Behavior]], Behavior],
+    *,
+    staging: float,
 ) -> Behavior:
     """Back, and on again a little beside; slowly near the dock, as every approach.
 
@@ -91,6 +93,7 @@ def press_beside(
         motion: Limits of the robot's motion.
         settings: How it drives.
         push_on: Adds the push at the end.
+        staging: How far before the docked pose the staging pose is, in m: the robot does not back beyond it.
     """
     blind = replace(
         settings,
@@ -101,6 +104,6 @@ def press_beside(
     )
     target = BesideDock(aim, offset)
     return Sequence(
-        lambda: BackOut(BACK, motion, target.docked),
+        lambda: BackOut(min(BACK, staging), motion, target.docked),
         lambda: push_on(lambda: Approach(target, motion, blind, FailedToControl, math.inf)),
     )

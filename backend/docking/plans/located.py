@@ -197,5 +197,7 @@ class LocatedPlan(DockPosePlan):
         if number > len(OFFSETS) or self._now - self._feels_since > FEELS_FOR:
             return Fail(NothingLeftToTry(f"the contacts were not felt within {FEELS_FOR:g} s"))
         self._pressed = number
-        press = press_beside(self, OFFSETS[number - 1], self._motion_onto, self._loose, self.push_on)
+        press = press_beside(
+            self, OFFSETS[number - 1], self._motion_onto, self._loose, self.push_on, staging=self.dock.distance
+        )
         return Reversed(press) if self.dock.backward else press
