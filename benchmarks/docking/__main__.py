@@ -56,6 +56,7 @@ def parsed_options() -> argparse.Namespace:
     parser.add_argument(
         "--rows", default="", help="of these tables: only those whose names contain one of these, comma-separated"
     )
+    parser.add_argument("--missing", action="store_true", help="of these tables: only rows that are not there yet")
     options = parser.parse_args()
     if options.physics and find_spec("mujoco") is None:
         parser.error("--physics needs MuJoCo, which make bench-physics installs")
@@ -93,7 +94,7 @@ def main() -> None:
         )
         drawing.write_text(picture(trials))
     else:
-        text = faults.measure(options.rows, seeds, options.processes, page)
+        text = faults.measure(options.rows, seeds, options.processes, page, missing=options.missing)
     if options.docs:
         page.write_text(with_list(page.read_text()))
     print(text)

@@ -35,7 +35,7 @@ class Table:
     run: Callable[[Job], Trial]
     figures: Callable[[Key, Sequence[Trial]], Row]
 
-    def measure(self, rows: str, seeds: range, processes: int, page: Path) -> str:
+    def measure(self, rows: str, seeds: range, processes: int, page: Path, *, missing: bool = False) -> str:
         """Run the rows whose names contain `rows`, and write them into a page; its other rows stay as they are.
 
         Args:
@@ -43,12 +43,14 @@ class Table:
             seeds: One trial each.
             processes: How many trials run at a time.
             page: A file with a part of this table's name.
+            missing: Whether only rows are run that the page does not have.
 
         Returns:
             The table.
         """
-        jobs = [(key, seed) for key in self.keys if _is_chosen(key, rows) for seed in seeds]
         text = part_of(page.read_text(), self.name)
+        known = rows_in(text) if missing else {}
+        jobs = [(key, seed) for key in self.keys if _is_chosen(key, rows) and key not in known for seed in seeds]
         with Pool(processes) as pool:
             trials = zip(jobs, pool.imap(self.run, jobs, chunksize=5), strict=True)
             for key, group in groupby(trials, key=lambda done: done[0][0]):

@@ -45,6 +45,7 @@ def test_rows_are_measured_one_after_another_into_one_table(tmp_path: Path) -> N
     assert page.read_text().startswith("Before.\n<!--")
     assert page.read_text().endswith("-->\nAfter.\n")
     assert part_of(page.read_text(), ROBUSTNESS.name) == text
+    assert ROBUSTNESS.measure("without velocity", range(9), 1, page, missing=True) == text, "it is there"
 
 
 def test_a_column_that_only_some_rows_have_is_empty_in_the_others() -> None:
