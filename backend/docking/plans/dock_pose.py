@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from docking.behaviors.approach import Approach, sure_enough
 from docking.behaviors.combined import Reversed, Sequence
+from docking.behaviors.look_around import LookAround
 from docking.behaviors.search import Search
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.turns import FullTurn, TurnToDock
@@ -17,6 +18,7 @@ from docking.estimation.marker_selection import NEAR
 from docking.goal.behavior import Behavior, Fail
 from docking.goal.plan import KnownPoses, NothingLeftToTry
 from docking.parameters import DockSettings, MotionLimits
+from docking.plans.camera_correction import CameraCorrection
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = Spread(0.05, math.radians(5.0))
@@ -56,6 +58,8 @@ class DockPosePlan(SightedPlan):
         self._turn = 0  # which one of them is tried
         self._waits = self._charged = False
         self._dock_charges = settings.charging.charges
+        self._camera = CameraCorrection()
+        self._missed = False
 
     @property
     def poses(self) -> KnownPoses:
@@ -135,7 +139,8 @@ class DockPosePlan(SightedPlan):
         self._charged |= observation.battery is not None and observation.battery.connected
         if self.marker.pose is None:
             self._expect()
-        self.marker.update(observation)
+        self.marker.update(self._camera.correct(observation))
+        self._camera.add(self.marker.raw, self.marker.noticed_at, self._robot)
         self._prefer_last()
         if self.marker.pose is None and (two := self.marker.selection.ambiguous) is not None:
             raise FailedToDetectDock(
@@ -153,10 +158,31 @@ class DockPosePlan(SightedPlan):
             self._charged = False
         if stage is Stage.RETRY:
             back_off = self.back_off()
-            return self._turn_on(back_off) if missed and not self.dock.rotate_to_dock else back_off
+            if not missed:
+                return back_off
+            first, self._missed = not self._missed, True
+            if self.dock.rotate_to_dock:
+                return back_off
+            back_off, looks = self._turn_on(back_off), first and "marker" in self.sensors
+            return Sequence(lambda: back_off, self._look_around, self._conclude) if looks else back_off
         sees_ahead = stage in {Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE} and self.dock.rotate_to_dock
         controller = self._forwards(stage)
         return Reversed(controller) if self.dock.backward and not sees_ahead else controller
+
+    def _look_around(self) -> Behavior:
+        """See whether the camera is where it is taken to be: the robot has touched the dock beside its contacts."""
+        return LookAround(self.motion, self._camera.knows)
+
+    def _conclude(self) -> Behavior:
+        """Correct what the miss came from, where that shows."""
+        try:
+            sentence = self._camera.conclude()
+        except NothingLeftToTry as failure:
+            return Fail(failure)
+        if sentence:
+            self.doubts.note("camera", sentence)
+            self._turn = 0
+        return Sequence()
 
     def _turn_on(self, back_off: Behavior) -> Behavior:
         """Try another place after the robot has arrived without a charge: never the same one twice."""
@@ -167,7 +193,8 @@ class DockPosePlan(SightedPlan):
         return Fail(
             NothingLeftToTry(
                 f"it did not charge turned by {math.degrees(TURNS[1]):.1f} degrees to either side either. If the"
-                " charger works, put the robot on its dock and call calibrate_dock"
+                " charger works, the contacts may be beside where external_detection_translation_y and"
+                " external_detection_rotation_yaw have them: put the robot on its dock and call calibrate_dock"
             )
         )
 
@@ -221,7 +248,9 @@ class DockPosePlan(SightedPlan):
         )
 
     def _check(self) -> Behavior:
-        return Sequence() if self._knows() else Fail(self.lost("the dock was not seen again after a full turn"))
+        if not self._knows():
+            return Fail(self.lost("the dock was not seen again after a full turn"))
+        return self._conclude() if self._missed else Sequence()
 
     @property
     def _motion_onto(self) -> MotionLimits:
