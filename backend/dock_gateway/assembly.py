@@ -37,6 +37,7 @@ from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
+from dock_gateway.fleet.wheels_watch import WheelsWatch
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.goals.approvals import Approvals
@@ -74,7 +75,7 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.robots import Robots
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.graph import Scan, scan
+from dock_gateway.ros.graph import Scan, read_topic, scan
 from dock_gateway.ros.robot_ports import DiagnosticsPort
 from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.ros.velocity import VelocityListener
@@ -133,6 +134,7 @@ async def _open(
     activity = _watch_activity(robots, actions)
     _follow_stops(stopper, interlock, activity, approvals)
     _subscribe_on_demand(settings, bridge, fanout, robots, activity, stack=stack)
+    wheels_watch = closed_by(stack, _watch_wheels(settings, bridge, actions, robots, stack))
     board = closed_by(stack, SceneBoard(fanout, robots.namespaces))
     _listen_to_poses(settings, robots, MapPort, board, stack)
     if settings.store_poses:
@@ -153,8 +155,7 @@ async def _open(
     )
     stop_of_all = closed_by(stack, StopOfAll(settings, robots, interlock, stopper))
     await _open_robots(robots, actions, share, stop_of_all)
-    labels = closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
-    await labels.open()
+    labels = await _open_labels(history, robots, stack)
     graph_watch = _make_graph_watch(settings, bridge, robots, actions)
     decisions = DecisionLog(fanout, history.documents("decision", Decision))
     alerts = closed_by(
@@ -166,7 +167,7 @@ async def _open(
             incident=lambda: history.incident,
             recordings=lambda: recordings.trouble,
             given_up=decisions.given_up,
-            findings=lambda: [*graph_watch.findings, *claimed_twice(gateways.conflict)],
+            findings=lambda: [*graph_watch.findings, *claimed_twice(gateways.conflict), *wheels_watch.findings],
             only=robots.namespaces if share.limited else None,
         ),
     )
@@ -280,6 +281,30 @@ def _watch_activity(robots: RobotRegistry, actions: ActionRegistry) -> Activity:
     return activity
 
 
+def _watch_wheels(
+    settings: Settings, bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, stack: AsyncExitStack
+) -> WheelsWatch:
+    """Make what stops robots whose commands end."""
+
+    async def name(robot: str, publisher: bytes) -> str | None:
+        topic = settings.resolve(settings.cmd_vel_topic, robot)
+        found = await bridge.call(lambda: read_topic(bridge.node, topic))
+        return next((each.node for each in found.publishers if each.gid == publisher), None)
+
+    def listen(robot: str) -> ExitStack:
+        wheels = robots.get(robot).velocity
+        wheels.listen()
+        listener = robots.velocities.watch(settings.resolve(settings.cmd_vel_topic, robot), wheels.hear)
+        port = ExitStack()
+        port.callback(listener.close)
+        port.callback(wheels.deafen)
+        return port
+
+    watch = WheelsWatch(actions, robots, name, settings.command_timeout)
+    closed_by(stack, OnDemand(bridge, watch, "commands", listen))
+    return watch
+
+
 async def _claim_robots(settings: Settings, history: History, stack: AsyncExitStack) -> tuple[Share, Gateways]:
     share = Share(settings.robots, DockingCatalog(settings).homes)
     address = own_address(settings, settings.port)
@@ -295,6 +320,12 @@ async def _open_robots(robots: RobotRegistry, actions: ActionRegistry, share: Sh
         await actions.pin("dock")
         await actions.pin("undock")
     await stop_of_all.open()
+
+
+async def _open_labels(history: History, robots: RobotRegistry, stack: AsyncExitStack) -> Labels:
+    labels = closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
+    await labels.open()
+    return labels
 
 
 def _make_fanout(settings: Settings, history: History) -> Fanout:

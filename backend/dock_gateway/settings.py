@@ -319,6 +319,13 @@ class Settings(SiteSettings):
     lost_after: Seconds = Field(
         8.0, description="Seconds without a message from the action server after which a running goal is `lost`."
     )
+    command_timeout: float = Field(
+        0.3,
+        ge=0,
+        le=60,
+        description="Seconds without a command after which a robot that moves for a docking goal gets zero velocity: "
+        "[stop.md](stop.md#commands-that-end). 0: never.",
+    )
     battery_stale_after: Seconds = Field(
         2.0, description="Seconds without a message after which the battery state is stale."
     )

@@ -23,3 +23,10 @@ def velocity_message(name: str, twist: Twist, node: Node, frame: str = "") -> Tw
     message.header.stamp = node.get_clock().now().to_msg()
     message.header.frame_id = frame
     return message
+
+
+def is_motion(message: Twist | TwistStamped) -> bool:
+    """Return whether a velocity is not zero; one that is no number counts as a motion."""
+    twist = message.twist if isinstance(message, TwistStamped) else message
+    linear, angular = twist.linear, twist.angular
+    return any(value != 0.0 for value in (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z))

@@ -80,7 +80,7 @@ def test_the_watchdog_stops_a_robot_whose_controller_hangs(domain: int, observer
             assert took > 0.3
             wait_until(lambda: wheels.moving, "a move when it is over")
             speeds = [message.linear.x for message in wheels.messages]
-            assert speeds[before - 2] == pytest.approx(0.04)
+            assert [speed for speed in speeds[:before] if speed][-1] == pytest.approx(0.04)
             assert 0.05 not in [round(speed, 3) for speed in speeds], "what was decided on long ago moves nothing"
             log.wait_for(lambda entry: "No control step for 0.5 s" in entry.msg)
             assert goal.cancel()

@@ -23,6 +23,8 @@ FAULTS = (
     "occluded_marker",
     "stuck_wheel",
     "late_commands",
+    "lost_commands",
+    "no_command_timeout",
     "worn_wheel",
     "wrong_detections",
     "future_detections",

@@ -17,6 +17,10 @@ from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.settings import PREFIX, Settings
 from robot_io.installation import find_package_fault
 
+COMMAND_TIMEOUT = (
+    "Whether its base stops by itself when commands end cannot be seen from here: docs/stop.md says how to try it"
+)
+
 
 @dataclass(frozen=True)
 class _Remark:
@@ -103,6 +107,8 @@ class RobotChecks:
         if (battery := self._batteries.get(robot)) is not None:
             parts.append(f"battery on {battery}{self._read(robot, battery)}")
         remarks = [*self._judge_action(robot, dock), *self._judge_battery(robot, battery)]
+        if dock is not None:
+            remarks.append(_Remark(Level.OK, COMMAND_TIMEOUT))
         level = next((each for each in (Level.ERROR, Level.WARNING) if each in [it.level for it in remarks]), Level.OK)
         text = ". ".join(["; ".join(parts), *(each.text for each in remarks)])
         return Check(f"robot {robot}", level, text, [line for each in remarks for line in each.settings])

@@ -28,6 +28,7 @@ class AlertKind(StrEnum):
     DUPLICATE_BASE = FindingKind.DUPLICATE_BASE.value
     ROBOT_SEEN_TWICE = FindingKind.ROBOT_SEEN_TWICE.value
     ROBOTS_CLAIMED_TWICE = FindingKind.ROBOTS_CLAIMED_TWICE.value
+    COMMANDS_LOST = FindingKind.COMMANDS_LOST.value
     # Of a hub.
     SITE_UNREACHABLE = "site_unreachable"
     SITE_REFUSED = "site_refused"

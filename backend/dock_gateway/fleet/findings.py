@@ -16,6 +16,7 @@ class FindingKind(StrEnum):
     DUPLICATE_BASE = "duplicate_base"
     ROBOT_SEEN_TWICE = "robot_seen_twice"
     ROBOTS_CLAIMED_TWICE = "robots_claimed_twice"
+    COMMANDS_LOST = "commands_lost"
 
 
 @dataclass(frozen=True)
@@ -141,6 +142,24 @@ def claimed_twice(conflict: str | None) -> Iterator[Finding]:
     if conflict is not None:
         title, advice = "Two gateways serve the same robots", "Both go on. Stop one, or give each its own `robots`."
         yield Finding(FindingKind.ROBOTS_CLAIMED_TWICE, None, title, f"{conflict}. {advice}", critical=True)
+
+
+def commands_lost(robot: str, node: str, seconds: float) -> Finding:
+    """Return the finding that a robot was stopped, as its commands ended while it moved and a docking goal ran.
+
+    Args:
+        robot: The robot.
+        node: Who commanded it last.
+        seconds: How long there was no command.
+    """
+    return Finding(
+        FindingKind.COMMANDS_LOST,
+        robot,
+        "Robot stopped: no commands",
+        f"{node} moved {robot} and then sent no command for {seconds:g} s while its goal is running, so zero velocity "
+        "was sent. Check that the robot stands still, then start the node again.",
+        critical=True,
+    )
 
 
 def _nodes(peers: Iterable[Peer]) -> str:

@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState
 from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
 from dock_gateway.core.event import loss_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import GoalError
+from dock_gateway.core.goal import Goal, GoalError
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.idempotency import Submitter
@@ -56,6 +56,7 @@ class Action:
         interlock: Interlock,
         adapter: DockAdapter | None = None,
         remark: Callable[[], str] = str,
+        halt: Callable[[Goal], str] = lambda _: "",
         pinned: bool = False,
         ping_idle: bool = False,
         limits: GoalLimits = LIMITS,
@@ -70,7 +71,7 @@ class Action:
         self.feedback_dropped = 0
         self._fanout = fanout
         self._default_dock = settings.default_dock
-        self.tracker = GoalTracker(port, fanout, history, reasons, adapter, remark=remark, limits=limits)
+        self.tracker = GoalTracker(port, fanout, history, reasons, adapter, remark=remark, halt=halt, limits=limits)
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, interlock, limits)
         self.delivery = Delivery(

@@ -93,6 +93,7 @@ class GoalMachine:
         stamp: Returns the stamp of the next event's id from that of its source. Stamps rise.
         started: When the gateway started.
         adapter: What its messages say about a goal, if it docks or undocks robots.
+        halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
         limits: How many goals to remember.
 
     Attributes:
@@ -110,8 +111,10 @@ class GoalMachine:
         started: Now,
         adapter: DockAdapter | None = None,
         *,
+        halt: Callable[[Goal], str] = lambda _: "",
         limits: GoalLimits = LIMITS,
     ) -> None:
+        self._halt = halt
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.newcomers = Newcomers(limits)
@@ -317,6 +320,10 @@ class GoalMachine:
 
     def lose(self, now: Now, goal: Goal, error: GoalError) -> None:
         """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
+        if goal.status.terminal:
+            return
+        if done := self._halt(goal):
+            error = replace(error, detail=f"{error.detail}; {done}")
         if not goal.lose(error, moment(now.ns)):
             return
         log.warning("goal %s is lost: %s", goal.goal_id, error.detail, extra=_about(goal))

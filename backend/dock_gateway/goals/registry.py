@@ -66,6 +66,7 @@ class ActionRegistry:
     Attributes:
         docking: Which of the actions dock and undock each robot.
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
+        halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.
@@ -88,6 +89,7 @@ class ActionRegistry:
         self._settings = settings
         self._bridge = bridge
         self.remark: Callable[[str], str] = lambda _: ""
+        self.halt: Callable[[Goal], str] = lambda _: ""
         self._parts = (settings, fanout, history, reasons)
         self._interlock = interlock
         self._share = share
@@ -166,6 +168,7 @@ class ActionRegistry:
             interlock=self._interlock,
             adapter=adapter,
             remark=lambda: self.remark(name),
+            halt=self._halt,
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or of_configured_robot,
             limits=self._limits,
@@ -227,10 +230,14 @@ class ActionRegistry:
             self._changed.set()
             self._changed.clear()
 
+    def _halt(self, goal: Goal) -> str:
+        return self.halt(goal)
+
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
-            if goal.lose(GoalError("action_server_lost", "the action has no server any more"), utc_now()):
+            detail = "; ".join(filter(None, ("the action has no server any more", self.halt(goal))))
+            if goal.lose(GoalError("action_server_lost", detail), utc_now()):
                 now_ns = time.time_ns()
                 self._fanout.publish(status_event(goal, self._fanout.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)

@@ -40,6 +40,7 @@ class GoalTracker:
         reasons: Why goals were rejected or aborted.
         adapter: What the action's messages say about a goal, if it docks or undocks robots.
         remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
+        halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
         limits: How long to wait, and how many goals to remember.
 
     Attributes:
@@ -60,10 +61,11 @@ class GoalTracker:
         adapter: DockAdapter | None = None,
         *,
         remark: Callable[[], str] = str,
+        halt: Callable[[Goal], str] = lambda _: "",
         limits: GoalLimits = LIMITS,
     ) -> None:
         self._machine = GoalMachine(
-            port.action_name, port.action_type, fanout.clock.stamp, Now.read(), adapter, limits=limits
+            port.action_name, port.action_type, fanout.clock.stamp, Now.read(), adapter, halt=halt, limits=limits
         )
         self.known: KnownGoals = self._machine
         self.live = self._machine.live

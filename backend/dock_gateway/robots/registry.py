@@ -17,6 +17,7 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.plausibility import Plausibility
+from dock_gateway.robots.wheels import Wheels
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Presence, Scan, find_presence
 from dock_gateway.ros.latch_port import LatchPort
@@ -44,7 +45,7 @@ class Robot:
     namespace: str
     battery: Battery
     publisher: BatteryPublisher
-    velocity: VelocityPort
+    velocity: Wheels
     ports: Ports
 
 
@@ -122,7 +123,9 @@ class RobotRegistry:
 
         ports = await self._bridge.call(make, undo=_leave)
         battery_port, velocity, latch = ports
-        robot = Robot(namespace, battery, BatteryPublisher(battery_port, battery, fanout, namespace), velocity, ports)
+        robot = Robot(
+            namespace, battery, BatteryPublisher(battery_port, battery, fanout, namespace), Wheels(velocity), ports
+        )
         self._robots[namespace] = robot
         self._forgotten.discard(namespace)
         self._interlock.join(namespace, latch)
@@ -238,6 +241,7 @@ class RobotRegistry:
     def forget(self, namespace: str) -> None:
         """Leave the topics of a robot that is gone. If it appears again, its past is restored."""
         robot = self._robots.pop(namespace)
+        robot.velocity.leave()
         self._forgotten.add(namespace)
         self._interlock.leave(namespace)
         self._bridge.to_ros(lambda: _leave(robot.ports))

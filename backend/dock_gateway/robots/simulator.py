@@ -27,6 +27,8 @@ Fault = Literal[
     "occluded_marker",
     "stuck_wheel",
     "late_commands",
+    "lost_commands",
+    "no_command_timeout",
     "worn_wheel",
     "wrong_detections",
     "future_detections",

@@ -9,11 +9,10 @@ thread, all else on the ROS thread.
 
 import asyncio
 import logging
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
@@ -22,67 +21,22 @@ from rclpy.subscription import Subscription
 
 from dock_gateway.core.velocity_types import choose_types
 from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.endpoints import Endpoints
 from dock_gateway.ros.graph import find_gateways, read_topic
 from dock_gateway.ros.listener import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
 from robot_io.rclpy_private import RCLError
-from robot_io.velocity import CLASSES, velocity_message
+from robot_io.velocity import CLASSES, is_motion, velocity_message
 from robot_io.velocity_types import PLAIN
 
 log = logging.getLogger(__name__)
 
-EndpointT = TypeVar("EndpointT", Publisher, Subscription)
+OnVelocity = Callable[[Twist | TwistStamped, dict[str, Any]], None]
 
 # Seconds in which a listener's thread lets go of a subscription, which keeps the participant from another type.
 SETTLE = 0.05
-
-
-class Endpoints(Generic[EndpointT]):
-    """The publishers or the subscriptions of a topic by type, each on the bridge or on a branch.
-
-    Args:
-        bridge: The bridge. All but `add` is called on its thread.
-        make: Makes one of a type on a node.
-        destroy: Destroys one.
-    """
-
-    def __init__(
-        self,
-        bridge: Bridge,
-        make: Callable[[ListeningNode, type], EndpointT],
-        destroy: Callable[[ListeningNode, EndpointT], object],
-    ) -> None:
-        self.of: dict[str, tuple[Bridge, EndpointT]] = {}  # replaced, never changed: the loop publishes
-        self._bridge = bridge
-        self._make = make
-        self._destroy = destroy
-        self._closed = False
-        self._changing = threading.Lock()
-
-    def add(self, bridge: Bridge, name: str) -> None:
-        """Add one of a type, on a bridge or a branch, on whose thread this is called."""
-        with self._changing:
-            if not self._closed and name not in self.of:
-                self.of = {**self.of, name: (bridge, self._make(bridge.node, CLASSES[name]))}
-
-    def drop(self, unwanted: Callable[[str, Bridge], bool] = lambda *_: True) -> None:
-        """Destroy all, or those of unwanted types."""
-        with self._changing:
-            before = self.of
-            self.of = {name: both for name, both in before.items() if not unwanted(name, both[0])}
-        for name in before.keys() - self.of.keys():
-            bridge, endpoint = before[name]
-            if bridge is self._bridge:
-                self._destroy(bridge.node, endpoint)
-            else:
-                bridge.to_ros(partial(self._destroy, bridge.node, endpoint))
-
-    def close(self) -> None:
-        """Destroy all, and take no more."""
-        self._closed = True
-        self.drop()
 
 
 class VelocityTopic:
@@ -192,28 +146,22 @@ class VelocityTopic:
 
 
 class VelocityListener:
-    """Reports the velocity commanded to a robot, in m/s and rad/s, as a geometry_msgs/Twist.
+    """Hears the velocities commanded to a robot.
 
     Args:
         bridge: The bridge to the ROS thread.
         topics: Knows the topic.
         name: Absolute name of the topic.
-        on_velocity: Called on the loop with a message and its source timestamp in ns.
+        hear: Called on the listener's thread with a message and its info, as in `Buffer`.
 
     Attributes:
         subscriptions: One for each type of the topic.
     """
 
-    def __init__(self, bridge: Bridge, topics: "VelocityTopics", name: str, on_velocity: OnMessage) -> None:
+    def __init__(self, bridge: Bridge, topics: "VelocityTopics", name: str, hear: OnVelocity) -> None:
         self._topics = topics
         self._name = name
         self._topic = topics.at(name)
-        twist_codec = codec(Twist)
-        inbox = bridge.inbox()
-
-        def hear(message: Twist | TwistStamped, info: dict[str, Any]) -> None:
-            velocity = twist_codec.encode(message.twist if isinstance(message, TwistStamped) else message)
-            inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
 
         def make(node: ListeningNode, kind: type) -> Subscription:
             overrides = QoSOverridingOptions.with_default_policies()
@@ -288,8 +236,32 @@ class VelocityTopics:
             self._topics.pop(name).close()
 
     def listen(self, name: str, on_velocity: OnMessage) -> VelocityListener:
-        """Listen to a topic."""
-        return VelocityListener(self._bridge, self, name, on_velocity)
+        """Listen to a topic.
+
+        Args:
+            name: Absolute name of the topic.
+            on_velocity: Called on the loop with a velocity, in m/s and rad/s, as a geometry_msgs/Twist in JSON, and its
+                source timestamp in ns.
+        """
+        twist_codec = codec(Twist)
+        inbox = self._bridge.inbox()
+
+        def hear(message: Twist | TwistStamped, info: dict[str, Any]) -> None:
+            velocity = twist_codec.encode(message.twist if isinstance(message, TwistStamped) else message)
+            inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
+
+        return VelocityListener(self._bridge, self, name, hear)
+
+    def watch(self, name: str, on_command: Callable[[bool, bytes], None]) -> VelocityListener:
+        """Watch who drives.
+
+        Args:
+            name: Absolute name of the topic.
+            on_command: Called on the listener's thread for each message: whether it is a motion, and its publisher.
+        """
+        return VelocityListener(
+            self._bridge, self, name, lambda message, info: on_command(is_motion(message), info["publisher"])
+        )
 
     async def update(self, types: Mapping[str, Sequence[str]]) -> None:
         """Follow the graph.

@@ -166,7 +166,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
     # Commands to the robot.
 
     def _drive(self, message: Twist) -> None:
-        self._simulation.robot.command(Velocity(message.linear.x, message.angular.z, message.linear.y))
+        self._simulation.command(Velocity(message.linear.x, message.angular.z, message.linear.y))
 
     def _obey_stop(self) -> None:
         self._simulation.halted = self._stops.held

@@ -97,7 +97,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         parameters = declare_parameters(self, action.settings_type, self._take_over, alias=NAV2_NODE)
         if action.knows_docks:
             DockReloader(self, parameters)
-        self._drive = Drive(self)
+        self._drive = Drive(self, lambda: self._sensors.odometry)
         self._reporter = GoalReporter(self, action.action_name, battery, self._sensors, self._drive.publisher)
         self._server = IdentifyingActionServer(
             self,
@@ -346,14 +346,17 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._poses.end()
         self._transforms.use(self._navigation, on=False)
         self._detector.end()
-        self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
+        self._sensors.listen_to(frozenset({Sensor.ODOMETRY}), only_known=True)  # until the robot stands
         self._show()
 
     def _feedback(self) -> Any:
         return self._action.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
     def _look_around(self) -> None:
-        self._drive.look_again()
+        running = self._running is not None
+        self._drive.look_again(needed=running)
+        if not (running or self._drive.halting):
+            self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
         self._stops.look()
         self._reporter.look_around()
 
@@ -381,9 +384,14 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down")
 
     def hold_still(self) -> None:
-        """Publish zero velocity if this server drives the robot or did a moment ago.
+        """Stop the robot if this server drives it or did a moment ago, unless that is done.
 
         Any thread may call it. It never raises.
         """
         if self._running is not None or self._drive.recent:
-            self._drive.stop()
+            self._drive.hold_still()
+
+    @property
+    def halting(self) -> bool:
+        """Whether the robot is being stopped: zero velocity is repeated until it stands."""
+        return self._drive.halting

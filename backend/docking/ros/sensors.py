@@ -90,8 +90,21 @@ class Sensors:
         self._joints: dict[str, Joint] = {}
         self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
 
-    def listen_to(self, sensors: frozenset[Sensor]) -> None:
-        """Subscribe to these sensors, and to no others any longer."""
+    @property
+    def odometry(self) -> Odometry | None:
+        """The newest odometry; None where there is none."""
+        return self._track.latest
+
+    def listen_to(self, sensors: frozenset[Sensor], *, only_known: bool = False) -> None:
+        """Subscribe to these sensors, and to no others any longer.
+
+        Args:
+            sensors: The sensors.
+            only_known: Whether those that are not subscribed to are left out.
+        """
+        if only_known:
+            sensors &= self._subscriptions.keys()
+            self.place = None
         for sensor in self._subscriptions.keys() - sensors:
             for subscription in self._subscriptions.pop(sensor):
                 self._set_fault(subscription.topic_name, None)

@@ -14,12 +14,14 @@ from docking.core.battery import Battery
 from docking.ros.battery_subscriber import BatteryStateSubscriber
 from docking.ros.node import ActionNode
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
+from robot_io.halt import PERIOD
 
 CLOSE_TIMEOUT = 0.8
 """Seconds in which goals must be ended; a callback that hangs gets no more."""
-HOLD_TIME = 0.5
-"""Seconds for which zero velocity is repeated, and in which results go out."""
-HOLD_PERIOD = 0.05
+LINGER = 0.5
+"""Seconds in which results go out."""
+HALT_TIMEOUT = 2.0
+"""Seconds in which the robot has to stand, by its odometry if it has one, before the process leaves it."""
 EXIT_TIMEOUT = 15.0
 """Seconds after the signal in which the process must be gone; then it ends itself and says what it waited for."""
 
@@ -64,20 +66,19 @@ def _serve(make_servers: MakeServers, make_others: MakeNodes, args: Sequence[str
 
 
 def _close(servers: Sequence[ActionNode[Any]], spinner: Spinner) -> None:
-    """End the goals, and hold the robot still: a base that listens best-effort may miss a single zero velocity."""
+    """End the goals, and stay until the robot stands."""
     closing = [spinner.call(server.close) for server in servers]
-    deadline = time.monotonic() + CLOSE_TIMEOUT
-    while futures.wait(closing, HOLD_PERIOD).not_done and time.monotonic() < deadline:
-        _hold_still(servers)
-    until = time.monotonic() + HOLD_TIME
-    while time.monotonic() < until:
-        _hold_still(servers)
-        time.sleep(HOLD_PERIOD)
+    if futures.wait(closing, PERIOD).not_done:  # a callback hangs, or takes long
+        for server in servers:
+            server.hold_still()
+        futures.wait(closing, CLOSE_TIMEOUT)
+    began = time.monotonic()
+    while (took := time.monotonic() - began) < LINGER or (_halting(servers) and took < HALT_TIMEOUT):
+        time.sleep(PERIOD)
     for closed in closing:
         if closed.done():
             closed.result()
 
 
-def _hold_still(servers: Sequence[ActionNode[Any]]) -> None:
-    for server in servers:
-        server.hold_still()
+def _halting(servers: Sequence[ActionNode[Any]]) -> bool:
+    return any(server.halting for server in servers)

@@ -8,8 +8,11 @@ from collections.abc import Callable
 
 from rclpy.node import Node
 
-from docking.core.observation import STANDSTILL, Velocity
+from docking.core.observation import STANDSTILL, Odometry, Velocity
+from docking.estimation.standstill import Standstill
+from docking.ros.other_commands import OtherCommands
 from docking.ros.velocity_publisher import VelocityPublisher
+from robot_io.halt import PERIOD, Halt
 
 WATCHDOG_TIMEOUT = 0.5
 """Seconds that a motion goes on without being renewed."""
@@ -18,7 +21,7 @@ RECENT = 1.0
 
 
 class Drive:
-    """Publishes velocities, and zero when a motion is not renewed in time.
+    """Publishes velocities, and zero when a motion is not renewed in time. A zero is repeated: see `Halt`.
 
     The thread that spins the node calls `go` and `stop`. The watchdog has a thread of its own, so that it works where
     that thread hangs; it only publishes, which rclpy allows from any thread.
@@ -27,33 +30,47 @@ class Drive:
         publisher: Publishes them.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, odometry: Callable[[], Odometry | None] = lambda: None) -> None:
         """Make the publisher.
 
         Args:
             node: The node that publishes.
+            odometry: The newest odometry; None where there is none.
         """
         self._node = node
+        self._odometry = odometry
         self._velocity: Velocity | None = None
-        self._stopped_at = self._published_at = -math.inf
+        self._halt: Halt | None = None
+        self._standstill = Standstill()
+        self._stopped_at = self._published_at = self._renewed_at = -math.inf
         self.publisher = VelocityPublisher(node)
-        self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._stop_left_alone)
+        self._others = OtherCommands(node)
+        self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._look)
 
     def begin(self) -> None:
         """A goal takes over, whatever the velocity was before."""
-        self._velocity = None
+        self.leave()
         self.publisher.add_wanted()
+        self._others.listen()
 
-    def look_again(self) -> None:
-        """Follow the subscribers of `cmd_vel`; call it once a second."""
+    def look_again(self, *, needed: bool) -> None:
+        """Follow the subscribers of `cmd_vel`, and those who drive, too; call it once a second.
+
+        Args:
+            needed: Whether a goal runs.
+        """
         before = self.publisher.mismatch
         if self.recent or not self.publisher.drop_unwanted():
             self.publisher.add_wanted()
         if (mismatch := self.publisher.mismatch) is not None and mismatch != before:
             self._node.get_logger().warning(mismatch)
+        if needed:
+            self._others.listen()
+        elif not self.halting:
+            self._others.leave()
 
     def go(self, velocity: Velocity, decided_at: float) -> None:
-        """Publish a velocity, but a standstill only once: while a goal waits, the wheels are left to others.
+        """Publish a velocity. A standstill is repeated until the robot stands, and then the wheels are left to others.
 
         Args:
             velocity: The commanded velocity until the next call.
@@ -63,45 +80,83 @@ class Drive:
         if decided_at < self._stopped_at or time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
             velocity = STANDSTILL
         if velocity == STANDSTILL:
-            self._watchdog.sleep()
-            if self._velocity == STANDSTILL:
-                return
-        else:
-            self._watchdog.feed()
+            if self._velocity != STANDSTILL:
+                self._begin_halt()
+                self.publisher.publish(STANDSTILL)
+            return
+        self._halt = None
         self._velocity = velocity
-        self._published_at = time.monotonic()
+        self._published_at = self._renewed_at = time.monotonic()
+        self._watchdog.feed()
         self.publisher.publish(velocity)
 
     def leave(self) -> None:
         """Leave the wheels to another node. The next standstill is published: that node may have driven."""
         self._watchdog.sleep()
-        self._velocity = None
+        self._velocity = self._halt = None
 
     def stop(self) -> None:
         """Publish zero velocity, from any thread. It never raises: those who call it have other things to end."""
-        self._watchdog.sleep()
-        self._velocity = STANDSTILL
+        self._begin_halt()
         self._publish_zero()
+
+    def hold_still(self) -> None:
+        """Stop, unless that is done; from any thread."""
+        if self._velocity != STANDSTILL:
+            self.stop()
 
     @property
     def recent(self) -> bool:
         """Whether a velocity was published a moment ago."""
         return time.monotonic() - self._published_at < RECENT
 
-    def _stop_left_alone(self) -> None:
-        self._publish_zero()
-        self._node.get_logger().error(f"No control step for {WATCHDOG_TIMEOUT:g} s while the robot moves: stopping it")
+    @property
+    def halting(self) -> bool:
+        """Whether zero velocity is being repeated."""
+        return self._halt is not None
+
+    def _begin_halt(self) -> None:
+        self._velocity = STANDSTILL
+        self._stopped_at = self._published_at = time.monotonic()
+        self._standstill = Standstill()
+        self._halt = Halt(self._stopped_at)
+        self._watchdog.feed(PERIOD)
+
+    def _look(self) -> None:
+        """See, in the watchdog's thread, whether a motion was not renewed, or zero velocity has to be repeated."""
+        now, halt = time.monotonic(), self._halt
+        if halt is not None:
+            moves = self._standstill.moves(self._odometry())
+            if halt.repeat(now, moves=moves, commanded_at=self._others.heard_at):
+                self._published_at = now
+                self._publish_zero()
+                self._watchdog.feed(PERIOD)
+            elif self._halt is halt:
+                self._halt = None
+        elif self._velocity not in (None, STANDSTILL):
+            if (left := self._renewed_at + WATCHDOG_TIMEOUT - now) > 0.0:  # it was renewed just now
+                self._watchdog.feed(left)
+                return
+            self.stop()
+            self._node.get_logger().error(
+                f"No control step for {WATCHDOG_TIMEOUT:g} s while the robot moves: stopping it"
+            )
 
     def _publish_zero(self) -> None:
-        self._stopped_at = self._published_at = time.monotonic()
         try:
             self.publisher.publish(STANDSTILL)
         except Exception:  # noqa: BLE001 - whatever it is, what follows must be done
             self._node.get_logger().fatal(f"Zero velocity could not be published: {traceback.format_exc()}")
 
     def close(self) -> None:
-        """End the watchdog, and leave `cmd_vel`."""
+        """Leave `cmd_vel`, once a robot that was driven a moment ago has been stopped; end the watchdog."""
+        if self._velocity not in (None, STANDSTILL):
+            self.stop()
+        deadline = time.monotonic() + RECENT
+        while self.halting and time.monotonic() < deadline:
+            time.sleep(PERIOD)
         self._watchdog.close()
+        self._others.leave()
         self.publisher.close()
 
 
@@ -123,11 +178,15 @@ class Watchdog:
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
         self._thread.start()
 
-    def feed(self) -> None:
-        """Restart the timeout."""
+    def feed(self, timeout: float | None = None) -> None:
+        """Restart the timeout.
+
+        Args:
+            timeout: Another one for this time, in seconds.
+        """
         with self._changed:
-            asleep, self._deadline = self._deadline is None, time.monotonic() + self._timeout
-            if asleep:
+            before, self._deadline = self._deadline, time.monotonic() + (self._timeout if timeout is None else timeout)
+            if before is None or self._deadline < before:
                 self._changed.notify()
 
     def sleep(self) -> None:

@@ -78,8 +78,11 @@ class VelocityPublisher:
 
     def _wanted(self) -> frozenset[str]:
         subscribed: dict[str, set[str]] = {}
+        # A node that publishes on the topic is no base: it hears who else drives, as this one does.
+        drivers = {node_name(publisher) for publisher in self._node.get_publishers_info_by_topic(TOPIC)} - {""}
         for subscriber in self._node.get_subscriptions_info_by_topic(TOPIC):
-            subscribed.setdefault(subscriber.topic_type, set()).add(node_name(subscriber) or "a node")
+            if (name := node_name(subscriber)) not in drivers:
+                subscribed.setdefault(subscriber.topic_type, set()).add(name or "a node")
         wanted = choose_types(self.mode, subscribed.keys(), self._publishers.keys())
         self._unmatched = {name: nodes for name, nodes in subscribed.items() if name not in wanted}
         return wanted

@@ -7,6 +7,8 @@ from docking.simulation.odometry import OdometrySettings
 
 LATE = 0.3
 """How much later commands arrive with the fault `late_commands`, in s."""
+LOST = 0.3
+"""The part of the commands that do not arrive with the fault `lost_commands`."""
 WORN = 0.1
 """How much smaller the right wheel is with the fault `worn_wheel`, as a fraction of its radius."""
 WRONG = 1.0 / 3.0
@@ -38,6 +40,10 @@ class Fault(enum.StrEnum):
     """The left wheel does not turn, until the base switches its motors off to save them."""
     LATE_COMMANDS = "late_commands"
     """Commands take 0.3 s longer to get to the wheels."""
+    LOST_COMMANDS = "lost_commands"
+    """Three commands in ten do not arrive."""
+    NO_COMMAND_TIMEOUT = "no_command_timeout"
+    """The base goes on with its last command for ever when no more commands come."""
     WORN_WHEEL = "worn_wheel"
     """The right wheel is 10 % smaller than commands and odometry take it for."""
     WRONG_DETECTIONS = "wrong_detections"

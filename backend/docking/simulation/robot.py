@@ -32,7 +32,11 @@ class RobotSettings:
     linear_acceleration: float = number(1.0, 0.0, 20.0, "m/s²", "Maximum linear acceleration.")
     angular_acceleration: float = number(4.0, 0.0, 50.0, "rad/s²", "Maximum angular acceleration.")
     cmd_vel_timeout: float = number(
-        0.5, 0.0, 60.0, "s", "Simulated time without a message on cmd_vel after which the robot stops."
+        0.5,
+        0.0,
+        60.0,
+        "s",
+        "Simulated time without a message on cmd_vel after which the robot stops; 0: never, it goes on for ever.",
     )
     slip: float = number(0.01, 0.0, 0.9, "", "Wheel slip, as a fraction of the wheel's rotation.")
     turn_slip: float = number(
@@ -147,7 +151,9 @@ class Robot:
         if velocity == STANDSTILL:
             self._stalled_for = 0.0
 
-    def step(self, dt: float, *, halted: bool = False, stuck: bool = False, worn: float = 0.0) -> None:
+    def step(
+        self, dt: float, *, halted: bool = False, stuck: bool = False, worn: float = 0.0, goes_on: bool = False
+    ) -> None:
         """Drive on for `dt` seconds, as if nothing stood in the way.
 
         Args:
@@ -155,9 +161,10 @@ class Robot:
             halted: The robot must not move, whatever the command.
             stuck: The left wheel does not turn.
             worn: How much smaller the right wheel is than it was, as a fraction of its radius.
+            goes_on: The robot has no command timeout, whatever its settings say.
         """
         settings = self._settings
-        linear, angular = self._target(dt, halted)
+        linear, angular = self._target(dt, halted, goes_on)
         if stuck:
             linear, angular = self._with_stuck_wheel(linear, angular, dt)
         else:
@@ -217,10 +224,11 @@ class Robot:
             kept = 1.0 - beside * beside
             self.side, self.lateral = kept * self.side, kept * self.lateral
 
-    def _target(self, dt: float, halted: bool) -> tuple[float, float]:
+    def _target(self, dt: float, halted: bool, goes_on: bool) -> tuple[float, float]:
         settings, command = self._settings, self._command
         self._command_age += dt
-        if halted or self._command_age > settings.cmd_vel_timeout + ROUNDING:
+        timeout = math.inf if goes_on or settings.cmd_vel_timeout == 0.0 else settings.cmd_vel_timeout
+        if halted or self._command_age > timeout + ROUNDING:
             return 0.0, 0.0
         linear, angular = command.linear_x, command.angular_z
         if abs(linear) < settings.linear_dead_zone:

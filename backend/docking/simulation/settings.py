@@ -79,6 +79,7 @@ class Settings:
     laser: LaserSettings = group(LaserSettings, "laser_")
     battery: BatterySettings = group(BatterySettings)
     command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
+    command_loss: float = number(0.0, 0.0, 0.95, "", "The part of the commands that do not arrive.")
     docks: tuple[float, ...] = numbers(
         "[y, …]",
         "Where more docks like the first one stand, each with a marker and contacts: in m to its left, along the wall. "

@@ -30,7 +30,7 @@ from docking.simulation.box import Box
 from docking.simulation.collisions import Collisions, Touch
 from docking.simulation.delay import Delay
 from docking.simulation.dock import DOCKED, Dock
-from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, JUMP, LATE, REPEATING, WORN, WRONG, Fault
+from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, JUMP, LATE, LOST, REPEATING, WORN, WRONG, Fault
 from docking.simulation.infrared import InfraredReceivers
 from docking.simulation.laser import ANGLE_MIN, LaserScanner
 from docking.simulation.localization import Localization
@@ -110,6 +110,7 @@ class Simulation:
         self._picture_due = self._scan_due = self._ranges_due = self._measurement_due = 0.0
         self._collisions = Collisions(self.dock, self._random("bounce"), settings.room)
         self._commands: Delay[Velocity] = Delay()
+        self._network = self._random("network")
         self._readings: Delay[tuple[float, Odometry]] = Delay()
         self._detections: Delay[tuple[float, list[Pose]]] = Delay()
         self.track = Track()
@@ -135,8 +136,7 @@ class Simulation:
         """
         robot = self.robot
         if command is not None:
-            late = LATE if Fault.LATE_COMMANDS in self.faults else 0.0
-            self._commands.send(command, self.time + self.settings.command_delay + late)
+            self.command(command)
         for arrived in self._commands.arrived(self.time):
             robot.command(arrived)
         self.time += dt
@@ -145,11 +145,19 @@ class Simulation:
             halted=self.halted or self.battery.empty,
             stuck=Fault.STUCK_WHEEL in self.faults,
             worn=WORN if Fault.WORN_WHEEL in self.faults else 0.0,
+            goes_on=Fault.NO_COMMAND_TIMEOUT in self.faults,
         )
         self._collide()
         self.odometry.step(robot.left, robot.right, robot.side)
         self._feed(dt)
         self._sense()
+
+    def command(self, velocity: Velocity) -> None:
+        """Send a velocity, as on cmd_vel: it arrives late, or never, if that is chosen."""
+        loss = max(self.settings.command_loss, LOST if Fault.LOST_COMMANDS in self.faults else 0.0)
+        if loss == 0.0 or self._network.random() >= loss:
+            late = LATE if Fault.LATE_COMMANDS in self.faults else 0.0
+            self._commands.send(velocity, self.time + self.settings.command_delay + late)
 
     def run(self, seconds: float, command: Velocity | None = None) -> None:
         """Let time pass in equal steps of at most `STEP`.

@@ -2219,7 +2219,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "recordings_failed" | "duplicate_action_server" | "automatic_docking_failed" | "split_robot" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "site_unreachable" | "site_refused";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "recordings_failed" | "duplicate_action_server" | "automatic_docking_failed" | "split_robot" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "site_unreachable" | "site_refused";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -13138,7 +13138,7 @@ export interface operations {
             header?: never;
             path: {
                 /** @description What breaks */
-                fault: "dead_charger" | "flickering_charge" | "dirty_contacts" | "occluded_marker" | "stuck_wheel" | "late_commands" | "worn_wheel" | "wrong_detections" | "future_detections" | "repeated_odometry" | "localization_jumps" | "obstacle" | "hidden_beacon" | "infrared_ghosts" | "silent_battery" | "percentage_0_to_100";
+                fault: "dead_charger" | "flickering_charge" | "dirty_contacts" | "occluded_marker" | "stuck_wheel" | "late_commands" | "lost_commands" | "no_command_timeout" | "worn_wheel" | "wrong_detections" | "future_detections" | "repeated_odometry" | "localization_jumps" | "obstacle" | "hidden_beacon" | "infrared_ghosts" | "silent_battery" | "percentage_0_to_100";
             };
             cookie?: never;
         };

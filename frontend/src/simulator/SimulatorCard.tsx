@@ -189,6 +189,17 @@ const FAULTS: readonly FaultWords[] = [
     effect: "Commands reach the wheels 0.3 s late: docking allows for it.",
   },
   {
+    fault: "lost_commands",
+    name: "Lost commands",
+    effect: "Three commands in ten do not reach the wheels: docking allows for it.",
+  },
+  {
+    fault: "no_command_timeout",
+    name: "No command timeout",
+    effect:
+      "The base keeps driving when commands end. If the docking server dies, the gateway stops the robot.",
+  },
+  {
     fault: "worn_wheel",
     name: "Worn wheel",
     effect:

@@ -17,6 +17,8 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
         "occluded_marker": "false",
         "stuck_wheel": "false",
         "late_commands": "false",
+        "lost_commands": "false",
+        "no_command_timeout": "false",
         "worn_wheel": "false",
         "wrong_detections": "false",
         "future_detections": "false",
