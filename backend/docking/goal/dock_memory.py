@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from docking.core.geometry import Pose
+from docking.goal.hits import Hits
 from docking.parameters import Staging
 
 MOVED = 0.1
@@ -26,6 +27,7 @@ class DockMemory:
         dock_type: Of the same dock; empty where there is none.
         charges: Whether the same dock charges.
         places: Where base_link stood when it was docked last, in odom, by the names of docks.
+        hits: Where the robot has run into something lately, in odom.
         turns: How far a dock's marker was taken to be turned then, in rad, by the names of docks.
     """
 
@@ -36,6 +38,7 @@ class DockMemory:
     charges: bool = True
     places: dict[str, Pose] = field(default_factory=dict)
     turns: dict[str, float] = field(default_factory=dict)
+    hits: Hits = field(default_factory=Hits)
 
     def docked_at(self, dock: str, place: Pose | None, turn: float) -> None:
         """Remember where the robot was docked, and how far the marker seemed to be turned.

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from docking.core.errors import DockingError, ErrorCode, FailedToControl, Stage
+from docking.core.errors import Blocked, DockingError, ErrorCode, FailedToControl, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.battery_watch import CLOCK_JUMP, BatteryWatch
 from docking.goal.behavior import Behavior, Done, Failed
@@ -53,7 +53,8 @@ class Goal:
         self._pace: Pace | None = None
         self._watch: MotionWatch | None = None
         if plan.motion is not None:
-            self._pace = Pace(plan.motion, objective.slowdown_radius)
+            objective.memory.hits.forget(started_at)
+            self._pace = Pace(plan.motion, objective.slowdown_radius, objective.memory.hits)
             self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
         self._navigation: Navigation | None = None
         self._detector: Detector | None = None
@@ -137,7 +138,7 @@ class Goal:
             self._limits.count(dt if self._objective.flickers else 0.0)
             return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
         if (failure := self._limits.exceeded(self._stage, finished=self._finished)) is not None:
-            return self._recover(self._objective.reword(failure))
+            return self._recover(self._objective.reword(failure), observation)
         if self._navigation is not None:
             return self._navigate(self._navigation, observation, dt)
         return self._follow_plan(observation, dt)
@@ -184,7 +185,7 @@ class Goal:
                 return self._wait(Stage.WAIT_FOR_CLEARANCE, code, obstacles.reason, dt)
             velocity = self._move(observation, ahead, dt)
         except DockingError as failure:
-            return self._recover(self._objective.reword(failure))
+            return self._recover(self._objective.reword(failure), observation)
         if watch is not None:
             watch.commanded = velocity
         if velocity != STANDSTILL:
@@ -233,8 +234,10 @@ class Goal:
         else:
             self._enter(stages[stages.index(self._stage) + 1])
 
-    def _recover(self, failure: DockingError) -> Command | Outcome:
+    def _recover(self, failure: DockingError, observation: Observation) -> Command | Outcome:
         """Try again where that may help, else give up."""
+        if isinstance(failure, Blocked) and observation.odometry is not None:
+            self._objective.memory.hits.add(observation.odometry.pose, observation.now)
         last = self._plan.stages[-1]
         if self._stage is not last and self._objective.holds(last):  # pressing on, it has come as far as it can get
             self._enter(last)

@@ -6,6 +6,7 @@ from docking.core.errors import FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.estimation.motion_model import AT_REST, MotionModel
+from docking.goal.hits import Hits
 from docking.goal.plan import KnownPoses
 from docking.parameters import MotionLimits
 from docking.parameters.limits import RESERVE, braked
@@ -36,14 +37,16 @@ class Pace:
     - Backwards it is not faster than `v_linear_back`, whatever moves it, unless a scan shows that the way is free.
     """
 
-    def __init__(self, limits: MotionLimits, slowdown_radius: float) -> None:
+    def __init__(self, limits: MotionLimits, slowdown_radius: float, hits: Hits | None = None) -> None:
         """Start at a standstill.
 
         Args:
             limits: Limits of the robot's motion.
             slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
+            hits: Where the robot has run into something: it comes there slowly, too.
         """
         self._limits = limits
+        self._hits = hits or Hits()
         self._limiter = Limiter(limits)
         self._radius = slowdown_radius
         self._stands = True
@@ -86,9 +89,12 @@ class Pace:
         begins = self._begins(desired, poses, model)
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf
-        most = min(first, self._near_dock(left, sure))
+        hit = self._hits.distance(robot, model.unseen.way, desired.linear_x)
+        most = min(first, self._near_dock(left, sure), self._near_dock(hit + self._radius, slowest))
         velocity = self._limiter.limit(_slowed(desired, most), dt, model.dead_zone)
-        most = min(first, self._near_dock(self._distance(robot, poses, model, velocity.linear_x), sure))
+        hit = self._hits.distance(robot, model.unseen.way, velocity.linear_x)
+        left = self._distance(robot, poses, model, velocity.linear_x)
+        most = min(first, self._near_dock(left, sure), self._near_dock(hit + self._radius, slowest))
         if abs(velocity.linear_x) > most + ROUNDING:
             return self.stop()
         self._stands = velocity.linear_x == 0.0

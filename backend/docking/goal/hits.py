@@ -1,0 +1,50 @@
+"""Where the robot has run into something, so that it comes there slowly the next time."""
+
+import math
+from collections import deque
+
+from docking.core.geometry import Pose
+
+AROUND = 0.35
+"""How far around such a place the robot is slow, in m: what it has run into may be some centimetres nearer."""
+KEPT_FOR = 600.0
+"""Seconds after which such a place is forgotten: what stood there may be gone."""
+MOST = 20
+"""Places that are remembered."""
+
+
+class Hits:
+    """The places of a robot that was blocked; kept from goal to goal for a while."""
+
+    def __init__(self) -> None:
+        """Begin without one."""
+        self._places: deque[tuple[Pose, float]] = deque(maxlen=MOST)
+
+    def add(self, robot: Pose, now: float) -> None:
+        """Remember a place.
+
+        Args:
+            robot: base_link in odom, where the robot was blocked.
+            now: The moment.
+        """
+        self._places.append((robot, now))
+
+    def forget(self, now: float) -> None:
+        """Forget the places that are old, and those of another clock."""
+        while self._places and not 0.0 <= now - self._places[0][1] <= KEPT_FOR:
+            self._places.popleft()
+
+    def distance(self, robot: Pose, way: float, linear: float) -> float:
+        """How far the robot may drive as it likes, in m; infinite where it drives away from all places.
+
+        Args:
+            robot: base_link in odom, by the last odometry.
+            way: What it has driven since, in m.
+            linear: The velocity forward, in m/s.
+        """
+        nearest = math.inf
+        for place, _ in self._places:
+            off = place.relative_to(robot)
+            if off.x * linear >= 0.0:
+                nearest = min(nearest, math.hypot(off.x, off.y))
+        return max(0.0, nearest - AROUND - max(0.0, math.copysign(way, way * linear)))
