@@ -200,6 +200,11 @@ def _dirty(_random: Random) -> Disturbance:
     return lambda simulation: simulation.set_fault(Fault.DIRTY_CONTACTS, True)
 
 
+def _occupied(_random: Random) -> Disturbance:
+    """Another robot stands on the dock."""
+    return lambda simulation: simulation.set_fault(Fault.OCCUPIED_DOCK, True)
+
+
 def _push_once(random: Random) -> Disturbance:
     """Someone pushes the robot 10 cm to one side when it is less than 20 cm from its dock, but not yet there."""
     distance, way, pushed = random.uniform(0.03, 0.2), random.choice((0.1, -0.1)), False
@@ -239,6 +244,10 @@ SEARCHES = "Driving around to look for the dock does not always come to where it
 ASIDE = (
     "A camera beside the place that tf says cannot be told from a dock that is there, before the first contact. That is"
     " beside the contacts, at v_linear_min."
+)
+OCCUPIED = (
+    "Nobody docks there: without a scan the robot runs into the other one, at the speed of the way. It comes back to"
+    " that place at v_linear_min, and the error says where it was blocked, and how often."
 )
 BLINDLY = "The robot backs onto the dock without seeing it; what odometry misjudges shows only at the contact."
 """Why less than 95 % of the goals of a row dock."""
@@ -319,6 +328,7 @@ CASES = (
     Case("charge flickers, battery at 0.2 Hz", BOTH, _flickering(0.2), why=FLICKERS),
     Case("battery at 1 Hz", BOTH, _set("battery", battery_rate=1.0)),
     Case("battery at 0.2 Hz", BOTH, _set("battery", battery_rate=0.2)),
+    Case("another robot stands on the dock", BOTH, disturb=_occupied, why=OCCUPIED),
     Case("dirty contacts", BOTH, disturb=_dirty),
     Case("dirty contacts, pressed again", BOTH, disturb=_dirty, recovers=True),
     Case("contacts on springs, 2 to 5 cm more push", BOTH, _sprung, final_push=0.06),

@@ -33,8 +33,16 @@ def _figures(key: Key, trials: Sequence[Trial]) -> Row:
         "fastest contact": fastest([speed for trial in trials for speed in trial.contacts]),
         "worst lateral error": f"{1000.0 * max(trial.aside for trial in docked):.0f} mm" if docked else "-",
         "too fast": str(sum(not keeps_limits(trial, limits) for trial in trials)),
-        "other results": ", ".join(f"{end} {count}" for end, count in ends.most_common()) or "none",
+        "other results": ", ".join([*(f"{end} {count}" for end, count in ends.most_common()), *_hits(trials)])
+        or "none",
     }
+
+
+def _hits(trials: Sequence[Trial]) -> tuple[str, ...]:
+    """How fast the robots ran into something that is not the dock, the first time and later, where any did."""
+    first = [trial.hits[0] for trial in trials if trial.hits]
+    later = [speed for trial in trials for speed in trial.hits[1:]]
+    return (f"first hit {fastest(first)}, {len(later)} later ones {fastest(later)}",) if first else ()
 
 
 def end_of(trial: Trial) -> str:

@@ -53,6 +53,7 @@ class Trial:
         retries: How often the robot backed off and tried again.
         bumps: How often it ran into the dock outside the contact zone.
         contacts: The speeds of the wheels when the robot came onto the dock's contacts or ran into the dock, in m/s.
+        hits: The speeds of the wheels just before it ran into something that is not the dock, in m/s.
         aside: How far the robot stands to the left or right of the docked pose in the end, in m.
         askew: How far it is turned against the docked pose, in rad.
         v_linear: The highest that was told or driven, in m/s.
@@ -70,6 +71,7 @@ class Trial:
     retries: int
     bumps: int
     contacts: tuple[float, ...]
+    hits: tuple[float, ...]
     aside: float
     askew: float
     v_linear: float
@@ -150,14 +152,17 @@ def run_trial(
     objective = Docking(settings.timeouts, recovery=settings.recovery if case.recovers or case.located else None)
     own = Goal(make_plan(settings), objective, simulation.time, watch_obstacles(settings))
     goal = own if law is None else GracefulGoal(own, law, settings)
-    speeds, period = _Speeds(), settings.control_period
+    speeds, period, hits = _Speeds(), settings.control_period, list[float]()
     trail = [(simulation.robot.x, simulation.robot.y)]
     step: Command | Outcome = goal.step(_observe(simulation, off, located=case.located))
     while isinstance(step, Command) and simulation.time < LONGEST:
         speeds.told(step.velocity, period)
         disturb(simulation)
         period = settings.control_period * (1.0 + random.uniform(-case.jitter, case.jitter))
+        bumps, touches, speed = simulation.bumps, len(simulation.touches), abs(simulation.robot.velocity.linear_x)
         simulation.run(period, step.velocity)
+        if simulation.bumps > bumps and len(simulation.touches) == touches:
+            hits.append(speed)
         speeds.driven(simulation.robot.velocity)
         if simulation.time >= TRAIL_PERIOD * len(trail):
             trail.append((simulation.robot.x, simulation.robot.y))
@@ -175,6 +180,7 @@ def run_trial(
         retries=step.retries,
         bumps=simulation.bumps,
         contacts=tuple(touch.speed for touch in simulation.touches),
+        hits=tuple(hits),
         aside=abs(robot.y - DOCKED.y),
         askew=abs(normalize_angle(robot.theta - DOCKED.theta)),
         v_linear=speeds.v_linear,

@@ -31,6 +31,7 @@ FAULTS = (
     "repeated_odometry",
     "localization_jumps",
     "obstacle",
+    "occupied_dock",
     "hidden_beacon",
     "infrared_ghosts",
     "silent_battery",

@@ -35,6 +35,7 @@ Fault = Literal[
     "repeated_odometry",
     "localization_jumps",
     "obstacle",
+    "occupied_dock",
     "hidden_beacon",
     "infrared_ghosts",
     "silent_battery",

@@ -8,6 +8,7 @@ from docking.goal.battery_watch import CLOCK_JUMP, BatteryWatch
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.detector import Detector
 from docking.goal.doubts import Doubts
+from docking.goal.hits import describe
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.navigation import Going, Navigation
 from docking.goal.objective import Objective, Progress
@@ -238,6 +239,7 @@ class Goal:
         """Try again where that may help, else give up."""
         if isinstance(failure, Blocked) and observation.odometry is not None:
             self._objective.memory.hits.add(observation.odometry.pose, observation.now)
+            self.doubts.count("hit", describe(observation.odometry.pose, self._plan.poses.filtered_dock))
         last = self._plan.stages[-1]
         if self._stage is not last and self._objective.holds(last):  # pressing on, it has come as far as it can get
             self._enter(last)

@@ -48,3 +48,18 @@ class Hits:
             if off.x * linear >= 0.0:
                 nearest = min(nearest, math.hypot(off.x, off.y))
         return max(0.0, nearest - AROUND - max(0.0, math.copysign(way, way * linear)))
+
+
+def describe(robot: Pose, docked: Pose | None) -> str:
+    """Return where the robot was blocked, as a sentence for users.
+
+    Args:
+        robot: base_link in odom.
+        docked: The same once it is docked; None where that is not known.
+    """
+    if docked is None:
+        return "it was blocked"
+    off = robot.relative_to(docked)
+    side = "left" if off.y > 0.0 else "right"
+    beyond = "before" if off.x <= 0.0 else "beyond"
+    return f"it was blocked {abs(off.x):.2f} m {beyond} its docked pose and {abs(off.y):.2f} m to the {side} of it"

@@ -2,6 +2,7 @@
 
 import enum
 
+from docking.simulation.dock import DOCKED
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
 
@@ -23,6 +24,8 @@ JUMP = 0.2
 """How far the localization jumps at most with the fault `localization_jumps`, in m."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
 """The obstacle in front of the dock with the fault `obstacle`."""
+ON_THE_DOCK = Obstacle(DOCKED.x, DOCKED.y, 0.15, low=True)
+"""The other robot with the fault `occupied_dock`."""
 
 
 class Fault(enum.StrEnum):
@@ -56,6 +59,8 @@ class Fault(enum.StrEnum):
     """Every few seconds the localization jumps by 5 to 20 cm, for up to 3 s."""
     OBSTACLE = "obstacle"
     """Something stands in front of the dock."""
+    OCCUPIED_DOCK = "occupied_dock"
+    """Another robot stands on the dock; the camera sees the marker above it."""
     HIDDEN_BEACON = "hidden_beacon"
     """Something stands before the infrared beacon: no receiver sees it."""
     INFRARED_GHOSTS = "infrared_ghosts"

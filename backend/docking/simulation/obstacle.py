@@ -23,17 +23,19 @@ class Obstruction:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """A pillar, or a leg of a person.
+    """A pillar, a leg of a person, or another robot.
 
     Attributes:
         x: Of its centre, in world, in m.
         y: The same.
         radius: In m.
+        low: Whether the camera sees over it.
     """
 
     x: float
     y: float
     radius: float
+    low: bool = False
 
     def obstruct(self, x: float, y: float, radius: float) -> Obstruction | None:
         """Where a round body is kept that wants to be here; None if the obstacle is not in its way.
@@ -57,7 +59,7 @@ class Obstacle:
     def hides(self, x: float, y: float) -> bool:
         """Whether it stands between a point in world and the origin, where the marker is."""
         length = math.hypot(x, y)
-        if length < 1e-9:
+        if self.low or length < 1e-9:
             return False
         along = (self.x * x + self.y * y) / length
         across = abs(self.x * y - self.y * x) / length

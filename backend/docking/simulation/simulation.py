@@ -30,7 +30,19 @@ from docking.simulation.box import Box
 from docking.simulation.collisions import Collisions, Touch
 from docking.simulation.delay import Delay
 from docking.simulation.dock import DOCKED, Dock
-from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, JUMP, LATE, LOST, REPEATING, WORN, WRONG, Fault
+from docking.simulation.faults import (
+    AHEAD,
+    GHOSTS,
+    IN_THE_WAY,
+    JUMP,
+    LATE,
+    LOST,
+    ON_THE_DOCK,
+    REPEATING,
+    WORN,
+    WRONG,
+    Fault,
+)
 from docking.simulation.infrared import InfraredReceivers
 from docking.simulation.laser import ANGLE_MIN, LaserScanner
 from docking.simulation.localization import Localization
@@ -233,8 +245,8 @@ class Simulation:
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
         """The current obstacles."""
-        more = (IN_THE_WAY,) if Fault.OBSTACLE in self.faults else ()
-        return self.settings.obstacles + more
+        more = {Fault.OBSTACLE: IN_THE_WAY, Fault.OCCUPIED_DOCK: ON_THE_DOCK}
+        return self.settings.obstacles + tuple(one for fault, one in more.items() if fault in self.faults)
 
     @property
     def odometry_origin(self) -> Pose:

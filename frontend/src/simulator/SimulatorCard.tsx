@@ -233,6 +233,12 @@ const FAULTS: readonly FaultWords[] = [
       "A pillar in front of the dock: it hides the marker, and stops the robot; with collision detection, the robot waits.",
   },
   {
+    fault: "occupied_dock",
+    name: "Occupied dock",
+    effect:
+      "Another robot stands on the dock: the robot runs into it, comes back slowly, and says where; with collision detection, it waits.",
+  },
+  {
     fault: "hidden_beacon",
     name: "Hidden beacon",
     effect: "No infrared receiver sees the beacon: docking by infrared waits, then backs off and retries.",

@@ -25,6 +25,7 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
         "repeated_odometry": "false",
         "localization_jumps": "false",
         "obstacle": "false",
+        "occupied_dock": "false",
         "hidden_beacon": "false",
         "infrared_ghosts": "false",
         "silent_battery": "false",
