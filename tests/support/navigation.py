@@ -25,7 +25,7 @@ from tf2_msgs.msg import TFMessage
 
 MOTION = MotionLimits(v_linear_max=0.8, a_linear_max=1.5)
 MARK = 1.0
-"""linear.z of its motions, which no robot on wheels looks at: they are told from those of others."""
+"""linear.z of its motions, which no robot on wheels looks at; that of its zero velocity is -0.0. Others publish 0.0."""
 NO_VALID_PATH = 208
 LONGEST = 120.0
 
@@ -72,7 +72,7 @@ class Nav2(Server):
         self._robot = pose_from(message.pose.pose)
 
     def _go(self, velocity: Velocity) -> None:
-        linear = Vector3(x=velocity.linear_x, z=0.0 if velocity == STANDSTILL else MARK)
+        linear = Vector3(x=velocity.linear_x, z=-0.0 if velocity == STANDSTILL else MARK)
         self._wheels.publish(Twist(linear=linear, angular=Vector3(z=velocity.angular_z)))
 
     async def navigate(self, handle: Any) -> Any:
