@@ -27,7 +27,8 @@ class ChargerDoubt:
     def believes(self, robot: Pose | None, velocity: Velocity, docked: Pose | None, *, charges: bool) -> bool:
         """Take notice of a battery message, and say whether its charge is believed.
 
-        A charge that has driven along is not believed before the battery has said once that it does not charge.
+        A charge that has driven along is not believed before the battery has said once that it does not charge. Near
+        its dock the robot may drive on along the contacts.
 
         Args:
             robot: base_link in odom; None without odometry, as with `rotate`: the battery is then believed.
@@ -43,7 +44,9 @@ class ChargerDoubt:
         self._began = self._began or robot
         off = robot.relative_to(self._began)
         way, away = math.hypot(off.x, off.y), 0.0 if docked is None else robot.distance_to(docked)
-        if way > MOVED or abs(off.theta) > TURNED:
+        if docked is not None and away <= ELSEWHERE and not self._carried:
+            self._began = robot  # long contacts charge while the robot goes on to its docked pose
+        elif way > MOVED or abs(off.theta) > TURNED:
             self._carried = True
             self.reason = (
                 f"the battery said that it charges while the robot moved by {way:.1f} m and"

@@ -64,8 +64,9 @@ class Recovery:
         ends_for_itself = isinstance(failure, BEYOND_RETRY) and stage is not Stage.RETURN_TO_STAGING
         if self.reason is not None and stage in MEANWHILE and not ends_for_itself:
             both = self.meanwhile(stage, str(failure))
-            if stage is not Stage.CORRECTING:
-                return self._leave(both, stage) if isinstance(failure, NothingLeftToTry) else both
+            nothing_left = isinstance(failure, NothingLeftToTry)
+            if nothing_left or stage is not Stage.CORRECTING:
+                return self._leave(both, stage) if nothing_left else both
             failure = both
         if isinstance(failure, FailedToDetectDock):
             return self._not_found(failure)

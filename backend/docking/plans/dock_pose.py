@@ -140,7 +140,8 @@ class DockPosePlan(SightedPlan):
         if self.marker.pose is None:
             self._expect()
         self.marker.update(self._camera.correct(observation))
-        self._camera.add(self.marker.raw, self.marker.noticed_at, self._robot)
+        if self._missed:
+            self._camera.add(self.marker.raw, self.marker.noticed_at, self._robot)
         self._prefer_last()
         if self.marker.pose is None and (two := self.marker.selection.ambiguous) is not None:
             raise FailedToDetectDock(

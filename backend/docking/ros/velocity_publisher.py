@@ -77,14 +77,17 @@ class VelocityPublisher:
         return len(self._publishers) < len(before)
 
     def _wanted(self) -> frozenset[str]:
-        subscribed: dict[str, set[str]] = {}
-        # A node that publishes on the topic is no base: it hears who else drives, as this one does.
+        # A node that publishes on the topic hears who else drives, as this one does, and is no base. But where there
+        # are no others it is one, such as a bridge that passes the topic on in both ways.
         drivers = {node_name(publisher) for publisher in self._node.get_publishers_info_by_topic(TOPIC)} - {""}
-        for subscriber in self._node.get_subscriptions_info_by_topic(TOPIC):
-            if (name := node_name(subscriber)) not in drivers:
-                subscribed.setdefault(subscriber.topic_type, set()).add(name or "a node")
-        wanted = choose_types(self.mode, subscribed.keys(), self._publishers.keys())
-        self._unmatched = {name: nodes for name, nodes in subscribed.items() if name not in wanted}
+        subscribers = self._node.get_subscriptions_info_by_topic(TOPIC)
+        bases = [subscriber for subscriber in subscribers if node_name(subscriber) not in drivers]
+        types = {subscriber.topic_type for subscriber in bases or subscribers}
+        wanted = choose_types(self.mode, types, self._publishers.keys())
+        self._unmatched = {}
+        for base in bases:
+            if base.topic_type not in wanted:
+                self._unmatched.setdefault(base.topic_type, set()).add(node_name(base) or "a node")
         return wanted
 
     @property

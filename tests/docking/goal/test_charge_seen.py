@@ -140,6 +140,14 @@ def test_what_goes_along_or_is_elsewhere_is_doubted_and_what_stands_is_believed(
     assert ChargerDoubt().believes(None, STANDSTILL, None, charges=True)
 
 
+def test_who_drives_on_along_long_contacts_charges() -> None:
+    doubt = ChargerDoubt()
+    for centimetres in range(16):
+        doubt.believes(Pose(0.01 * centimetres), Velocity(0.04), Pose(0.16), charges=True)
+    assert doubt.believes(Pose(0.16), STANDSTILL, Pose(0.16), charges=True)
+    assert doubt.reason == ""
+
+
 def test_who_only_turns_believes_the_battery_as_the_tutorial_does() -> None:
     settings = DockSettings()
     goal = Goal(make_plan(settings), docking_objective(settings, DockMemory()), 0.0)

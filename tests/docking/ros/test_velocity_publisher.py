@@ -83,6 +83,22 @@ def test_it_follows_its_subscribers(nodes: tuple[Node, Node], domain: int, obser
 
 
 @pytest.mark.ros
+def test_a_bridge_that_passes_the_topic_on_in_both_ways_is_a_base(nodes: tuple[Node, Node], observer: Observer) -> None:
+    publisher = VelocityPublisher(nodes[0])
+    heard = observer.record(TwistStamped, "cmd_vel")
+    observer.node.create_publisher(TwistStamped, "cmd_vel", 10)
+
+    def published() -> bool:
+        look(publisher)
+        publisher.publish(Velocity(0.1))
+        return bool(heard.messages)
+
+    wait_until(published, "stamped velocities")
+    wait_until(lambda: len(observer.node.get_publishers_info_by_topic("/cmd_vel")) == 2, "one type from the server")
+    publisher.close()
+
+
+@pytest.mark.ros
 def test_whoever_hears_nothing_is_named(nodes: tuple[Node, Node], observer: Observer) -> None:
     publisher = VelocityPublisher(nodes[0], FALSE)
     assert publisher.mismatch is None
