@@ -50,7 +50,10 @@ def halted(seed: int, loss: float, *, odometry: bool) -> tuple[float, float]:
     """How far a robot without a command timeout goes on after its goal's end, in m, and how fast it ends, in m/s."""
     random = Random(seed)
     settings = Settings(
-        start=Pose(), robot=RobotSettings(cmd_vel_timeout=0.0), command_loss=loss, command_delay=random.uniform(0, 0.3)
+        start=Pose(-5.0),
+        robot=RobotSettings(cmd_vel_timeout=0.0),
+        command_loss=loss,
+        command_delay=random.uniform(0, 0.3),
     )
     simulation = Simulation(settings, seed)
     while simulation.robot.linear < 0.25:
