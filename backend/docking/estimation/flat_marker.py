@@ -17,6 +17,8 @@ FIRST = (NEARER * FIRST_NOISE,) * 3
 """Differences that are assumed before there are any, in rad."""
 RECENT = 60
 """Detections by which the noise and the share of the mirrored ones are measured."""
+MEASURED = 20
+"""Detections from which the noise is known well enough to tell a mirrored one from a noisy one."""
 FEWEST, SHARE = 6, 0.15
 """Detections of either kind, and the part of the recent ones that must be mirrored, before any is corrected."""
 FITS, APART = 3.0, 4.0
@@ -164,7 +166,7 @@ class FlatMarker:
         direct, mirrored = seen.off(main.theta)
         fits = [heading.weigh(seen, drift) for heading in (main, self._other) if heading is not None]
         self._unfit = 0 if any(fits) else self._unfit + 1
-        if abs(direct) <= APART or seen.distinct:
+        if len(self._offs) >= MEASURED and (abs(direct) <= APART or seen.distinct):
             self._mirrored.append(0 if abs(direct) <= APART else 1 if abs(mirrored) <= FITS else -1)
         return False
 
