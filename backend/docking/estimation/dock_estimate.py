@@ -13,6 +13,7 @@ from docking.core.observation import MarkerDetection, Observation
 from docking.estimation.flat_marker import FlatMarker
 from docking.estimation.marker_selection import MarkerSelection
 from docking.estimation.poses import difference, median_pose, squared_distance
+from docking.estimation.seen_motion import SeenMotion
 
 POSITION_NOISE = 0.01
 """Standard deviation of a detection, in m, until it has been measured."""
@@ -55,6 +56,9 @@ DISPUTING = 2
 LONGEST_PERIOD = 3.0
 """In s; a longer pause between two detections is a gap, not the camera's period."""
 
+REPEATED = 0.002
+"""In m; detections that differ by less, as seen from the robot, may be of one image."""
+
 X, Y, THETA, YAW, SCALE = range(5)
 POSITION, POSE = (X, Y), (X, Y, THETA)
 Array = npt.NDArray[np.float64]
@@ -93,6 +97,9 @@ class DockEstimate:
         period: Seconds between two detections, usually.
         selection: Which detections are of the dock's marker.
         flat: Whether their headings are mirrored.
+        motion: Whether the marker is seen to move as the robot drives.
+        doubt: Why detections are not believed now, as a sentence; empty while they are.
+        doubts: How often they were not.
     """
 
     def __init__(self, memory: float) -> None:
@@ -107,6 +114,10 @@ class DockEstimate:
         self.period = 0.0
         self.selection = MarkerSelection()
         self.flat = FlatMarker()
+        self.motion = SeenMotion()
+        self.doubt = ""
+        self.doubts = 0
+        self._doubted: Pose | None = None  # the detection, as seen from the robot
         self._memory = memory
         self._newest = -math.inf
         self._at_newest: list[Pose] = []  # detections with that stamp
@@ -164,6 +175,7 @@ class DockEstimate:
         if odometry is None or not odometry.pose.finite:
             return
         self._predict(odometry.pose, observation.now)
+        self.motion.drive(odometry.stamp, odometry.pose)
         for marker in (*observation.other_markers, observation.marker):
             if marker is not None and self._is_new(marker, odometry.pose, observation.now):
                 self._take(marker, odometry.pose)
@@ -184,16 +196,33 @@ class DockEstimate:
         return True
 
     def _take(self, marker: MarkerDetection, robot: Pose) -> None:
-        if not self.selection.takes(marker.pose, robot, self.pose):
+        placed = self.motion.place(marker.pose, marker.stamp)
+        if not self.selection.takes(placed, robot, self.pose) or not self._believes(marker):
             return
         self._learn_period(marker.stamp)
-        self.raw, changed = self.flat.correct(marker.pose, marker.camera or robot, robot, self.pose)
+        self.raw, changed = self.flat.correct(placed, marker.camera or robot, robot, self.pose)
         if changed:
             self._start_again()
         if self._state is None:
             self._begin(self.raw, robot, marker.stamp)
         else:
             self._correct(self._state, self.raw, robot, marker.stamp)
+
+    def _believes(self, marker: MarkerDetection) -> bool:
+        """Whether the marker moves as the robot drives; if not, nothing is known until another image comes."""
+        doubt = self.motion.see(marker.pose, marker.stamp)
+        if self._doubted is not None:
+            if self.motion.last().distance_to(self._doubted) < REPEATED:
+                return False
+            self.doubt, self._doubted = "", None
+            self.motion.begin()
+        elif doubt:
+            self.doubt, self._doubted = doubt, self.motion.last()
+            self.doubts += 1
+            self.forget()
+            self.motion.begin()
+            return False
+        return True
 
     def _learn_period(self, stamp: float) -> None:
         pause, self.noticed_at = stamp - self.noticed_at, stamp

@@ -1,6 +1,7 @@
 """How fast the robot may drive: slowly near the dock, where it is not seen to move, and backwards without a view."""
 
 import math
+from collections import deque
 
 from docking.core.errors import FailedToControl
 from docking.core.geometry import Pose
@@ -16,6 +17,8 @@ NEAR = 0.2
 """How near to the dock, in m, a robot that stands may stand against it."""
 AT_DOCK = 0.02
 """How much faster than v_linear_min, in m/s, a base with a dead zone may touch its dock."""
+BELIEVED, STRIDE = 0.3, 0.03
+"""Where the dock was believed over the last BELIEVED m is remembered, once a STRIDE: the nearest of them counts."""
 GENTLE = 0.15
 """In m/s²; weak bases, too, slow down so much on the way to the dock."""
 ROUNDING = 1e-6
@@ -32,6 +35,8 @@ class Pace:
       zone is learned there: a base that stands may stand against the dock.
     - A base that is known to move only at more than `v_linear_min` and `AT_DOCK` stops before its dock.
     - So the robot starts slowly, once the dock is known, until it is seen to move: that tells the dead zone.
+    - It stays slow until the marker was seen to move as the robot drives. What is believed of the dock may be wrong
+      later, too: so it slows down before the nearest place where the dock was believed to be a moment ago.
     - A robot that stands although it is to drive is blocked, or odometry says so wrongly: it drives slowly, too.
     - Backwards it is not faster than `v_linear_back`, whatever moves it, unless a scan shows that the way is free.
     """
@@ -48,6 +53,10 @@ class Pace:
         self._radius = slowdown_radius
         self._stands = True
         self._beginning = False
+        self._robot: Pose | None = None
+        self._way = 0.0  # in m, by odometry
+        self._poses = KnownPoses()
+        self._believed: deque[tuple[float, KnownPoses]] = deque()  # at which way
 
     def next(
         self,
@@ -83,12 +92,14 @@ class Pace:
                 f" {most_at_dock:.2f} m/s at most: set v_linear_min (now {self._limits.v_linear_min:g}) to the lowest"
                 " speed at which it moves, if it and the dock bear that"
             )
-        begins = self._begins(desired, poses, model)
+        self._remember(robot, poses)
+        unproven = poses.filtered_dock is not None and not poses.proven
+        begins = self._begins(desired, poses, model) or unproven
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf
-        most = min(first, self._near_dock(left, sure))
+        most = min(first, self._near_dock(self._nearest(robot, model, desired.linear_x), sure))
         velocity = self._limiter.limit(_slowed(desired, most), dt, model.dead_zone)
-        most = min(first, self._near_dock(self._distance(robot, poses, model, velocity.linear_x), sure))
+        most = min(first, self._near_dock(self._nearest(robot, model, velocity.linear_x), sure))
         if abs(velocity.linear_x) > most + ROUNDING:
             return self.stop()
         self._stands = velocity.linear_x == 0.0
@@ -113,6 +124,27 @@ class Pace:
         elif model.moves_at < math.inf:
             self._beginning = False
         return self._beginning
+
+    def _remember(self, robot: Pose, poses: KnownPoses) -> None:
+        """Remember where the dock was believed over the last way: a marker that moves with the robot moves it on."""
+        self._way += 0.0 if self._robot is None else robot.distance_to(self._robot)
+        self._robot = robot
+        if poses.filtered_dock is None:
+            self._believed.clear()
+            return
+        if not self._believed or self._way - self._believed[-1][0] > STRIDE:
+            self._believed.append((self._way, poses))
+        while self._way - self._believed[0][0] > BELIEVED:
+            self._believed.popleft()
+        self._poses = poses
+
+    def _nearest(self, robot: Pose, model: MotionModel, linear: float) -> float:
+        """How near to the dock the robot may have come, in m, wherever it was believed, and however late it is seen."""
+        believed = [poses for _, poses in self._believed]
+        if not believed:
+            return math.inf
+        nearest = min(self._distance(robot, poses, model, linear) for poses in (*believed, self._poses))
+        return max(0.0, nearest - self._poses.late * abs(model.velocity.linear_x))
 
     def _near_dock(self, left: float, slowest: float) -> float:
         """The highest speed, in m/s, where the dock may be so near, in m."""

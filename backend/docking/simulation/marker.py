@@ -109,6 +109,13 @@ class MarkerSettings:
     honest_stamps: bool = switch(
         True, "Whether the stamp of a detection is the moment of the image; else it is that of its arrival."
     )
+    smoothing: float = number(
+        0.0,
+        0.0,
+        10.0,
+        "s",
+        "Time constant with which the detector smooths the marker's pose in its frame; 0: not at all.",
+    )
     stamp_offset: float = number(
         0.0,
         -86400.0,

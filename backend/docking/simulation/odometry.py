@@ -32,6 +32,9 @@ class OdometrySettings:
     stamp_offset: float = number(
         0.0, -86400.0, 86400.0, "s", "How far the clock of odometry's stamps is ahead of that of the other sensors."
     )
+    scale: float = number(
+        1.0, 0.1, 10.0, "", "How many times as far as the robot moves odometry says: as with a wrong gear ratio."
+    )
     repeat_every: float = number(
         0.0, 0.0, 3600.0, "s", "Time between the moments at which odometry begins to repeat its last message; 0: never."
     )
@@ -69,8 +72,8 @@ class DriftingOdometry:
             random: Where the errors are drawn from.
         """
         self._separation = wheel_separation
-        self._left = 1.0 + random.gauss(0.0, settings.drift)
-        self._right = 1.0 + random.gauss(0.0, settings.drift)
+        self._left = settings.scale * (1.0 + random.gauss(0.0, settings.drift))
+        self._right = settings.scale * (1.0 + random.gauss(0.0, settings.drift))
         self.x = self.y = self.theta = 0.0
 
     @property

@@ -126,6 +126,11 @@ class Robot:
         return Velocity(self.linear, self.angular, self.lateral)
 
     @property
+    def commanded(self) -> Velocity:
+        """The velocity that a base which carries out its commands has."""
+        return Velocity(*self._target(0.0, halted=False))
+
+    @property
     def radius(self) -> float:
         """Of the body, in m."""
         return self._settings.radius
@@ -157,7 +162,7 @@ class Robot:
             worn: How much smaller the right wheel is than it was, as a fraction of its radius.
         """
         settings = self._settings
-        linear, angular = self._target(dt, halted)
+        linear, angular = self._target(dt, halted=halted)
         if stuck:
             linear, angular = self._with_stuck_wheel(linear, angular, dt)
         else:
@@ -217,7 +222,7 @@ class Robot:
             kept = 1.0 - beside * beside
             self.side, self.lateral = kept * self.side, kept * self.lateral
 
-    def _target(self, dt: float, halted: bool) -> tuple[float, float]:
+    def _target(self, dt: float, *, halted: bool) -> tuple[float, float]:
         settings, command = self._settings, self._command
         self._command_age += dt
         if halted or self._command_age > settings.cmd_vel_timeout + ROUNDING:

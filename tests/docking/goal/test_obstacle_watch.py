@@ -117,7 +117,7 @@ def test_a_clear_way_is_driven_as_fast_as_without_the_scanner() -> None:
 
 
 def test_the_robot_waits_for_an_obstacle_and_goes_on() -> None:
-    drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), obstacles=()), happen=appear(until=4.0))
+    drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), obstacles=()), happen=appear(until=8.0))
     assert drive.run() == Outcome(End.SUCCEEDED)
     assert Stage.WAIT_FOR_CLEARANCE in drive.stages
     assert drive.simulation.contact
