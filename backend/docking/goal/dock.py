@@ -63,7 +63,7 @@ class Docking(Objective):
             memory: Where it is noted that the robot is docked.
             charging: How charging is detected; None uses the battery's status.
             docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
-            slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
+            slowdown_radius: The last part of the way to the first contact, in m, that is driven slowly.
             recovery: Moves on the contacts and after the last attempt; None without any.
             staging: Of the dock, to be remembered; None is the usual one.
             dock_type: Of the dock, to be remembered.
@@ -73,7 +73,7 @@ class Docking(Objective):
         super().__init__(timeouts, memory, charging)
         self.max_retries = timeouts.max_retries
         self.recovery = recovery
-        self.slowdown_radius = slowdown_radius
+        self.slowdown_radius = slowdown_radius + self.memory.expects_early(dock_name)
         self._threshold = docking_threshold
         self._staging = staging or Staging()
         self._dock_type = dock_type
@@ -83,6 +83,7 @@ class Docking(Objective):
         self._record = ChargeRecord(timeouts.charge_stable_for)
         self._charger = ChargerDoubt()
         self._read_at = math.nan
+        self._early: float | None = None
         self._motion = MotionModel()  # for the velocity, measured from poses
         self._deadlines = {
             stage: Deadline(parameter, getattr(timeouts, parameter), error, message)
@@ -110,9 +111,12 @@ class Docking(Objective):
             self._motion.look(observation.now, robot)
         self.memory.heads_for(self._staging, self._dock_type, robot, charges=self._charging.charges)
         if battery is not None or not self.needs_battery:
+            charged = self._record.charges
             self._hear(observation.now, robot, battery, progress)
+            if self._record.charges and not charged:
+                self._early = _way_to(progress.docked, robot)
             if self._record.is_stable:
-                self.memory.docked_at(self._dock_name, robot, progress.turn)
+                self.memory.docked_at(self._dock_name, robot, progress.turn, self._early)
                 return True
         return False
 
@@ -194,3 +198,8 @@ def _describe_full(battery: BatteryReading) -> str:
         f"the battery is full ({100.0 * battery.percentage:.0f} %) and its status is {describe_status(battery.status)}:"
         " a charger may wait until it takes some again. That the robot is docked is known by its pose alone"
     )
+
+
+def _way_to(docked: Pose | None, robot: Pose | None) -> float | None:
+    """From the robot to its docked pose, straight on, in m; None where one of them is not known."""
+    return None if docked is None or robot is None else math.hypot(docked.x - robot.x, docked.y - robot.y)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from docking.core.geometry import Pose
 from docking.goal.hits import Hits
 from docking.parameters import Staging
+from docking.parameters.approach import EARLY
 
 MOVED = 0.1
 """In m; a robot that odometry has moved by more is somewhere else."""
@@ -29,6 +30,7 @@ class DockMemory:
         places: Where base_link stood when it was docked last, in odom, by the names of docks.
         hits: Where the robot has run into something lately, in odom.
         turns: How far a dock's marker was taken to be turned then, in rad, by the names of docks.
+        early: How far before the docked pose, as detected, the robot was docked then, in m, by the names of docks.
     """
 
     docked: bool | None = None
@@ -39,15 +41,19 @@ class DockMemory:
     places: dict[str, Pose] = field(default_factory=dict)
     turns: dict[str, float] = field(default_factory=dict)
     hits: Hits = field(default_factory=Hits)
+    early: dict[str, float] = field(default_factory=dict)
 
-    def docked_at(self, dock: str, place: Pose | None, turn: float) -> None:
+    def docked_at(self, dock: str, place: Pose | None, turn: float, early: float | None = None) -> None:
         """Remember where the robot was docked, and how far the marker seemed to be turned.
 
         Args:
             dock: The name of the dock.
             place: base_link in odom; None if unknown.
             turn: Of the marker, in rad.
+            early: How far before the docked pose, as detected, it came onto the contacts, in m; None if unknown.
         """
+        if early is not None:
+            self.early[dock] = early
         self.turns.pop(dock, None)  # the last ones are at the end
         self.turns[dock] = turn
         if place is not None:
@@ -57,6 +63,11 @@ class DockMemory:
             forgotten = next(iter(self.turns))
             self.turns.pop(forgotten)
             self.places.pop(forgotten, None)
+            self.early.pop(forgotten, None)
+
+    def expects_early(self, dock: str) -> float:
+        """How far before the docked pose the first contact may be, in m: as the last time, or far if there is none."""
+        return min(EARLY, max(0.0, self.early.get(dock, EARLY)))
 
     def note(self, docked: bool, at: Pose | None) -> None:
         """Remember how a goal has ended, and where."""

@@ -6,7 +6,7 @@ from typing import Self
 from docking.core.errors import DockNotValid
 from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
-from docking.parameters.approach import ApproachSettings
+from docking.parameters.approach import EARLY, ApproachSettings
 from docking.parameters.charging import ChargingSettings, ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.detector import DetectorSettings
@@ -211,7 +211,7 @@ class DockSettings(ServerSettings):
         if dock.backward and self.controller == ControllerName.INFRARED:
             return "dock_direction is backward, but infrared docks forwards only: its receivers look ahead"
         motion, timeouts, distance = self.motion, self.timeouts, dock.distance
-        slow = min(distance, self.approach.slowdown_radius)
+        slow = min(distance, self.approach.slowdown_radius + EARLY)
         fast = distance - slow
         speed = motion.v_linear_back if dock.backward else motion.v_linear_max
         where = (
