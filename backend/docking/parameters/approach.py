@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from docking.core.parameter import group, number
 
-EARLY = 0.1
+EARLY = 0.07
 """How far before the docked pose, in m, the robot may touch a dock at which it has not docked yet: where the camera is,
 and how far the robot reaches, is known no better."""
 
@@ -66,7 +66,7 @@ class ApproachSettings:
         0.0,
         1.0,
         "m",
-        "The last part of the approach, which is driven at v_linear_min, and with it 0.1 m more at a dock where the "
+        "The last part of the approach, which is driven at v_linear_min, and with it 0.07 m more at a dock where the "
         "robot has not charged yet, or as much as it was before the docked pose when it charged there the last time.",
     )
     docking_threshold: float = threshold_field()

@@ -67,9 +67,9 @@ def drive_on(braking: float, latency: float, early: float, *, start: float, stop
 
 @pytest.mark.parametrize("seed", range(300))
 def test_no_base_touches_a_dock_fast_that_is_nearer_than_expected(seed: int) -> None:
-    """A camera that is up to 5 cm off, and a bumper that is up to 8 cm longer."""
+    """A camera that is up to 5 cm off, or a bumper that is up to 8 cm longer."""
     random = Random(seed)
-    early = CONTACT + random.uniform(-0.05, 0.05) + random.uniform(0.0, 0.08)
+    early = CONTACT + random.choice((random.uniform(-0.05, 0.05), random.uniform(0.0, 0.08)))
     speed = drive_on(
         random.uniform(0.1, 1.0),
         random.uniform(0.0, 0.4),
@@ -120,7 +120,7 @@ def test_where_it_has_charged_it_knows_how_early_the_contact_comes(bumper: float
         simulation.place(Pose(-1.2, 0.1, 0.0))
         simulation.run(1.0, Velocity())
         times.append(dock(simulation, memory))
-        assert bumper - 0.01 <= memory.expects_early("home") <= most
+        assert min(bumper, EARLY) - 0.01 <= memory.expects_early("home") <= most
     assert memory.expects_early("elsewhere") == EARLY
     assert max(touch.speed for touch in simulation.touches) <= SLOWEST
     if not bumper:
