@@ -297,7 +297,7 @@ def _watch_wheels(
         listener = robots.velocities.watch(settings.resolve(settings.cmd_vel_topic, robot), wheels.hear)
         port = ExitStack()
         port.callback(listener.close)
-        port.callback(wheels.deafen)
+        port.callback(wheels.stop_listening)
         return port
 
     watch = WheelsWatch(actions, robots, name, settings.command_timeout)

@@ -1,6 +1,6 @@
 """How long zero velocity is repeated to stop a robot. Pure.
 
-One message may be lost, and a base without a command timeout goes on with what it was told before. But the wheels
+One message may be lost, and a base without a command timeout goes on with its last command. But the wheels
 belong to the next who drives, and two that command in turn make a robot jerk.
 """
 

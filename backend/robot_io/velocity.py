@@ -25,8 +25,13 @@ def velocity_message(name: str, twist: Twist, node: Node, frame: str = "") -> Tw
     return message
 
 
+def twist_of(message: Twist | TwistStamped) -> Twist:
+    """Return the velocity in a message of either type."""
+    return message.twist if isinstance(message, TwistStamped) else message
+
+
 def is_motion(message: Twist | TwistStamped) -> bool:
     """Return whether a velocity is not zero; one that is no number counts as a motion."""
-    twist = message.twist if isinstance(message, TwistStamped) else message
+    twist = twist_of(message)
     linear, angular = twist.linear, twist.angular
     return any(value != 0.0 for value in (linear.x, linear.y, linear.z, angular.x, angular.y, angular.z))

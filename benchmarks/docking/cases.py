@@ -242,11 +242,11 @@ TWO_TAGS = "Without the dock's pose, nothing decides which of the two tags is th
 UNSEEN = "The dock cannot be seen from there, and nothing says where it is: give its pose, or set search_radius."
 SEARCHES = "Driving around to look for the dock does not always come to where it can be seen: give its pose."
 ASIDE = (
-    "A camera beside the place that tf says cannot be told from a dock that is there, before the first contact. That is"
-    " beside the contacts, at v_linear_min."
+    "A camera that is not where tf has it looks the same as a dock that is not, until the first contact: beside the"
+    " contacts, at v_linear_min."
 )
 OCCUPIED = (
-    "Nobody docks there: without a scan the robot runs into the other one, at the speed of the way. It comes back to"
+    "No robot docks there: without a scan the robot runs into the other one, at the speed of the way. It comes back to"
     " that place at v_linear_min, and the error says where it was blocked, and how often."
 )
 BLINDLY = "The robot backs onto the dock without seeing it; what odometry misjudges shows only at the contact."
@@ -381,3 +381,4 @@ CASES = (
     ),
 )
 """In the order of the table."""
+CASES_BY_NAME = {case.name: case for case in CASES}

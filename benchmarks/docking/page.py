@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from benchmarks.docking.cases import CASES
+from benchmarks.docking.cases import CASES_BY_NAME
 from benchmarks.docking.table import markdown
 from benchmarks.docking.worlds import WORLDS
 
@@ -19,7 +19,6 @@ SEEDS = {
     "physics": range(500000, 500060),
 }
 """The starts of each table of the page: of each controller, or of each row."""
-CASES_BY_NAME = {case.name: case for case in CASES}
 
 Row = dict[str, str]
 Rows = dict[tuple[str, str], Row]
@@ -63,7 +62,7 @@ def table_of(rows: Mapping[tuple[str, str], Row], heads: tuple[str, str], order:
 
 
 def with_list(page: str) -> str:
-    """A page with the list of its rows that dock less than 95 % made anew: a line for each reason."""
+    """A page with the list of its rows that dock less than 95 % renewed: a line for each reason."""
     found = [
         (name, controller, row, CASES_BY_NAME[name].why)
         for (controller, name), row in rows_in(part_of(page, "robustness")).items()

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 
-from benchmarks.docking.cases import CASES
+from benchmarks.docking.cases import CASES, CASES_BY_NAME
 from benchmarks.docking.page import Row
 from benchmarks.docking.rows import Job, Key, Table, fastest, share
 from benchmarks.docking.trial import Trial, keeps_limits, run_trial, settings_of
@@ -12,7 +12,7 @@ from docking.parameters import ControllerName
 
 def _run(job: Job) -> Trial:
     (controller, name), seed = job
-    return run_trial(_controller(controller), seed, next(case for case in CASES if case.name == name))
+    return run_trial(_controller(controller), seed, CASES_BY_NAME[name])
 
 
 def _controller(cell: str) -> ControllerName:

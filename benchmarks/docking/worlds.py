@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from random import Random
 
-from benchmarks.docking.cases import CASES, DOCK_POSE, Case
+from benchmarks.docking.cases import CASES, CASES_BY_NAME, DOCK_POSE, Case
 from docking.simulation.settings import Settings
 
 
@@ -32,11 +32,6 @@ def _late(settings: Settings, _random: Random) -> Settings:
     return replace(settings, command_delay=0.1)
 
 
-def named(name: str) -> Case:
-    """A case of the table of faults."""
-    return next(case for case in CASES if case.name == name)
-
-
 OCCUPIED = "A dock that is occupied is none to dock at: the robot touches the other one and gives up, with the reason."
 WEAK_WHEELS = (
     "A base that drives on but turns much less than commanded is taken for blocked on the way to the staging pose."
@@ -49,8 +44,11 @@ WORLDS: dict[str, tuple[Base, Case]] = {
         Base(mass=25.0, torque=1.0),
         Case("late", (DOCK_POSE,), _late),
     ),
-    "5 kg, dead zone 0.13 m/s": (Base(), named("dead zone 0.13 m/s")),
-    "5 kg, dead zone 0.13 m/s, v_linear_min 0.15 m/s": (Base(), named("dead zone 0.13 m/s, v_linear_min 0.15 m/s")),
+    "5 kg, dead zone 0.13 m/s": (Base(), CASES_BY_NAME["dead zone 0.13 m/s"]),
+    "5 kg, dead zone 0.13 m/s, v_linear_min 0.15 m/s": (
+        Base(),
+        CASES_BY_NAME["dead zone 0.13 m/s, v_linear_min 0.15 m/s"],
+    ),
     "5 kg, contacts on springs": (Base(spring_travel=0.013), CASES[0]),
     "5 kg, contacts on springs, final_push 3 cm": (
         Base(spring_travel=0.013),

@@ -1,7 +1,7 @@
 """Stops a robot whose commands end while it moves and a docking goal runs: its server is dead, frozen or out of reach.
 
 DDS tells neither a death nor SIGSTOP in time, but a server that drives a robot commands it several times a second. A
-base with a command timeout stops by itself; one without drives on for ever.
+base with a command timeout stops by itself; one without goes on driving.
 """
 
 import asyncio
@@ -24,7 +24,7 @@ UNKNOWN = "a node that has left the ROS graph"
 
 
 class WheelsWatch:
-    """Watches the commands of robots with a running docking goal, whoever sent it.
+    """Watches the commands of robots with a running docking goal of any sender.
 
     Args:
         actions: The actions, with their goals.
@@ -111,7 +111,7 @@ class WheelsWatch:
     async def _run(self) -> None:
         while True:
             for robot, last in self._heard():
-                self._look(robot, last, time.monotonic())
+                self._check(robot, last, time.monotonic())
             if self._goals or self._ended_at:
                 await asyncio.sleep(INTERVAL)
             else:
@@ -128,12 +128,12 @@ class WheelsWatch:
             else:
                 self._ended_at.pop(robot, None)
 
-    def _look(self, robot: str, last: Command, now: float) -> None:
+    def _check(self, robot: str, last: Command, now: float) -> None:
         if last.publisher is not None and last.publisher not in self._names:
             self._names[last.publisher] = UNKNOWN
             self._tasks.spawn(self._learn(robot, last.publisher))
         if robot not in self._goals and last.at > self._ended_at.get(robot, now):
-            return  # whoever drives it now, it is not for a goal
+            return  # it is driven now, but not for a goal
         if now - last.at <= self._timeout:
             if last.motion and last.publisher is not None and robot in self._stopped:
                 del self._stopped[robot]

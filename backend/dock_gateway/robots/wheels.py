@@ -46,7 +46,7 @@ class Wheels:
         clock: The monotonic clock.
 
     Attributes:
-        last: The last command; None while nobody listens.
+        last: The last command; None while the topic is not subscribed to.
     """
 
     def __init__(self, port: VelocityPort, *, period: float = PERIOD, clock: Callable[[], float] = time.monotonic):
@@ -77,11 +77,11 @@ class Wheels:
         asyncio.get_running_loop().call_later(self._period, self._repeat)
         try:
             self._port.publish_zero()
-        except Exception as error:  # noqa: BLE001 - whoever published the first one has reported it
+        except Exception as error:  # noqa: BLE001 - the failure of the first one was reported
             log.debug("zero velocity could not be repeated: %s", error)
 
     def leave(self) -> None:
-        """Repeat zero velocity no longer: the robot is to be driven, or it is gone."""
+        """Repeat zero velocity no longer: a goal drives the robot, or it is gone."""
         self._halt = None
 
     def listen(self) -> None:
@@ -94,6 +94,6 @@ class Wheels:
         if motion:
             self._commanded_at = self.last.at
 
-    def deafen(self) -> None:
-        """Note that commands are heard no longer."""
+    def stop_listening(self) -> None:
+        """Note that commands are not heard any more."""
         self.last = None

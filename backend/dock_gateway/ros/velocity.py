@@ -28,7 +28,7 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
 from robot_io.rclpy_private import RCLError
-from robot_io.velocity import CLASSES, is_motion, velocity_message
+from robot_io.velocity import CLASSES, is_motion, twist_of, velocity_message
 from robot_io.velocity_types import PLAIN
 
 log = logging.getLogger(__name__)
@@ -247,7 +247,7 @@ class VelocityTopics:
         inbox = self._bridge.inbox()
 
         def hear(message: Twist | TwistStamped, info: dict[str, Any]) -> None:
-            velocity = twist_codec.encode(message.twist if isinstance(message, TwistStamped) else message)
+            velocity = twist_codec.encode(twist_of(message))
             inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
 
         return VelocityListener(self._bridge, self, name, hear)

@@ -92,8 +92,8 @@ class Approach:
         off = odometry.pose.relative_to(docked)
         left = -off.x
         slides = self._can_slide(off, left)
-        aside = slides and left < GATE and not self._is_straight(off, 1.0 if left < COMMITTED else 0.5)
-        if left < self._until or (not aside and self._touches(left, odometry, dt)):
+        too_far = slides and left < GATE and not self._is_straight(off, 1.0 if left < COMMITTED else 0.5)
+        if left < self._until or (not too_far and self._touches(left, odometry, dt)):
             return Done()
         failure = self._sight.look(left, dt) or (None if slides else self._fault(off, left))
         if failure is not None:
@@ -103,14 +103,14 @@ class Approach:
             self._stalled = 0.0
             return held
         velocity = self._drive(odometry.pose, docked, left)
-        return self._slide(velocity, off, left, dt, aside=aside) if slides else velocity
+        return self._slide(velocity, off, left, dt, too_far=too_far) if slides else velocity
 
     def _can_slide(self, off: Pose, left: float) -> bool:
         """Whether the base is omnidirectional, near the dock, and not too far off to correct that sideways."""
         near = self._motion.v_lateral_max > 0.0 and left < LOOK
         return near and abs(off.y) < FARTHEST_ASIDE and abs(off.theta) < TURNED and self._slid < 2.0 * FARTHEST_ASIDE
 
-    def _slide(self, ahead: Velocity, off: Pose, left: float, dt: float, *, aside: bool) -> Velocity:
+    def _slide(self, ahead: Velocity, off: Pose, left: float, dt: float, *, too_far: bool) -> Velocity:
         """Correct the lateral error sideways, and the heading; slowly, since nothing sees what is there.
 
         A robot that is too far off near the dock does not drive on meanwhile, but back where it touches nothing.
@@ -119,7 +119,7 @@ class Approach:
         sideways = 0.0 if left < COMMITTED else bounded(-RESPONSE * off.y, slowest)
         self._slid += abs(sideways) * dt
         turning = bounded(-RESPONSE * off.theta, self._motion.v_angular_max)
-        if not aside:
+        if not too_far:
             return Velocity(min(ahead.linear_x, GENTLY * slowest) if sideways else ahead.linear_x, turning, sideways)
         self._stalled = 0.0
         return Velocity(-slowest if left < COMMITTED else 0.0, turning, sideways)

@@ -7,6 +7,7 @@ from statistics import fmean, median, stdev
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import Observation
+from docking.estimation.poses import MAD
 
 SHORTEST, LONGEST = 3.0, 10.0
 """Seconds that a measurement takes: it ends in between, as soon as the result is GOOD."""
@@ -22,8 +23,6 @@ OUTLIER = 4.0
 """Detections farther from the median than this, in standard deviations, are left out."""
 NEAR = (0.015, math.radians(2.0))
 """In m and rad. Detections within this of the median are never left out: that of rounded poses may deviate by 0."""
-MAD = 1.4826
-"""A standard deviation as a multiple of the median absolute deviation, for normal noise."""
 AGREEING = 0.6
 """The part of the detections that must agree."""
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from docking.core.geometry import Pose, normalize_angle
+from docking.estimation.poses import MAD
 
 STILL = 0.015
 """How far the robot may move while it turns on the spot, in m."""
@@ -21,8 +22,6 @@ MISJUDGED = 0.2
 """The part of a turn that odometry may misjudge."""
 OUTLIER = 4.0
 """Detections farther off than this, in standard deviations, are left out."""
-MAD = 1.4826
-"""A standard deviation as a multiple of the median absolute deviation, for normal noise."""
 LEAST = 0.002
 """Standard deviation of the result at least, in m: markers are not seen the same from all sides."""
 
@@ -66,10 +65,6 @@ class CameraOffset:
             self._seen.clear()
         if not self._seen or (self._seen[0][0].distance_to(robot) <= STILL and len(self._seen) < MOST):
             self._seen.append((robot, marker.relative_to(robot)))
-
-    def clear(self) -> None:
-        """Begin again."""
-        self._seen.clear()
 
     def measure(self) -> Offset | None:
         """Return the result; None where the robot has not turned enough in front of the marker."""

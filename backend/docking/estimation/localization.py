@@ -26,7 +26,7 @@ class SteadyLocalization:
         self._since = 0.0
 
     def believes(self, pose: Pose, known: Pose | None, now: float) -> bool:
-        """Whether a pose is to be followed; after a jump has lasted, the estimate is to begin again with it.
+        """Whether the estimate follows a pose; after a jump has lasted, it begins again with it.
 
         Args:
             pose: By the localization.

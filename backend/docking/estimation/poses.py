@@ -5,6 +5,9 @@ from statistics import median
 
 from docking.core.geometry import Pose, normalize_angle
 
+MAD = 1.4826
+"""A standard deviation as a multiple of the median absolute deviation, for normal noise."""
+
 
 def difference(one: Pose, other: Pose) -> Pose:
     """Return the difference of each coordinate."""

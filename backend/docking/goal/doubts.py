@@ -21,7 +21,7 @@ class Doubts:
         """Note a state. It may be called at each step: a later sentence replaces an earlier one of its kind.
 
         Args:
-            kind: Identifies the doubt, such as `other_marker`; nobody sees it.
+            kind: Identifies the doubt, such as `other_marker`; users do not see it.
             sentence: For users, without a full stop at its end; with figures and their units.
         """
         self._sentences[kind] = sentence

@@ -215,7 +215,7 @@ class Goal:
         if self._pace is None or self._watch is None or observation.odometry is None:
             return step
         desired = step if self._obstacles is None else self._obstacles.slow_down(step)
-        behind = self._obstacles is not None and self._obstacles.sees_behind
+        behind = desired.linear_x < 0.0 and self._obstacles is not None and self._obstacles.sees_behind
         velocity = self._pace.next(
             desired, dt, observation.odometry.pose, self._plan.poses, self._watch.model, sees_behind=behind
         )

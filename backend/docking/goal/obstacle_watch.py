@@ -48,8 +48,8 @@ class ObstacleWatch:
         self._front = max(-x if backward else x for x, _ in outline)  # from base_link to the edge at the dock
         self._side = max(abs(y) for _, y in outline)
         self._clearance = Clearance(outline, settings.obstacle_margin)
-        self._points: Points = NOWHERE
-        self._hides_dock = self._behind = False
+        self._points = self._around = NOWHERE
+        self._hides_dock = False
         self._blocked: Velocity | None = None  # what could not be commanded
         self._clear_for = 0.0
         self._waited_for = 0.0
@@ -93,7 +93,7 @@ class ObstacleWatch:
     @property
     def sees_behind(self) -> bool:
         """Whether the last scan shows what is behind the robot: a sector without any point may be out of its view."""
-        return self._behind and not self.lost
+        return not self.lost and _is_behind_seen(self._around)
 
     def slow_down(self, velocity: Velocity) -> Velocity:
         """The velocity on the same arc at which there is time enough to stop."""
@@ -140,7 +140,7 @@ class ObstacleWatch:
     def _see(self, points: Points, robot: Pose, docked: Pose | None) -> None:
         """Update with the points that are neither the robot nor its dock; note whether one is between the two."""
         points = self._clearance.outside(place(points, robot.inverse()))
-        self._points, self._hides_dock, self._behind = points, False, _is_behind_seen(points)
+        self._points, self._around, self._hides_dock = points, points, False
         if docked is None or not len(points):
             return
         at_dock = place(points, docked.compose(self._into_dock).inverse().compose(robot))

@@ -89,13 +89,17 @@ class Pace:
         begins = self._begins(desired, poses, model)
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf
-        hit = self._hits.distance(robot, model.unseen.way, desired.linear_x)
-        most = min(first, self._near_dock(left, sure), self._near_dock(hit + self._radius, slowest))
-        velocity = self._limiter.limit(_slowed(desired, most), dt, model.dead_zone)
-        hit = self._hits.distance(robot, model.unseen.way, velocity.linear_x)
-        left = self._distance(robot, poses, model, velocity.linear_x)
-        most = min(first, self._near_dock(left, sure), self._near_dock(hit + self._radius, slowest))
-        if abs(velocity.linear_x) > most + ROUNDING:
+
+        def most_at(linear: float) -> float:
+            """The highest speed, in m/s, on a way that begins with this velocity."""
+            dock, hit = (
+                self._distance(robot, poses, model, linear),
+                self._hits.distance(robot, model.unseen.way, linear),
+            )
+            return min(first, self._near_dock(dock, sure), self._near_dock(hit + self._radius, slowest))
+
+        velocity = self._limiter.limit(_slowed(desired, most_at(desired.linear_x)), dt, model.dead_zone)
+        if abs(velocity.linear_x) > most_at(velocity.linear_x) + ROUNDING:
             return self.stop()
         self._stands = velocity.linear_x == 0.0
         return velocity

@@ -7,11 +7,11 @@ from docking.core.errors import DockNotValid
 from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
-from docking.parameters.charging import ChargingSettings, ChargingSource
+from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.detector import DetectorSettings
 from docking.parameters.dock import Dock, DockType, detection_timeout_field
-from docking.parameters.dock_database import DockDatabase
+from docking.parameters.dock_database import DockDatabase, DockEntry
 from docking.parameters.limits import BACKWARDS, DriveModel
 from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
@@ -104,7 +104,7 @@ class DockSettings(ServerSettings):
         database = self.database
         known, entry, kind = database.locate(name)
         dock = database.types.get(kind)
-        place = DockPlace(known, entry.frame, Pose(*entry.pose)) if entry is not None and entry.pose else None
+        place = None if entry is None else _place_of(known, entry)
         choices = self._places if database.is_nearest(name) else ()
         staging = self._find_staging(dock or self.dock, place)
         settings = self if dock is None else self._of_type(dock)
@@ -122,13 +122,21 @@ class DockSettings(ServerSettings):
     @property
     def _places(self) -> tuple[DockPlace, ...]:
         """The docks whose poses are known."""
-        entries = self.database.entries
-        return tuple(DockPlace(name, entries[name].frame, Pose(*entries[name].pose)) for name in self.database.located)
+        places = (_place_of(name, self.database.entries[name]) for name in self.database.located)
+        return tuple(place for place in places if place is not None)
 
     @property
     def by_localization(self) -> bool:
         """Whether goals go by the pose in the database and the localization alone."""
-        return self.controller == ControllerName.DOCK_POSE and not self.dock.use_external_detection_pose
+        return self._is_blind(self.dock)
+
+    def _is_blind(self, dock: Dock) -> bool:
+        return self.controller == ControllerName.DOCK_POSE and not dock.use_external_detection_pose
+
+    @property
+    def _kinds(self) -> "dict[str, DockSettings | DockType]":
+        """What depends on the type of a dock, by the prefix of its parameters."""
+        return {"": self, **{f"{name}.": kind for name, kind in self.database.types.items()}}
 
     def _of_type(self, dock: DockType) -> Self:
         """With what depends on the type of a dock."""
@@ -172,10 +180,9 @@ class DockSettings(ServerSettings):
                 " planner that knows its turning radius, such as nav2's docking server with a plugin of your own"
             )
         conflict = conflict or self._find_unnamed_joints()
-        sources = {"": self.charging, **{f"{name}.": dock.charging for name, dock in self.database.types.items()}}
-        for prefix, charging in sources.items() if self.controller == ControllerName.ROTATE else ():
-            if charging.by_pose:
-                source = f"{prefix}charging_source is {charging.charging_source.value!r}"
+        for prefix, kind in self._kinds.items() if self.controller == ControllerName.ROTATE else ():
+            if kind.charging.by_pose:
+                source = f"{prefix}charging_source is {kind.charging.charging_source.value!r}"
                 conflict = conflict or f"{source}, but the controller rotate knows no docked pose"
         conflict = conflict or self.database.find_fault() or self._find_blind_judge()
         if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
@@ -186,12 +193,10 @@ class DockSettings(ServerSettings):
 
     def _find_blind_judge(self) -> str | None:
         """A dock that nothing sees, where the pose alone is to tell that the battery charges."""
-        kinds: list[tuple[str, Dock, ChargingSettings]] = [
-            (f"{name}.", dock, dock.charging) for name, dock in self.database.types.items()
-        ]
-        for prefix, dock, charging in kinds or [("", self.dock, self.charging)]:
-            blind = self.controller == ControllerName.DOCK_POSE and not dock.use_external_detection_pose
-            if blind and charging.charging_source is ChargingSource.POSE:
+        for prefix, kind in self._kinds.items():
+            dock = self.dock if isinstance(kind, DockSettings) else kind
+            used = prefix or not self.database.types
+            if used and self._is_blind(dock) and kind.charging.charging_source is ChargingSource.POSE:
                 return (
                     f"{prefix}charging_source is 'pose', but with {prefix}use_external_detection_pose false the pose is"
                     " known to some centimetres only: status or current has to tell that the battery charges"
@@ -199,9 +204,8 @@ class DockSettings(ServerSettings):
         return None
 
     def _find_unnamed_joints(self) -> str | None:
-        stalls = {"": self.stall, **{f"{name}.": dock.stall for name, dock in self.database.types.items()}}
-        for prefix, stall in stalls.items():
-            if stall.use_stall_detection and not stall.stall_joint_names:
+        for prefix, kind in self._kinds.items():
+            if kind.stall.use_stall_detection and not kind.stall.stall_joint_names:
                 return f"{prefix}use_stall_detection is true, but {prefix}stall_joint_names is empty"
         return None
 
@@ -222,3 +226,8 @@ class DockSettings(ServerSettings):
         return find_shortage(
             "dock_approach_timeout", timeouts.dock_approach_timeout, approach, where
         ) or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, distance)
+
+
+def _place_of(name: str, entry: DockEntry) -> DockPlace | None:
+    """Where the database has a dock; None where it says nothing about that."""
+    return DockPlace(name, entry.frame, Pose(*entry.pose)) if entry.pose else None

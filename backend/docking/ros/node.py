@@ -209,9 +209,10 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         settings = self._settings.at_dock(handle.request.desired_battery_state.location)
-        goal = self._action.make_goal(settings, self._active_goal.memory, control_time(self))
-        choices, now = settings.choices, control_time(self)
-        execution = Execution(handle, goal_id, goal, self._end, NearestDock(choices, now) if choices else None)
+        now = control_time(self)
+        goal = self._action.make_goal(settings, self._active_goal.memory, now)
+        nearest = NearestDock(settings.choices, now) if settings.choices else None
+        execution = Execution(handle, goal_id, goal, self._end, nearest)
         self._running = self._active_goal.running = execution
         self._reporter.begin()
         self._fed_back_at = -math.inf

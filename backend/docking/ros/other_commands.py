@@ -39,11 +39,11 @@ class OtherCommands:
 
     def listen(self) -> None:
         """Subscribe to the types that others publish, unless that is done."""
-        for name in sorted(self._look() & CLASSES.keys() - self._waitables.keys()):
+        for name in sorted(self._scan() & CLASSES.keys() - self._waitables.keys()):
             with suppress(RCLError):  # the node's DDS participant has the topic with another type
                 self._subscribe(name)
 
-    def _look(self) -> set[str]:
+    def _scan(self) -> set[str]:
         """The types that others publish."""
         publishers = self._node.get_publishers_info_by_topic(TOPIC)
         own = self._node.get_fully_qualified_name()
@@ -65,7 +65,7 @@ class OtherCommands:
                 if publisher not in self._own and is_motion(
                     deserialize_message(self._buffer.read(), subscription.msg_type)
                 ):
-                    self._look()  # a publisher of our own may be new
+                    self._scan()  # a publisher of our own may be new
                     if publisher not in self._own:
                         self.heard_at = time.monotonic()
 

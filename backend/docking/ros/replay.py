@@ -33,7 +33,7 @@ from docking.ros.clock import ClockWatch
 from docking.ros.node import FEEDBACK_PERIOD, ActionNode
 from docking.ros.robot_action import RobotAction
 from robot_io.recording import Sample
-from robot_io.velocity import CLASSES
+from robot_io.velocity import CLASSES, twist_of
 
 AFTER = 5.0
 """Seconds after the recorded end in which the goal may still end."""
@@ -180,7 +180,7 @@ class Replay:
         if sample.topic == self._velocity_topic and sample.kind in CLASSES and at >= 0.0:
             message = _read(sample, CLASSES[sample.kind])
             if message is not None:
-                twist = getattr(message, "twist", message)
+                twist = twist_of(message)
                 self.recorded.velocities.append((at, Velocity(twist.linear.x, twist.angular.z, twist.linear.y)))
                 self._follow()
         for subscription in [each for node in self._nodes for each in node.subscriptions]:

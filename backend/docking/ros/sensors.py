@@ -315,9 +315,10 @@ class Sensors:
         except ValueError as error:
             self._node.get_logger().warning(f"The pose of the dock {place.dock!r} is not used: it {error}", once=True)
             return None
-        frame = self._transforms.frame(place.frame)
-        stamp = self._transforms.newest(frame, self.odometry_frame, self._base_frame)
-        self._localization.note(stamp, control_time(self._node))
+        if Sensor.LOCALIZATION in self._subscriptions:
+            frame = self._transforms.frame(place.frame)
+            stamp = self._transforms.newest(frame, self.odometry_frame, self._base_frame)
+            self._localization.note(stamp, control_time(self._node))
         return expected
 
     def robot_in(self, frame: str) -> Pose:

@@ -45,7 +45,7 @@ class Drive:
         self._stopped_at = self._published_at = self._renewed_at = -math.inf
         self.publisher = VelocityPublisher(node)
         self._others = OtherCommands(node)
-        self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._look)
+        self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._check)
 
     def begin(self) -> None:
         """A goal takes over, whatever the velocity was before."""
@@ -122,8 +122,8 @@ class Drive:
         self._halt = Halt(self._stopped_at)
         self._watchdog.feed(PERIOD)
 
-    def _look(self) -> None:
-        """See, in the watchdog's thread, whether a motion was not renewed, or zero velocity has to be repeated."""
+    def _check(self) -> None:
+        """Check, in the watchdog's thread, whether a motion was not renewed, or zero velocity has to be repeated."""
         now, halt = time.monotonic(), self._halt
         if halt is not None:
             moves = self._standstill.moves(self._odometry())

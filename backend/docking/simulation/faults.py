@@ -46,7 +46,7 @@ class Fault(enum.StrEnum):
     LOST_COMMANDS = "lost_commands"
     """Three commands in ten do not arrive."""
     NO_COMMAND_TIMEOUT = "no_command_timeout"
-    """The base goes on with its last command for ever when no more commands come."""
+    """The base goes on with its last command when no more commands come."""
     WORN_WHEEL = "worn_wheel"
     """The right wheel is 10 % smaller than commands and odometry take it for."""
     WRONG_DETECTIONS = "wrong_detections"
