@@ -36,7 +36,7 @@ class RobotSettings:
         0.0,
         60.0,
         "s",
-        "Simulated time without a message on cmd_vel after which the robot stops; 0: never, it goes on for ever.",
+        "Simulated time without a message on cmd_vel after which the robot stops; 0: never, it goes on.",
     )
     slip: float = number(0.01, 0.0, 0.9, "", "Wheel slip, as a fraction of the wheel's rotation.")
     turn_slip: float = number(
@@ -164,7 +164,9 @@ class Robot:
             goes_on: The robot has no command timeout, whatever its settings say.
         """
         settings = self._settings
-        linear, angular = self._target(dt, halted, goes_on)
+        self._command_age += dt
+        halted = halted or self._is_left_alone(goes_on)
+        linear, angular = (0.0, 0.0) if halted else self._target()
         if stuck:
             linear, angular = self._with_stuck_wheel(linear, angular, dt)
         else:
@@ -192,8 +194,7 @@ class Robot:
     def _slide(self, dt: float, *, halted: bool) -> None:
         """Drive sideways."""
         settings = self._settings
-        stands = halted or self._command_age > settings.cmd_vel_timeout + ROUNDING
-        target = 0.0 if stands else min(settings.linear_max, max(-settings.linear_max, self._command.linear_y))
+        target = 0.0 if halted else min(settings.linear_max, max(-settings.linear_max, self._command.linear_y))
         self.lateral = _approach(self.lateral, target, settings.linear_acceleration * dt)
         self.side = self.lateral * dt
         way = self._on_ground(self.side)
@@ -224,12 +225,13 @@ class Robot:
             kept = 1.0 - beside * beside
             self.side, self.lateral = kept * self.side, kept * self.lateral
 
-    def _target(self, dt: float, halted: bool, goes_on: bool) -> tuple[float, float]:
+    def _is_left_alone(self, goes_on: bool) -> bool:
+        """Whether the last command is older than the base's timeout, if it has one."""
+        timeout = self._settings.cmd_vel_timeout
+        return not goes_on and timeout > 0.0 and self._command_age > timeout + ROUNDING
+
+    def _target(self) -> tuple[float, float]:
         settings, command = self._settings, self._command
-        self._command_age += dt
-        timeout = math.inf if goes_on or settings.cmd_vel_timeout == 0.0 else settings.cmd_vel_timeout
-        if halted or self._command_age > timeout + ROUNDING:
-            return 0.0, 0.0
         linear, angular = command.linear_x, command.angular_z
         if abs(linear) < settings.linear_dead_zone:
             linear = 0.0

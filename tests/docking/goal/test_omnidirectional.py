@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from random import Random
 
 import numpy as np
 import pytest
@@ -14,14 +15,14 @@ from docking.behaviors.approach import FARTHEST_ASIDE, Approach
 from docking.behaviors.combined import Reversed
 from docking.core.errors import FailedToControl, LostMarker
 from docking.core.geometry import Pose
-from docking.core.observation import Observation, Odometry, Velocity
+from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.estimation.clearance import Clearance
 from docking.goal.behavior import Failed
 from docking.goal.pace import Limiter
 from docking.goal.plan import DockTarget
 from docking.parameters import ApproachSettings, ControllerName, DockSettings, MotionLimits
 from docking.parameters.limits import DriveModel
-from docking.simulation.robot import RobotSettings
+from docking.simulation.robot import Robot, RobotSettings
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
 
@@ -71,6 +72,17 @@ def test_a_base_with_a_steering_axle_is_refused_with_a_sentence() -> None:
     assert conflict is not None
     assert "docking turns on the spot" in conflict
     assert DockSettings(motion=OMNI).find_conflict() is None
+
+
+@pytest.mark.parametrize(("timeout", "fault", "stands"), [(0.5, False, True), (0.0, False, False), (0.5, True, False)])
+def test_the_command_timeout_of_the_simulated_base_counts_sideways_too(
+    timeout: float, fault: bool, stands: bool
+) -> None:
+    robot = Robot(RobotSettings(omnidirectional=True, cmd_vel_timeout=timeout), Pose(), Random(1))
+    robot.command(Velocity(linear_y=0.1))
+    for _ in range(100):
+        robot.step(0.02, goes_on=fault)
+    assert robot.velocity == (STANDSTILL if stands else Velocity(linear_y=0.1))
 
 
 @pytest.mark.parametrize(("omnidirectional", "y"), [(False, 0.0), (True, 0.2)])
