@@ -12,7 +12,8 @@ class TimeLimits:
 
     The time of a stage stands still while the robot waits, and nothing resets it before the next stage. A wait has a
     limit of its own, which begins again when what was waited for comes back. So all waits together have a limit, too: a
-    goal waits no longer than it goes on otherwise and `patience`, twice the limits of the single waits.
+    goal waits no longer than it goes on otherwise and `patience`, twice the limits of the single waits. A plan that
+    drives blindly, as `rotate`, has no limits of stages, and so none of this kind.
     """
 
     def __init__(self, plan: Plan, objective: Objective, obstacle_timeout: float = 0.0) -> None:
@@ -27,7 +28,7 @@ class TimeLimits:
         self._objective = objective
         self._patience = 2.0 * (
             (objective.timeouts.battery_lost_after if objective.needs_battery else 0.0)
-            + (0.0 if plan.motion is None else objective.timeouts.odometry_timeout)
+            + (math.inf if plan.motion is None else objective.timeouts.odometry_timeout)
             + obstacle_timeout
         )
         self._elapsed = self._waited = 0.0

@@ -37,6 +37,14 @@ def test_a_plan_without_odometry_has_no_limit_but_that_of_the_goal() -> None:
     assert TimeLimits(rotate, Docking(DockTimeouts(goal_timeout=30.0))).longest() == 30.0
 
 
+def test_neither_has_its_waiting_for_a_battery_that_speaks_rarely() -> None:
+    goal = Goal(make_plan(DockSettings()), Docking(DockTimeouts()), 0.0)
+    for tenth in range(20_000):
+        now = 0.1 * tenth
+        goal.step(Observation(now, BatteryReading(3, 10.0 * (now // 10.0))))
+    assert goal.outcome is None
+
+
 def test_all_limits_count_and_those_of_waits_twice() -> None:
     plan = make_plan(DockSettings(controller=ControllerName.DOCK_POSE))
     timeouts = DockTimeouts(max_retries=0, charge_stable_for=0.0)
