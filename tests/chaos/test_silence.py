@@ -129,10 +129,6 @@ class System:
         return goal_id
 
 
-def die(process: Process, how: signal.Signals) -> None:
-    process.send_signal(how)
-
-
 def bury(process: Process) -> None:
     process.send_signal(KILL)
     process.wait()
@@ -144,22 +140,23 @@ def system(domain: int, observer: Observer) -> Iterator[System]:
         yield System(domain, observer, stack)
 
 
-def far_from(way: float, limit: float, moment: str) -> list[str]:
-    return [f"{moment}: {way:.3f} m, more than {limit:.3f} m"] if way > limit else []
+def judge(watcher: Watcher, since: float, moment: str) -> tuple[float, list[str]]:
+    """How far the robot went on since a moment of the system's clock, in m, and what was wrong."""
+    watcher.settle()
+    way, speed = watcher.at(since)
+    went, limit = watcher.way - way, ALLOWED + speed * speed / (2.0 * DECELERATION)
+    wrong = [f"{moment} at {speed:.2f} m/s: {went:.3f} m, more than {limit:.3f} m"] if went > limit else []
+    if watcher.speed > 0.0:
+        wrong.append(f"{moment}: still moves at {watcher.speed:.2f} m/s")
+    return went, wrong
 
 
 def server_dies(system: System, how: signal.Signals, moment: str) -> tuple[float, list[str]]:
     """How far the robot goes on, and what was wrong."""
-    watcher = system.watcher
-    driven = time.monotonic() - watcher.commanded_at < 0.5
+    driven = time.monotonic() - system.watcher.commanded_at < 0.5
     died_at = time.time()
-    die(system.server, how)
-    watcher.settle()
-    way, speed = watcher.at(died_at)
-    went = watcher.way - way
-    wrong = far_from(went, ALLOWED + speed * speed / (2.0 * DECELERATION), f"{moment} at {speed:.2f} m/s")
-    if watcher.speed > 0.0:
-        wrong.append(f"{moment}: still moves at {watcher.speed:.2f} m/s")
+    system.server.send_signal(how)
+    went, wrong = judge(system.watcher, died_at, moment)
     bury(system.server)
     system.start_server()
     return went if driven else math.nan, wrong
@@ -167,19 +164,14 @@ def server_dies(system: System, how: signal.Signals, moment: str) -> tuple[float
 
 def gateway_dies(system: System, how: signal.Signals, moment: str) -> tuple[float, list[str]]:
     """The goal goes on, and the next gateway can cancel it."""
-    die(system.gateway.process, how)
+    system.gateway.process.send_signal(how)
     time.sleep(SETTLED)
     bury(system.gateway.process)
     system.start_gateway()
     wait_until(lambda: system.gateway.http.get("/readyz").json()["ready"], "a gateway that is ready")
     stopped_at = time.time()
     system.gateway.stop_once()
-    system.watcher.settle()
-    way, speed = system.watcher.at(stopped_at)
-    went = system.watcher.way - way
-    wrong = far_from(went, ALLOWED + speed * speed / (2.0 * DECELERATION), f"{moment}, canceled")
-    if system.watcher.speed > 0.0:
-        wrong.append(f"{moment}: still moves at {system.watcher.speed:.2f} m/s")
+    _, wrong = judge(system.watcher, stopped_at, f"{moment}, canceled")
     return math.nan, wrong
 
 
