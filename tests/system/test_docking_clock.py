@@ -6,10 +6,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import pytest
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 
-from tests.support.docking import PATIENT, SUCCEEDED, Reports, send_dock_goal, watch_wheels
+from robot_io.halt import LONGEST
+from tests.support.docking import PATIENT, SUCCEEDED, Reports, Wheels, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
@@ -50,6 +52,13 @@ def simulated_time(observer: Observer) -> Iterator[SimulatedTime]:
         observer.call(lambda: observer.node.destroy_timer(timer))
 
 
+def is_silent(wheels: Wheels) -> bool:
+    """Whether nothing is commanded for a second."""
+    count = len(wheels.messages)
+    time.sleep(1.0)
+    return len(wheels.messages) == count
+
+
 def test_the_servers_follow_a_simulated_clock(domain: int, observer: Observer) -> None:
     environment = ros_environment(domain)
     simulated = ("--ros-args", "-p", "use_sim_time:=true")
@@ -67,9 +76,10 @@ def test_the_servers_follow_a_simulated_clock(domain: int, observer: Observer) -
         wait_until(lambda: wheels.moving, "a move")
         clock.running = False  # as when Gazebo is paused
         wait_until(lambda: wheels.standing, "zero velocity", timeout=5.0)
-        count = len(wheels.messages)
-        time.sleep(1.0)
-        assert len(wheels.messages) == count
+        stood = len(wheels.messages)
+        # Odometry stands still with the clock, and still says that the robot moves.
+        wait_until(lambda: is_silent(wheels), "an end of the zeros", timeout=LONGEST + 10.0)
+        assert all(message == Twist() for message in wheels.messages[stood:])
         clock.running = True
         assert goal.result(timeout=120.0).status == SUCCEEDED
         report = reports.wait_for(goal_id=goal.goal_id, stage="SUCCEEDED")
