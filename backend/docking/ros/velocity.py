@@ -23,8 +23,8 @@ RECENT = 1.0
 class Drive:
     """Publishes velocities, and zero when a motion is not renewed in time. A zero is repeated: see `Halt`.
 
-    The thread that spins the node calls `go` and `stop`. The watchdog has a thread of its own, so that it works where
-    that thread hangs; it only publishes, which rclpy allows from any thread.
+    The thread that spins the node drives; the watchdog's and the process's main thread stop where that thread hangs.
+    So one lock is held while a velocity is decided on and published: after a stop, no older velocity comes.
 
     Attributes:
         publisher: Publishes them.
@@ -39,6 +39,7 @@ class Drive:
         """
         self._node = node
         self._odometry = odometry
+        self._lock = threading.RLock()
         self._velocity: Velocity | None = None
         self._halt: Halt | None = None
         self._standstill = Standstill()
@@ -77,33 +78,37 @@ class Drive:
             decided_at: The moment of what it was decided on, in seconds of the monotonic clock. A decision that took
                 too long, or until after the robot was stopped, moves nothing any more.
         """
-        if decided_at < self._stopped_at or time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
-            velocity = STANDSTILL
-        if velocity == STANDSTILL:
-            if self._velocity != STANDSTILL:
-                self._begin_halt()
-                self.publisher.publish(STANDSTILL)
-            return
-        self._halt = None
-        self._velocity = velocity
-        self._published_at = self._renewed_at = time.monotonic()
-        self._watchdog.feed()
-        self.publisher.publish(velocity)
+        with self._lock:
+            if decided_at < self._stopped_at or time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
+                velocity = STANDSTILL
+            if velocity == STANDSTILL:
+                if self._velocity != STANDSTILL:
+                    self._begin_halt()
+                    self.publisher.publish(STANDSTILL)
+                return
+            self._halt = None
+            self._velocity = velocity
+            self._published_at = self._renewed_at = time.monotonic()
+            self._watchdog.feed()
+            self.publisher.publish(velocity)
 
     def leave(self) -> None:
         """Leave the wheels to another node. The next standstill is published: that node may have driven."""
-        self._watchdog.sleep()
-        self._velocity = self._halt = None
+        with self._lock:
+            self._watchdog.sleep()
+            self._velocity = self._halt = None
 
     def stop(self) -> None:
         """Publish zero velocity, from any thread. It never raises: those who call it have other things to end."""
-        self._begin_halt()
-        self._publish_zero()
+        with self._lock:
+            self._begin_halt()
+            self._publish_zero()
 
     def hold_still(self) -> None:
         """Stop, unless that is done; from any thread."""
-        if self._velocity != STANDSTILL:
-            self.stop()
+        with self._lock:
+            if self._velocity != STANDSTILL:
+                self.stop()
 
     @property
     def recent(self) -> bool:
@@ -124,23 +129,30 @@ class Drive:
 
     def _check(self) -> None:
         """Check, in the watchdog's thread, whether a motion was not renewed, or zero velocity has to be repeated."""
-        now, halt = time.monotonic(), self._halt
-        if halt is not None:
-            moves = self._standstill.moves(self._odometry())
-            if halt.repeat(now, moves=moves, commanded_at=self._others.heard_at):
-                self._published_at = now
-                self._publish_zero()
-                self._watchdog.feed(PERIOD)
-            elif self._halt is halt:
-                self._halt = None
-        elif self._velocity not in (None, STANDSTILL):
-            if (left := self._renewed_at + WATCHDOG_TIMEOUT - now) > 0.0:  # it was renewed just now
-                self._watchdog.feed(left)
-                return
-            self.stop()
+        with self._lock:
+            stopped = self._repeat_or_stop(time.monotonic())
+        if stopped:
             self._node.get_logger().error(
                 f"No control step for {WATCHDOG_TIMEOUT:g} s while the robot moves: stopping it"
             )
+
+    def _repeat_or_stop(self, now: float) -> bool:
+        """Repeat zero velocity, or stop a motion that was not renewed; whether it was the latter."""
+        if self._halt is not None:
+            moves = self._standstill.moves(self._odometry())
+            if not self._halt.repeat(now, moves=moves, commanded_at=self._others.heard_at):
+                self._halt = None
+                return False
+            self._published_at = now
+            self._publish_zero()
+            self._watchdog.feed(PERIOD)
+        elif self._velocity not in (None, STANDSTILL):
+            if (left := self._renewed_at + WATCHDOG_TIMEOUT - now) > 0.0:  # it was renewed just now
+                self._watchdog.feed(left)
+                return False
+            self.stop()
+            return True
+        return False
 
     def _publish_zero(self) -> None:
         try:
