@@ -295,6 +295,7 @@ def _watch_wheels(
         wheels = robots.get(robot).velocity
         wheels.listen()
         listener = robots.velocities.watch(settings.resolve(settings.cmd_vel_topic, robot), wheels.hear)
+        wheels.catch_up = listener.catch_up
         port = ExitStack()
         port.callback(listener.close)
         port.callback(wheels.stop_listening)

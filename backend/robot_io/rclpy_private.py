@@ -181,7 +181,8 @@ class Buffer:
     """Takes encoded messages, one at a time, and copies only the bytes that are asked for. For one thread.
 
     Attributes:
-        info: About the message: its `source_timestamp` in ns, and its `publisher`, an `endpoint_gid`.
+        info: About the message: its `source_timestamp` and `received_timestamp` in ns, see `received_at`, and its
+            `publisher`, an `endpoint_gid`.
     """
 
     def __init__(self) -> None:
@@ -207,7 +208,11 @@ class Buffer:
         if code != _RCL_RET_OK:
             _reset_error()
             raise RuntimeError(f"a message on {subscription.topic_name} could not be taken: rcl returned {code}")
-        self.info = {"source_timestamp": self._info.source_timestamp, "publisher": bytes(self._info.gid)}
+        self.info = {
+            "source_timestamp": self._info.source_timestamp,
+            "received_timestamp": self._info.received_timestamp,
+            "publisher": bytes(self._info.gid),
+        }
         return True
 
     def read(self, limit: int | None = None) -> bytes:

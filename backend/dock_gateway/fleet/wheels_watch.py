@@ -2,6 +2,9 @@
 
 DDS tells neither a death nor SIGSTOP in time, but a server that drives a robot commands it several times a second. A
 base with a command timeout stops by itself; one without goes on driving.
+
+A gateway that has just stalled must not take that for the silence of a server. So commands count from when they
+arrived, those that wait are heard before the robot is stopped, and two looks in a row have to find the same silence.
 """
 
 import asyncio
@@ -20,6 +23,8 @@ log = logging.getLogger(__name__)
 
 # Seconds between two looks.
 INTERVAL = 0.05
+# A server that is slower than usual has this many of its own intervals, up to the longest silence in seconds.
+MISSED, LONGEST = 1.5, 2.0
 UNKNOWN = "a node that has left the ROS graph"
 
 
@@ -30,7 +35,8 @@ class WheelsWatch:
         actions: The actions, with their goals.
         robots: The robots.
         name: Returns the node of a publisher on the velocity topic of a robot; None if it is not known.
-        timeout: Seconds without a command after which a robot that moves is stopped; 0: never.
+        timeout: Seconds without a command after which a robot that moves is stopped; 0: never. A node that usually
+            commands more rarely has one and a half of its intervals.
 
     Attributes:
         findings: The robots that were stopped, until their goals have ended or they are commanded again.
@@ -50,6 +56,7 @@ class WheelsWatch:
         self._goals: dict[str, set[str]] = {}  # of each robot, those that run
         self._ended_at: dict[str, float] = {}
         self._names: dict[bytes, str] = {}
+        self._silent: dict[str, Command] = {}  # of robots whose commands had ended at the last look, the last one
         self._stopped: dict[str, Finding] = {}
         self._changed: Callable[[], None] = lambda: None
         self._wake = asyncio.Event()
@@ -110,8 +117,7 @@ class WheelsWatch:
 
     async def _run(self) -> None:
         while True:
-            for robot, last in self._heard():
-                self._check(robot, last, time.monotonic())
+            self.look(time.monotonic())
             if self._goals or self._ended_at:
                 await asyncio.sleep(INTERVAL)
             else:
@@ -119,30 +125,48 @@ class WheelsWatch:
                 self._wake.clear()
                 await self._wake.wait()
 
-    def _heard(self) -> Iterator[tuple[str, Command]]:
+    def look(self, now: float) -> None:
+        """Stop the robots whose commands have ended.
+
+        Args:
+            now: The current time, on the monotonic clock.
+        """
+        for robot, last in self._heard(now):
+            self._check(robot, last, now)
+
+    def _heard(self, now: float) -> Iterator[tuple[str, Command]]:
         """Yield the robots whose commands are heard: with a goal, and a moment longer."""
         for robot in [*self._goals, *self._ended_at]:
-            last = self._robots.get(robot).velocity.last if robot in self._robots else None
-            if last is not None:
-                yield robot, last
-            else:
+            wheels = self._robots.get(robot).velocity if robot in self._robots else None
+            if wheels is None or wheels.last is None:
                 self._ended_at.pop(robot, None)
+                self._silent.pop(robot, None)
+                continue
+            if wheels.last.motion and now - wheels.last.at > self._timeout:
+                wheels.catch_up()
+            yield robot, wheels.last
 
     def _check(self, robot: str, last: Command, now: float) -> None:
         if last.publisher is not None and last.publisher not in self._names:
             self._names[last.publisher] = UNKNOWN
             self._tasks.spawn(self._learn(robot, last.publisher))
-        if robot not in self._goals and last.at > self._ended_at.get(robot, now):
-            return  # it is driven now, but not for a goal
-        if now - last.at <= self._timeout:
-            if last.motion and last.publisher is not None and robot in self._stopped:
-                del self._stopped[robot]
-                log.info("%s is driven again", robot)
+        allowed = self._allowed(robot)
+        others = robot not in self._goals and last.at > self._ended_at.get(robot, now)  # drive it now, for no goal
+        if last.motion and not others and now - last.at > allowed:
+            if self._silent.get(robot) == last:
+                self._stop(robot, last, allowed)
+            self._silent[robot] = last
             return
-        if last.motion:
-            self._stop(robot, last)
+        self._silent.pop(robot, None)
+        if robot in self._stopped and last.motion and last.publisher is not None:
+            del self._stopped[robot]
+            log.info("%s is driven again", robot)
 
-    def _stop(self, robot: str, last: Command) -> None:
+    def _allowed(self, robot: str) -> float:
+        """Return the seconds without a command that do not stop a robot."""
+        return max(self._timeout, min(LONGEST, MISSED * self._robots.get(robot).velocity.interval))
+
+    def _stop(self, robot: str, last: Command, allowed: float) -> None:
         wheels = self._robots.get(robot).velocity
         wheels.last = Command(time.monotonic(), motion=False)
         try:
@@ -153,7 +177,7 @@ class WheelsWatch:
             return
         if last.publisher is None:
             return  # none was heard since the goal began: it may stand still as well
-        finding = commands_lost(robot, self._names[last.publisher], self._timeout)
+        finding = commands_lost(robot, self._names[last.publisher], allowed)
         if robot in self._goals:
             self._stopped[robot] = finding
         log.warning("%s", finding.detail)
@@ -168,8 +192,9 @@ class WheelsWatch:
         if (robot := self._robot_of(goal)) is None:
             return ""
         wheels = self._robots.get(robot).velocity
+        wheels.catch_up()
         last = wheels.last
-        if last is not None and last.motion and last.publisher and time.monotonic() - last.at <= self._timeout:
+        if last is not None and last.motion and last.publisher and time.monotonic() - last.at <= self._allowed(robot):
             return f"zero velocity was not sent, as {self._names.get(last.publisher, UNKNOWN)} drives the robot"
         try:
             wheels.publish_zero()

@@ -2,9 +2,12 @@
 
 import asyncio
 import logging
+import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from statistics import median
 from typing import Protocol
 
 from robot_io.halt import Halt
@@ -13,6 +16,8 @@ log = logging.getLogger(__name__)
 
 # Seconds between two zeros. Publishing to hundreds of robots takes 20 ms, and a stop has to be answered meanwhile.
 PERIOD = 0.1
+# The number of intervals between commands that tell how often a robot is commanded, and the least number of them.
+INTERVALS, FEWEST = 5, 3
 
 
 class VelocityPort(Protocol):
@@ -27,7 +32,7 @@ class Command:
     """A message on the velocity topic.
 
     Attributes:
-        at: When it was heard, on the monotonic clock.
+        at: When it arrived, on the monotonic clock.
         motion: Whether it commands a motion.
         publisher: The id of its publisher; None if none was heard since the topic was subscribed to.
     """
@@ -47,10 +52,16 @@ class Wheels:
 
     Attributes:
         last: The last command; None while the topic is not subscribed to.
+        catch_up: Hears commands that have arrived and wait to be taken. It does not raise.
     """
 
     def __init__(self, port: VelocityPort, *, period: float = PERIOD, clock: Callable[[], float] = time.monotonic):
         self.last: Command | None = None
+        self.catch_up: Callable[[], None] = _nothing_waits
+        self._hearing = threading.Lock()
+        self._driver: bytes | None = None  # who moved the robot last, and when: not before it stood last
+        self._moved_at: float | None = None
+        self._intervals: deque[float] = deque(maxlen=INTERVALS)
         self._port = port
         self._period = period
         self._clock = clock
@@ -84,16 +95,43 @@ class Wheels:
         """Repeat zero velocity no longer: a goal drives the robot, or it is gone."""
         self._halt = None
 
+    @property
+    def interval(self) -> float:
+        """The usual seconds between two commands of the node that moves the robot; 0 if that is not known."""
+        with self._hearing:
+            return median(self._intervals) if len(self._intervals) >= FEWEST else 0.0
+
     def listen(self) -> None:
         """Note that commands are heard from now on. The one before is not known: it may be a motion."""
         self.last = Command(self._clock(), motion=True)
 
-    def hear(self, motion: bool, publisher: bytes) -> None:
-        """Note a command; on any thread."""
-        self.last = Command(self._clock(), motion, publisher)
-        if motion:
-            self._commanded_at = self.last.at
+    def hear(self, motion: bool, publisher: bytes, at: float) -> None:
+        """Note a command, unless a later one is known; on any thread.
+
+        Args:
+            motion: Whether it commands a motion.
+            publisher: The id of its publisher.
+            at: When it arrived, on the monotonic clock.
+        """
+        with self._hearing:
+            if self.last is not None and at < self.last.at:
+                return
+            self.last = Command(at, motion, publisher)
+            if motion and publisher != self._driver:
+                self._driver, self._moved_at = publisher, None
+                self._intervals.clear()
+            if motion and self._moved_at is not None:
+                self._intervals.append(at - self._moved_at)
+            if motion:
+                self._commanded_at = at
+            if publisher == self._driver:
+                self._moved_at = at if motion else None
 
     def stop_listening(self) -> None:
         """Note that commands are not heard any more."""
-        self.last = None
+        self.last = self._moved_at = None
+        self.catch_up = _nothing_waits
+
+
+def _nothing_waits() -> None:
+    """Nothing is listened to."""

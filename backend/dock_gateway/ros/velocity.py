@@ -9,6 +9,7 @@ thread, all else on the ROS thread.
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -17,6 +18,7 @@ from typing import Any
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 from dock_gateway.core.velocity_types import choose_types
@@ -27,7 +29,8 @@ from dock_gateway.ros.listener import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
-from robot_io.rclpy_private import RCLError
+from robot_io.rclpy_private import Buffer, InvalidHandle, RCLError
+from robot_io.reception import received_at
 from robot_io.velocity import CLASSES, is_motion, twist_of, velocity_message
 from robot_io.velocity_types import PLAIN
 
@@ -152,7 +155,7 @@ class VelocityListener:
         bridge: The bridge to the ROS thread.
         topics: Knows the topic.
         name: Absolute name of the topic.
-        hear: Called on the listener's thread with a message and its info, as in `Buffer`.
+        hear: Called with a message and its info, as in `Buffer`, on the listener's thread, or in `catch_up`.
 
     Attributes:
         subscriptions: One for each type of the topic.
@@ -162,10 +165,12 @@ class VelocityListener:
         self._topics = topics
         self._name = name
         self._topic = topics.at(name)
+        self._hear = guard(hear)
+        self._buffer = Buffer()
 
         def make(node: ListeningNode, kind: type) -> Subscription:
             overrides = QoSOverridingOptions.with_default_policies()
-            return node.create_subscription(kind, name, guard(hear), LISTEN, qos_overriding_options=overrides)
+            return node.create_subscription(kind, name, self._hear, LISTEN, qos_overriding_options=overrides)
 
         self.subscriptions = Endpoints(bridge, make, ListeningNode.destroy_subscription)
         self._topic.listeners.append(self)
@@ -175,6 +180,18 @@ class VelocityListener:
     def complete(self) -> bool:
         """Whether it hears all that reaches a base."""
         return self.subscriptions.of.keys() >= set(self._topic.types)
+
+    def catch_up(self) -> None:
+        """Hear, on the loop, what has arrived and waits for the listener's thread, which may have had no turn."""
+        for _, subscription in self.subscriptions.of.values():
+            try:
+                with subscription.handle:
+                    while self._buffer.take(subscription):
+                        self._hear(deserialize_message(self._buffer.read(), subscription.msg_type), self._buffer.info)
+            except InvalidHandle:  # it was just destroyed
+                continue
+            except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
+                log.warning("a message on %s cannot be read: %s", self._name, error)
 
     def close(self) -> None:
         """Leave the topic."""
@@ -252,16 +269,20 @@ class VelocityTopics:
 
         return VelocityListener(self._bridge, self, name, hear)
 
-    def watch(self, name: str, on_command: Callable[[bool, bytes], None]) -> VelocityListener:
+    def watch(self, name: str, on_command: Callable[[bool, bytes, float], None]) -> VelocityListener:
         """Watch who drives.
 
         Args:
             name: Absolute name of the topic.
-            on_command: Called on the listener's thread for each message: whether it is a motion, and its publisher.
+            on_command: Called for each message, on the listener's thread or in `catch_up`: whether it is a motion, its
+                publisher, and when it arrived, on the monotonic clock.
         """
-        return VelocityListener(
-            self._bridge, self, name, lambda message, info: on_command(is_motion(message), info["publisher"])
-        )
+
+        def hear(message: Twist | TwistStamped, info: dict[str, Any]) -> None:
+            arrived_at = received_at(time.monotonic(), time.time(), info["received_timestamp"] / 1e9)
+            on_command(is_motion(message), info["publisher"], arrived_at)
+
+        return VelocityListener(self._bridge, self, name, hear)
 
     async def update(self, types: Mapping[str, Sequence[str]]) -> None:
         """Follow the graph.

@@ -114,23 +114,3 @@ class Battery:
         self.latest = reading
         if reading.connected and self.on_connected is not None:
             self.on_connected()
-
-
-def received_at(now: float, wall_now: float, received_wall: float) -> float:
-    """When a message that is handled now was received.
-
-    A message may have waited while the process was busy or frozen, and must not look fresh for it. The middleware
-    stamps the reception with the wall clock; only the difference counts, so that a clock set in between
-    harms no other message.
-
-    Args:
-        now: The monotonic clock, in seconds.
-        wall_now: The wall clock at the same moment, in seconds.
-        received_wall: The reception by the wall clock, in seconds; 0 where the middleware gives none.
-
-    Returns:
-        Seconds of the monotonic clock.
-    """
-    if received_wall <= 0.0:
-        return now
-    return now - max(0.0, wall_now - received_wall)

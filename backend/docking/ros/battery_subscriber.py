@@ -9,9 +9,10 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
 
-from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence, received_at
+from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence
 from docking.ros.clock import control_time
 from robot_io.qos import LATEST
+from robot_io.reception import received_at
 
 BATTERY_TOPIC = "battery_status"
 SEARCH_PERIOD = 1.0

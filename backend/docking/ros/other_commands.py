@@ -13,6 +13,7 @@ from docking.ros.velocity_publisher import TOPIC
 from robot_io.endpoints import node_name
 from robot_io.qos import LISTEN
 from robot_io.rclpy_private import Buffer, NotForExecutors, RCLError, SubscriptionWaitable
+from robot_io.reception import received_at
 from robot_io.velocity import CLASSES, is_motion
 
 
@@ -22,7 +23,7 @@ class OtherCommands:
     It subscribes only where another node publishes. All calls must come from the thread that spins the node.
 
     Attributes:
-        heard_at: When that was, in seconds of the monotonic clock; any thread may read it.
+        heard_at: When that arrived, in seconds of the monotonic clock; any thread may read it.
     """
 
     def __init__(self, node: Node) -> None:
@@ -67,7 +68,9 @@ class OtherCommands:
                 ):
                     self._scan()  # a publisher of our own may be new
                     if publisher not in self._own:
-                        self.heard_at = time.monotonic()
+                        received_wall = self._buffer.info["received_timestamp"] / 1e9
+                        arrived_at = received_at(time.monotonic(), time.time(), received_wall)
+                        self.heard_at = max(self.heard_at, arrived_at)
 
     def leave(self) -> None:
         """Unsubscribe."""

@@ -14,7 +14,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState, LaserScan, Range
 
-from docking.core.battery import BatteryReading, received_at
+from docking.core.battery import BatteryReading
 from docking.core.geometry import Pose
 from docking.core.observation import InfraredReading, Joint, MarkerDetection, Observation, Odometry, Scan, Velocity
 from docking.core.transform import pose_of, spatial
@@ -28,6 +28,7 @@ from docking.ros.localization import LocalizationState
 from docking.ros.transforms import Transforms
 from robot_io.laser import flatten, points_of
 from robot_io.qos import LATEST, volatile
+from robot_io.reception import received_at
 from robot_io.transform import Transform
 
 MARKER_TOPIC = "detected_dock_pose"

@@ -6,6 +6,8 @@ import time
 import traceback
 from collections.abc import Callable
 
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
 from docking.core.observation import STANDSTILL, Odometry, Velocity
@@ -16,6 +18,8 @@ from robot_io.halt import PERIOD, Halt
 
 WATCHDOG_TIMEOUT = 0.5
 """Seconds that a motion goes on without being renewed."""
+LOOK_PERIOD = 0.1
+"""Seconds between two looks for other nodes that drive, while zero velocity is repeated."""
 RECENT = 1.0
 """Seconds after a velocity in which the wheels still count as driven by us."""
 
@@ -46,6 +50,10 @@ class Drive:
         self._stopped_at = self._published_at = self._renewed_at = -math.inf
         self.publisher = VelocityPublisher(node)
         self._others = OtherCommands(node)
+        self._looks = node.create_timer(
+            LOOK_PERIOD, self._look_for_others, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._looks.cancel()
         self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._check)
 
     def begin(self) -> None:
@@ -126,6 +134,15 @@ class Drive:
         self._standstill = Standstill()
         self._halt = Halt(self._stopped_at)
         self._watchdog.feed(PERIOD)
+        self._looks.reset()
+
+    def _look_for_others(self) -> None:
+        """Hear a node that is new on the topic, too: it may be the next to drive, while zero is still repeated."""
+        with self._lock:
+            if self._halt is None:
+                self._looks.cancel()
+                return
+        self._others.listen()
 
     def _check(self) -> None:
         """Check, in the watchdog's thread, whether a motion was not renewed, or zero velocity has to be repeated."""
@@ -168,6 +185,8 @@ class Drive:
         while self.halting and time.monotonic() < deadline:
             time.sleep(PERIOD)
         self._watchdog.close()
+        self._halt = None
+        self._looks.cancel()
         self._others.leave()
         self.publisher.close()
 

@@ -1,7 +1,9 @@
 """A robot whose commands end while it moves for a docking goal is stopped, and no other."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator
+from random import Random
 from types import SimpleNamespace
 from typing import Any
 
@@ -32,7 +34,7 @@ class Port:
 class Site:
     """One robot with a docking action, and one action that is none."""
 
-    def __init__(self) -> None:
+    def __init__(self, timeout: float = TIMEOUT) -> None:
         self.port = Port()
         self.wheels = Wheels(self.port, period=60.0)
         robot = SimpleNamespace(namespace="/", velocity=self.wheels)
@@ -50,7 +52,7 @@ class Site:
         async def name(_robot: str, publisher: bytes) -> str | None:
             return NAMES.get(publisher)
 
-        self.watch = WheelsWatch(self.actions, Robots({"/": robot}), name, TIMEOUT)  # type: ignore[arg-type]
+        self.watch = WheelsWatch(self.actions, Robots({"/": robot}), name, timeout)  # type: ignore[arg-type]
         self.watch.on_watch("commands", self._subscribe)
 
     def _subscribe(self) -> None:
@@ -70,7 +72,7 @@ class Site:
 
     async def command(self, seconds: float, publisher: bytes = SERVER, *, motion: bool = True) -> None:
         for _ in range(round(seconds / 0.02)):
-            self.wheels.hear(motion, publisher)
+            self.wheels.hear(motion, publisher, time.monotonic())
             await asyncio.sleep(0.02)
 
 
@@ -172,3 +174,69 @@ async def test_a_goal_that_is_lost_stops_its_robot_and_says_so(site: Site) -> No
     for heard in site.actions.on_lost:
         heard(goal)
     assert site.watch.watched("commands") == set()
+
+
+def stall() -> None:
+    """The gateway has no turn for a while."""
+    time.sleep(3 * TIMEOUT)
+
+
+async def looks() -> None:
+    """Let the watch look once."""
+    for _ in range(3):
+        await asyncio.sleep(0)
+
+
+async def test_what_arrived_while_the_gateway_stalled_is_heard_before_it_judges(site: Site) -> None:
+    site.goal()
+    await site.command(0.04)
+    site.wheels.catch_up = lambda: site.wheels.hear(True, SERVER, time.monotonic())
+    for _ in range(3):
+        stall()
+        await looks()
+    assert site.port.zeros == 0
+
+
+async def test_what_arrives_just_after_the_gateway_stalled_is_in_time(site: Site) -> None:
+    site.goal()
+    for _ in range(3):
+        site.wheels.hear(True, SERVER, time.monotonic())
+        stall()
+        await looks()
+    assert site.port.zeros == 0
+
+
+async def test_commands_that_wait_to_be_heard_are_as_old_as_they_are(site: Site) -> None:
+    site.goal()
+    arrived_at = time.monotonic()
+    stall()
+    site.wheels.hear(True, SERVER, arrived_at)  # by now its server may be dead
+    await asyncio.sleep(TIMEOUT / 2)
+    site.wheels.hear(True, SERVER, arrived_at + 0.01)
+    await asyncio.sleep(TIMEOUT)
+    assert site.port.zeros == 1
+
+
+@pytest.mark.parametrize("period", [0.05, 0.1, 0.2, 0.34, 0.5, 1.0])
+async def test_a_slow_server_is_not_stopped_and_a_dead_one_is(period: float) -> None:
+    """No task runs here: it looks when the test says so, on the test's clock."""
+    site, random = Site(0.3), Random(f"period {period}")
+    site.goal()
+    now = began = time.monotonic()
+    arrivals = [began + (number + random.uniform(-0.1, 0.1)) * period for number in range(1, 41)]
+    known, zeros = arrivals[5], 0
+    while now < arrivals[-1] + 3.0 and site.port.zeros == zeros:
+        now += 0.05 * random.uniform(1.0, 1.2)
+        while arrivals and arrivals[0] <= now:
+            site.wheels.hear(True, SERVER, last := arrivals.pop(0))
+        site.watch.look(now)
+        if now <= known:
+            zeros = site.port.zeros  # it is not known yet how often it commands
+        if not arrivals:
+            break
+    assert site.port.zeros == zeros
+    while site.port.zeros == zeros:
+        now += 0.06
+        site.watch.look(now)
+    assert now - last <= max(0.5, 1.7 * period + 0.12)
+    await site.watch.close()

@@ -1,10 +1,11 @@
 """Zero velocity is repeated, and left to others who drive."""
 
 import asyncio
+import time
 
 import pytest
 
-from dock_gateway.robots.wheels import Wheels
+from dock_gateway.robots.wheels import Command, Wheels
 from robot_io.halt import REPEATS
 
 PERIOD = 0.001
@@ -48,7 +49,7 @@ async def test_one_that_fails_is_repeated_all_the_same() -> None:
 
 
 async def test_the_wheels_are_left_to_who_drives_next() -> None:
-    for leave in (lambda wheels: wheels.leave(), lambda wheels: wheels.hear(True, b"another")):
+    for leave in (lambda wheels: wheels.leave(), lambda wheels: wheels.hear(True, b"another", time.monotonic())):
         wheels = Wheels(port := Port(), period=PERIOD)
         wheels.publish_zero()
         leave(wheels)
@@ -62,6 +63,38 @@ async def test_the_wheels_are_left_to_who_drives_next() -> None:
 async def test_a_zero_of_others_changes_nothing() -> None:
     wheels = Wheels(port := Port(), period=PERIOD)
     wheels.publish_zero()
-    wheels.hear(False, b"another")
+    wheels.hear(False, b"another", time.monotonic())
     await asyncio.sleep(LONG)
     assert port.zeros == 1 + REPEATS
+
+
+async def test_a_motion_that_came_before_a_zero_and_is_heard_after_it_changes_nothing() -> None:
+    wheels = Wheels(port := Port(), period=PERIOD)
+    before = time.monotonic()
+    wheels.publish_zero()
+    wheels.hear(True, b"another", before)
+    await asyncio.sleep(LONG)
+    assert port.zeros == 1 + REPEATS
+
+
+def test_commands_count_in_the_order_in_which_they_arrived() -> None:
+    wheels = Wheels(Port())
+    wheels.hear(False, b"server", 2.0)
+    wheels.hear(True, b"server", 1.0)
+    assert wheels.last == Command(2.0, motion=False, publisher=b"server")
+
+
+def test_the_usual_interval_is_that_of_the_node_that_moves_the_robot_while_it_does() -> None:
+    wheels = Wheels(Port())
+    for at in (0.0, 0.5, 1.0):
+        wheels.hear(True, b"server", at)
+        wheels.hear(False, b"gateway", at + 0.1)
+    assert wheels.interval == 0.0  # not known yet
+    wheels.hear(True, b"server", 1.5)
+    assert wheels.interval == 0.5
+    wheels.hear(False, b"server", 1.6)
+    wheels.hear(True, b"server", 100.0)
+    wheels.hear(True, b"server", 102.0)  # it stalled once
+    assert wheels.interval == 0.5
+    wheels.hear(True, b"another", 102.1)
+    assert wheels.interval == 0.0

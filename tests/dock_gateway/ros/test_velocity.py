@@ -1,11 +1,13 @@
 """Zero velocity reaches every base, whichever type it subscribes to."""
 
 import asyncio
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import pytest
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Twist
 
 from dock_gateway.core.graph import Endpoint, Quality, Topic
 from dock_gateway.core.velocity_types import choose_types
@@ -149,3 +151,34 @@ async def test_a_stop_that_no_base_can_hear_is_an_error(bridge: Bridge, observer
     observer.record(PoseStamped, "/cmd_vel")
     robot.error = ""
     await robot.stop_until(lambda: "/observer as geometry_msgs/msg/PoseStamped" in robot.error)
+
+
+@pytest.mark.ros
+async def test_what_the_listener_has_no_turn_for_is_heard_on_the_loop(
+    bridge: Bridge, domain: int, observer: Observer
+) -> None:
+    heard: list[float] = []
+    turn = threading.Event()
+
+    def hear(_motion: bool, _publisher: bytes, at: float) -> None:
+        heard.append(at)
+        if threading.current_thread() is not threading.main_thread():
+            turn.wait(30.0)  # the listener's thread does not go on
+
+    topics = VelocityTopics(bridge)
+    listener = await bridge.call(lambda: topics.watch("/cmd_vel", hear))
+    try:
+        while not heard:
+            observer.publish(Twist(), "/cmd_vel")
+            await asyncio.sleep(0.05)
+        listener.catch_up()  # those that were published meanwhile
+        before, published_at = len(heard), time.monotonic()
+        observer.publish(Twist(), "/cmd_vel")
+        while len(heard) == before:
+            await asyncio.sleep(0.2)
+            listener.catch_up()
+        assert published_at <= heard[-1] + 0.01
+        assert heard[-1] < time.monotonic() - 0.1  # when it arrived, not when it was heard
+    finally:
+        turn.set()
+    await bridge.call(listener.close)

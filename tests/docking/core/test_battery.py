@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence, describe_status, received_at
+from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence, describe_status
 
 SECONDS = st.floats(min_value=0.0, max_value=1e9)
 
@@ -36,18 +36,6 @@ def test_a_connected_charger_is_told_at_once() -> None:
     for status in (3, 1, 2, 4):
         battery.update(BatteryReading(status, 1.0))
     assert told == [BatteryReading(1, 1.0), BatteryReading(4, 1.0)]
-
-
-def test_a_message_that_waited_is_as_old_as_it_is() -> None:
-    assert received_at(now=100.0, wall_now=5000.0, received_wall=4993.0) == 93.0
-
-
-def test_a_wall_clock_that_was_set_back_makes_nothing_younger_than_now() -> None:
-    assert received_at(now=100.0, wall_now=5000.0, received_wall=6000.0) == 100.0
-
-
-def test_without_a_reception_time_a_message_came_now() -> None:
-    assert received_at(now=100.0, wall_now=5000.0, received_wall=0.0) == 100.0
 
 
 def test_a_status_is_described_with_its_name_if_it_has_one() -> None:

@@ -21,6 +21,8 @@ pytestmark = pytest.mark.ros
 FORWARD = Velocity(0.1, 0.0)
 MOTION = Twist(linear=Vector3(x=0.2))
 MANY = 3 * halt.REPEATS
+LATE = 0.3
+"""Seconds in which the thread that hears messages is busy, and one arrives."""
 readings = count()
 
 
@@ -29,11 +31,14 @@ def moving_on() -> Odometry:
     return Odometry(pose=Pose(), velocity=FORWARD, stamp=float(next(readings)))
 
 
-@pytest.mark.parametrize("other_drives", [True, False])
-def test_zero_is_repeated_until_another_node_drives(
-    domain: int, observer: Observer, monkeypatch: pytest.MonkeyPatch, other_drives: bool
-) -> None:
+@pytest.fixture(autouse=True)
+def endless(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Zero velocity is repeated as long as the robot moves."""
     monkeypatch.setattr(halt, "LONGEST", 1e6)
+
+
+@pytest.mark.parametrize("other_drives", [True, False])
+def test_zero_is_repeated_until_another_node_drives(domain: int, observer: Observer, other_drives: bool) -> None:
     with ros_nodes(domain) as context:
         node = Node("docking_server", context=context)
         drive = Drive(node, moving_on)
@@ -66,5 +71,49 @@ def test_zero_is_repeated_until_another_node_drives(
                 zeros = wheels.zeros
                 wait_until(lambda: wheels.zeros > zeros + MANY, "more zeros")
             spinner.call(drive.leave).result(10.0)
+            spinner.call(drive.close).result(10.0)
+        node.destroy_node()
+
+
+def test_a_node_that_comes_while_zero_is_repeated_is_heard(domain: int, observer: Observer) -> None:
+    with ros_nodes(domain) as context:
+        node = Node("docking_server", context=context)
+        drive = Drive(node, moving_on)
+        wheels = Wheels(observer.record(Twist, "cmd_vel").messages)
+        with Spinner(context, [node]) as spinner:
+            wait_until(lambda: node.count_subscribers("cmd_vel") >= 1, "the base")
+            spinner.call(drive.begin).result(10.0)
+            spinner.call(drive.stop).result(10.0)
+            wait_until(lambda: wheels.zeros > MANY, "zeros that are repeated while the robot moves")
+
+            def left() -> bool:
+                observer.publish(MOTION, "cmd_vel")
+                return not drive.halting
+
+            wait_until(left, "the end of the repeats")
+            spinner.call(drive.close).result(10.0)
+        node.destroy_node()
+
+
+def test_a_motion_that_came_before_the_stop_and_is_heard_after_it_ends_nothing(domain: int, observer: Observer) -> None:
+    with ros_nodes(domain) as context:
+        node = Node("docking_server", context=context)
+        drive = Drive(node, moving_on)
+        wheels = Wheels(observer.record(Twist, "cmd_vel").messages)
+        observer.publish(Twist(), "cmd_vel")
+        with Spinner(context, [node]) as spinner:
+            wait_until(lambda: node.count_publishers("cmd_vel") == 2, "the other driver")
+            wait_until(lambda: node.count_subscribers("cmd_vel") >= 1, "the base")
+            spinner.call(drive.begin).result(10.0)
+            wait_until(lambda: observer.node.count_subscribers("cmd_vel") == 2, "the server that listens")
+
+            def stop_late() -> None:
+                observer.publish(MOTION, "cmd_vel")
+                time.sleep(LATE)
+                drive.stop()
+
+            for _ in range(3):
+                spinner.call(stop_late).result(10.0)
+                wait_until(lambda: wheels.zeros > MANY, "zeros that are repeated though a motion was heard")
             spinner.call(drive.close).result(10.0)
         node.destroy_node()

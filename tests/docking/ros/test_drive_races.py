@@ -40,6 +40,19 @@ class Others:
         pass
 
 
+class Timer:
+    def reset(self) -> None:
+        pass
+
+    def cancel(self) -> None:
+        pass
+
+
+class Node:
+    def create_timer(self, *_: object, **_options: object) -> Timer:
+        return Timer()
+
+
 class Asleep:
     """A watchdog without a thread: `Drive._check` is called by the test."""
 
@@ -97,7 +110,7 @@ def every_interruption(
     """What is published, with the other thread before each line of the first one; all of them end a motion."""
     published = []
     for line in range(1, 100):
-        drive = Drive(None)
+        drive = Drive(Node())
         before(drive)
         if not interrupt(partial(first, drive), partial(other, drive), line):
             return published
