@@ -2,8 +2,9 @@
 
 import type { Pose } from "@dock-gateway/client";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { Around } from "../src/scene/around";
 import { Camera } from "../src/scene/camera";
-import { SCENE_COLORS } from "../src/scene/colors";
+import { MAP_COLORS, SCENE_COLORS } from "../src/scene/colors";
 import { Gestures } from "../src/scene/gestures";
 import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
@@ -11,7 +12,8 @@ import { handlePlace } from "../src/scene/renderer";
 import { toScreen, type View } from "../src/scene/view";
 import { compose } from "../src/store/geometry";
 import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
-import { emptyScene } from "./events";
+import { Surroundings } from "../src/store/surroundings";
+import { at, emptyScene } from "./events";
 
 /** Beats are counted by the clock: what is drawn when must not depend on when the test runs. */
 const START = Date.UTC(2026, 10, 21);
@@ -286,6 +288,30 @@ describe("the painter", () => {
     painter.showAll();
     frames(2000);
     expect(painter.view.scale).toBeLessThan(own.scale);
+  });
+
+  it("shows the whole map while its picture is on its way", () => {
+    painter.destroy();
+    const data = new Surroundings();
+    painter = new Painter(
+      canvas,
+      camera,
+      buffer,
+      SCENE_COLORS.light,
+      false,
+      new Around(data, () => new Promise(() => {}), MAP_COLORS.light),
+    );
+    push({ odom: { x: 0, y: 0, theta: 0 } });
+    const grid = { width: 400, height: 200, resolution: 0.05, origin: { x: -5, y: -5, theta: 0 } };
+    const map = { revision: "1", frame: "map", topic: "/map", updated: at(1), ...grid };
+    data.push(
+      { type: "map", time: at(1), robot: "/", map: { map, odom: { x: 0, y: 0, theta: 0 }, hint: null } },
+      0,
+    );
+    painter.showMap();
+    frames(2000);
+    expect([painter.view.x, painter.view.y]).toEqual([5, 0]);
+    expect(painter.view.scale * 20).toBeLessThanOrEqual(SIZE.width);
   });
 
   describe("that follows the robot", () => {

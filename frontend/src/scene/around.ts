@@ -74,10 +74,9 @@ export class Around {
     };
   }
 
-  /** What the view has to show of the map; nothing without one. */
+  /** What the view has to show of the map, whose picture may still be on its way; nothing without a map. */
   cornersIn(scene: Scene): Point[] {
-    const map = this.#image.placeIn(scene, this.data.map);
-    return map === null ? [] : cornersOf(map);
+    return cornersOf(this.data.map?.map ?? null, this.data.frameIn(scene, "map"));
   }
 }
 

@@ -151,9 +151,11 @@ function visible(view: View, size: Size, corner: Pose, { width, height, resoluti
   };
 }
 
-/** The corners of a map, in the frame that it is drawn in. */
-export function cornersOf({ corner, grid: { width, height, resolution } }: DrawnMap): Point[] {
-  const [x, y] = [width * resolution, height * resolution];
+/** The corners of a map, in the frame that is drawn; none without a map, or where the two are not related. */
+export function cornersOf(grid: Grid | null, frame: Pose | null): Point[] {
+  if (grid === null || frame === null) return [];
+  const corner = compose(frame, grid.origin);
+  const [x, y] = [grid.width * grid.resolution, grid.height * grid.resolution];
   return [
     { x: 0, y: 0 },
     { x, y: 0 },

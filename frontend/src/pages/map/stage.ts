@@ -82,8 +82,9 @@ export class FleetStage extends Picture implements Stage {
 
   /** Shows the whole map. */
   showMap(): void {
-    const map = this.#map();
-    if (map !== null) this.camera.frame(cornersOf(map));
+    const { ground } = this.scenes;
+    const corners = cornersOf(ground?.map.map ?? null, ground?.at ?? null);
+    if (corners.length > 0) this.camera.frame(corners);
     this.invalidate();
   }
 
