@@ -45,7 +45,7 @@ export default defineConfig({
     rolldownOptions: { output: { codeSplitting: { groups: [{ name: "common", tags: ["$initial"] }] } } },
   },
   test: {
-    testTimeout: 90_000,
+    testTimeout: 180_000,
     maxWorkers: "100%",
     pool: "threads",
     restoreMocks: true,

@@ -303,9 +303,14 @@ describe("the painter", () => {
     );
     push({ odom: { x: 0, y: 0, theta: 0 } });
     const grid = { width: 400, height: 200, resolution: 0.05, origin: { x: -5, y: -5, theta: 0 } };
-    const map = { revision: "1", frame: "map", topic: "/map", updated: at(1), ...grid };
+    const map = { revision: "1", stamp: null, frame: "map", ...grid };
     data.push(
-      { type: "map", time: at(1), robot: "/", map: { map, odom: { x: 0, y: 0, theta: 0 }, hint: null } },
+      {
+        type: "map",
+        time: at(1),
+        robot: "/",
+        map: { topic: "/map", map, odom: { x: 0, y: 0, theta: 0 }, hint: null },
+      },
       0,
     );
     painter.showMap();

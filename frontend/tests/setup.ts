@@ -8,7 +8,7 @@ import { setPreferences } from "../src/notifications/announce";
 import { setZone } from "../src/ui/zone";
 
 // On a busy machine seconds are not much.
-configure({ asyncUtilTimeout: 20_000 });
+configure({ asyncUtilTimeout: 60_000 });
 
 // The files share their modules: each begins as on a page that was just opened.
 session.set(ANYBODY);
