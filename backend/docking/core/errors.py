@@ -210,6 +210,10 @@ class Blocked(DockingError):
     error_code = ErrorCode.BLOCKED
 
 
+class OdometryJumped(Blocked):
+    """Odometry says that the robot is where it cannot be: nothing tells that it has run into something."""
+
+
 class PushedOff(DockingError):
     """The robot was on the dock, and was moved away from it."""
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from docking.core.errors import Blocked, DockingError, ErrorCode, FailedToControl, Stage
+from docking.core.errors import Blocked, DockingError, ErrorCode, FailedToControl, OdometryJumped, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.battery_watch import CLOCK_JUMP, BatteryWatch
 from docking.goal.behavior import Behavior, Done, Failed
@@ -237,7 +237,8 @@ class Goal:
 
     def _recover(self, failure: DockingError, observation: Observation) -> Command | Outcome:
         """Try again where that may help, else give up."""
-        if isinstance(failure, Blocked) and observation.odometry is not None:
+        hit = isinstance(failure, Blocked) and not isinstance(failure, OdometryJumped)
+        if hit and observation.odometry is not None:
             self._objective.memory.hits.add(observation.odometry.pose, observation.now)
             self.doubts.count("hit", describe(observation.odometry.pose, self._plan.poses.filtered_dock))
         last = self._plan.stages[-1]

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from docking.core.errors import Blocked, OdometryLost
+from docking.core.errors import Blocked, OdometryJumped, OdometryLost
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.estimation.motion_model import MotionModel
@@ -93,7 +93,7 @@ class MotionWatch:
 
         Raises:
             OdometryLost: Odometry has been silent for too long.
-            Blocked: The robot did not move as commanded.
+            Blocked: The robot did not move as commanded; `OdometryJumped`: no robot moves so.
         """
         sound = self.hears(observation)
         if sound is None:
@@ -107,7 +107,7 @@ class MotionWatch:
         self.model.look(now, sound.pose)
         if jump:
             self.restart()
-            raise Blocked(jump)
+            raise OdometryJumped(jump)
         self._compare(now)
         return True
 

@@ -90,6 +90,24 @@ def test_the_error_says_where_another_robot_stands_on_the_dock(controller: Contr
     assert re.search(r"it was blocked 0\.(29|3\d) m before its docked pose and 0\.0\d m .* \(4 times\)", step.error_msg)
 
 
+def test_odometry_that_jumps_has_run_into_nothing() -> None:
+    simulation, settings = simulation_of(ControllerName.DOCK_POSE, 0), settings_of(ControllerName.DOCK_POSE)
+    memory, jump = DockMemory(), Pose()
+    goal = Goal(make_plan(settings), Docking(settings.timeouts, memory), simulation.time)
+    step = goal.step(simulation.observe())
+    while isinstance(step, Command) and step.retries == 0:
+        simulation.run(settings.control_period, step.velocity)
+        if step.velocity.linear_x > 0.1:
+            jump = Pose(0.5)
+        observation = simulation.observe()
+        assert observation.odometry is not None
+        odometry = replace(observation.odometry, pose=jump.compose(observation.odometry.pose))
+        step = goal.step(replace(observation, odometry=odometry))
+    assert "odometry jumped" in step.error_msg
+    assert not any("it was blocked" in doubt for doubt in goal.doubts.sentences())
+    assert all(memory.hits.distance(Pose(x), 0.0, 0.2) == math.inf for x in (-5.0, -1.0, 0.0))
+
+
 def test_the_words_of_a_place() -> None:
     assert describe(Pose(1.0, 2.0), None) == "it was blocked"
     assert describe(Pose(0.7, -0.1), Pose(1.0)) == (
