@@ -11,13 +11,23 @@ from dock_gateway.assembly import open_gateway
 from dock_gateway.audit import routes as audit_routes
 from dock_gateway.automation import routes as automation_routes
 from dock_gateway.cameras import routes as camera_routes
+from dock_gateway.doors.rest import (
+    action_routes,
+    battery_routes,
+    cancel_routes,
+    dock_routes,
+    parameter_routes,
+    publish_routes,
+    service_routes,
+    stop_routes,
+)
 from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.foxglove import routes as foxglove_routes
 from dock_gateway.gateways import routes as gateway_routes
-from dock_gateway.goals import action_routes, approval_routes, cancel_routes, dock_routes, export_routes, note_routes
+from dock_gateway.goals import approval_routes, export_routes, note_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
-from dock_gateway.graph import interface_routes, parameter_routes, publish_routes, service_routes
+from dock_gateway.graph import interface_routes
 from dock_gateway.graph import routes as graph_routes
 from dock_gateway.http.openapi import Union
 from dock_gateway.http.parts import Parts
@@ -25,12 +35,11 @@ from dock_gateway.maps import routes as map_routes
 from dock_gateway.observability import metrics_routes
 from dock_gateway.observability import routes as health_routes
 from dock_gateway.recordings import routes as recording_routes
-from dock_gateway.robots import battery_routes, calibration_routes, simulator_routes
+from dock_gateway.robots import calibration_routes, simulator_routes
 from dock_gateway.ros.messages.battery_schema import battery_schemas
 from dock_gateway.rosbridge import routes as rosbridge_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
-from dock_gateway.stop import routes as stop_routes
 from dock_gateway.stop.schema import StopProblem
 from dock_gateway.streams import events, socket, topics
 from dock_gateway.streams.asyncapi import asyncapi_document

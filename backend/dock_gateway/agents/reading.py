@@ -11,9 +11,9 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
+from dock_gateway.doors.rest.action_routes import describe
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
-from dock_gateway.goals.action_routes import describe
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.queries import read_goal_filter

@@ -11,6 +11,7 @@ from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace
 from dock_gateway.http.operation import READS
+from dock_gateway.http.operation import Scope as Subject
 from dock_gateway.http.requests import GOAL_ID, read_goal_id
 from dock_gateway.settings import Settings
 
@@ -18,6 +19,7 @@ from dock_gateway.settings import Settings
 COLUMNS = frozenset({"goal_id", "name"})
 # Those that are names on the ROS graph, without their leading slash.
 GRAPH_NAMES = frozenset({"service", "node", "topic"})
+ON_GRAPH = frozenset({Subject.SERVICE, Subject.NODE, Subject.PUBLISHING})
 # What only the request says.
 FIELDS = ("robot", "action_name", "goal_id", "subject")
 
@@ -53,7 +55,7 @@ class Subjects:
         others = [
             f"/{value}" if name in GRAPH_NAMES else str(value) for name, value in path.items() if name not in COLUMNS
         ]
-        robots: list[str] = []
+        robots = [parent_of(f"/{value}") for name, value in path.items() if name in GRAPH_NAMES]
         if any(field.name == "robot" for field in scope["route"].dependant.query_params):
             robots = query.getlist("robot") or [self._settings.namespace]
         return {
@@ -63,8 +65,11 @@ class Subjects:
             "subject": ", ".join(others) or None,
         }
 
-    def of_command(self, command: Mapping[str, Any]) -> Fields:
+    def of_command(self, command: Mapping[str, Any], scope: Subject) -> Fields:
         """Return what the fields of a command say."""
+        if scope in ON_GRAPH:
+            name = next(str(command[each]) for each in GRAPH_NAMES if each in command)
+            return {"robot": robots_text([parent_of(name)]), "subject": name}
         names = ("robot", "action", "goal_id")
         robot, action, goal_id = (each if isinstance(each := command.get(name), str) else None for name in names)
         if isinstance(robots := command.get("robot"), tuple):  # as a stop has them

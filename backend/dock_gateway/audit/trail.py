@@ -5,7 +5,7 @@ import logging
 import uuid
 from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -18,12 +18,15 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.request import PERMIT
 from dock_gateway.http.operation import READS, Audit, Operation, find_operation
+from dock_gateway.http.operation import Scope as Subject
 from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import address_of
 
 log = logging.getLogger(__name__)
 
 STOP = "stop"
+OF_GOALS = frozenset({Subject.NEW_GOAL, Subject.GOAL})
+T = TypeVar("T")
 
 
 class Trail:
@@ -73,7 +76,10 @@ class Trail:
     async def _record(self, what: str, status: int, code: str | None) -> None:
         parts = parts_of(HTTPConnection(self._scope))
         subjects, log = parts[Subjects], parts[AuditLog]
-        said = subjects.of_request(self._scope) if self._command is None else subjects.of_command(self._command)
+        if self._command is None:
+            said = subjects.of_request(self._scope)
+        else:
+            said = subjects.of_command(self._command, Subject.ANY if self._operation is None else self._operation.scope)
         fields = subjects.completed({**said, **self.fields})
         if what == STOP and status < 400:
             fields["robot"] = subjects.stopped(fields["robot"])
@@ -145,10 +151,10 @@ async def audited_command(
     op: str,
     operation: Operation | None,
     fields: Mapping[str, Any],
-    carry_out: Callable[[], Awaitable[dict[str, Any]]],
+    carry_out: Callable[[], Awaitable[T]],
     *,
     subject: str | None = None,
-) -> dict[str, Any]:
+) -> T:
     """Carry out a command, and record it if there is such a command. Return its answer, or raise its error.
 
     Args:
@@ -162,7 +168,8 @@ async def audited_command(
     if operation is None or operation.audit is Audit.NEVER:
         return await carry_out()
     trail = Trail(scope, op, dict(fields), operation)
-    trail.fields["subject"] = subject
+    if subject is not None:
+        trail.fields["subject"] = subject
     try:
         answer = await carry_out()
     except GatewayError as error:
@@ -171,7 +178,7 @@ async def audited_command(
     except (Exception, asyncio.CancelledError) as error:
         await trail.record(*_failure(error))
         raise
-    if "goal" in answer:
+    if operation.scope in OF_GOALS and isinstance(answer, dict) and "goal" in answer:
         trail.fields.update((name, answer["goal"][name]) for name in ("goal_id", "action_name"))
     await trail.record(HTTPStatus.OK)
     return answer

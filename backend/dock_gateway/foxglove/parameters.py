@@ -16,7 +16,7 @@ from dock_gateway.graph.relays import Relays
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.parameter_values import plain_value
-from dock_gateway.streams.graph_operations import GraphOperations
+from dock_gateway.streams.node_parameters import NodeParameters
 from dock_gateway.streams.rights import Rights
 
 EVENTS, EVENT_TYPE = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
@@ -37,7 +37,7 @@ class ClientParameters:
     def __init__(self, parts: Parts, rights: Rights) -> None:
         self._parts = parts
         self._rights = rights
-        self._operations = GraphOperations(parts, rights)
+        self._nodes = NodeParameters(parts, rights)
         self._wanted: set[str] | None = set()  # None: all
         self._listening = False
         self._changed: dict[str, Json] = {}
@@ -47,13 +47,13 @@ class ClientParameters:
         """Return the parameters with these names, all without names; and what was not possible."""
         if not names:
             seen = (await self._parts[GraphCache].graph(self._rights.grant)).seen
-            nodes = await self._operations.get_params(seen.nodes)
+            nodes = await self._nodes.get_all(seen.nodes)
             return [parameter_document(node, each.name, each.value) for node in nodes for each in nodes[node]], []
         found: list[Json] = []
         errors: list[str] = []
         async for node, wanted in in_turns(_by_node(names).items()):
             try:
-                known = {each.name: each.value for each in await self._operations.get_param(node)}
+                known = {each.name: each.value for each in await self._nodes.get(node)}
             except GatewayError as error:
                 errors.append(error.detail)
             else:
@@ -72,7 +72,7 @@ class ClientParameters:
                 errors.append(error.detail)
         async for node, values in in_turns(nodes.items()):
             try:
-                await self._operations.set_param(node, values)
+                await self._nodes.set_param(node, values)
             except GatewayError as error:
                 errors.append(error.detail)
         return errors

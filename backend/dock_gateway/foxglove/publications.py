@@ -1,16 +1,14 @@
 """The channels on which one client publishes."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from dock_gateway.core.errors import Conflict, NotFound, TooManyRequests
 from dock_gateway.foxglove.forms import MessageForm, read_form, require_encoding
 from dock_gateway.foxglove.protocol import ClientChannel, ClientMessage
-from dock_gateway.graph.publishing import Publishing
 from dock_gateway.http.parts import Parts
+from dock_gateway.operations import topics as operations
 from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.settings import Settings
-from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
 MAX_ADVERTISED = 100
@@ -37,9 +35,7 @@ class Publications:
     """
 
     def __init__(self, parts: Parts, rights: Rights) -> None:
-        self._publishing = parts[Publishing]
-        self._settings = parts[Settings]
-        self._operations = GraphOperations(parts, rights)
+        self._parts = parts
         self._rights = rights
         self._channels: dict[int, Advertised] = {}
 
@@ -54,16 +50,14 @@ class Publications:
             raise Conflict(f"the channel {channel.id} is advertised already", code="channel_exists")
         if len(self._channels) >= MAX_ADVERTISED:
             raise TooManyRequests(f"this connection already publishes on {MAX_ADVERTISED} channels")
-        topic = self._settings.resolve(channel.topic, "")
+        topic = self._parts[Settings].resolve(channel.topic, "")
 
-        async def look() -> dict[str, Any]:
-            self._publishing.require_allowed(topic)
-            found = await self._publishing.find(topic, full_type(channel.schema_name), self._rights.grant)
-            form = MessageForm(await self._publishing.load(found))
-            self._channels[channel.id] = Advertised(topic, found.type, channel.encoding, form)
-            return {}
+        async def look() -> None:
+            wanted = operations.Advertise(topic, full_type(channel.schema_name))
+            found, kind = await operations.advertise(self._parts, self._rights.principal, wanted)
+            self._channels[channel.id] = Advertised(topic, found.type, channel.encoding, MessageForm(kind))
 
-        await self._operations.advertise(topic, look)
+        await self._rights.carry_out(operations.advertise, {"topic": topic}, look)
 
     def unadvertise(self, identity: int) -> None:
         """Forget a channel. The publisher leaves after a minute without messages."""
@@ -79,9 +73,9 @@ class Publications:
         if channel is None:
             raise NotFound(f"the channel {message.channel} is not advertised", code="channel_not_found")
 
-        async def publish() -> dict[str, Any]:
+        async def publish() -> None:
             fields = await read_form(channel.form, channel.encoding, message.message)
-            await self._publishing.publish(channel.topic, fields, type_name=channel.type, grant=self._rights.grant)
-            return {}
+            order = operations.Publish(channel.topic, fields, channel.type)
+            await operations.publish(self._parts, self._rights.principal, order)
 
-        await self._operations.publish(channel.topic, publish, recorded=False)
+        await self._rights.carry_out(operations.publish, {"topic": channel.topic}, publish, recorded=False)

@@ -19,11 +19,11 @@ from dock_gateway.foxglove.protocol import Call, Json
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
 from dock_gateway.http.parts import Parts
+from dock_gateway.operations import services as operations
 from dock_gateway.ros.messages.interfaces import load_action, load_service
 from dock_gateway.settings import Settings
 from dock_gateway.stop.order import STOP_SERVICE
 from dock_gateway.streams.commands import OWN_SERVICES, STOP
-from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
 # Services of nodes that a client is offered.
@@ -88,7 +88,6 @@ class Services:
     def __init__(self, parts: Parts, rights: Rights) -> None:
         self._parts = parts
         self._rights = rights
-        self._operations = GraphOperations(parts, rights)
         self._actions = ActionCalls(parts, rights)
         self._services: dict[int, Service] = {}
         self._unusable: set[Key] = set()
@@ -209,12 +208,13 @@ class Services:
 
     def _of_node(self, name: str, kind: str) -> Draft:
         async def call(request: Any) -> Any:
-            async def ask() -> Json:
-                services, grant = self._parts[ServiceCalls], self._rights.grant
-                answer = await services.ask(name, request, type_name=kind, timeout=TIMEOUT, grant=grant)
-                return {"response": answer.response}
-
-            return (await self._operations.call_service(name, ask))["response"]
+            order = operations.CallService(name, request, kind, TIMEOUT)
+            answer = await self._rights.carry_out(
+                operations.call_service,
+                {"service": name},
+                lambda: operations.call_service(self._parts, self._rights.principal, order),
+            )
+            return answer.response
 
         return Draft(lambda: _message_forms(load_service(kind)), call)
 

@@ -72,14 +72,6 @@ class FoundService:
 
 
 @dataclass(frozen=True)
-class Called:
-    """The response of a service of this type."""
-
-    type: str
-    response: Json
-
-
-@dataclass(frozen=True)
 class Answer:
     """The response of a service as a message, with its type and that type's class."""
 
@@ -152,30 +144,6 @@ class ServiceCalls:
             self._listed.require(service.name)
 
     async def call(
-        self,
-        name: str,
-        fields: object,
-        *,
-        type_name: str | None = None,
-        timeout: float = 5.0,
-        grant: Grant = UNLIMITED,
-    ) -> Called:
-        """Call a service and return its response. Nothing is sent unless the request is valid.
-
-        Args:
-            name: Absolute name.
-            fields: The request, as decoded JSON; fields that are left out get their default.
-            type_name: The type of the service, if it has several.
-            timeout: Seconds to wait for the response, after the service has been found.
-            grant: What the user may see of the graph.
-
-        Raises:
-            GatewayError: As for `ask`; or `response_too_large`.
-        """
-        answer = await self.ask(name, fields, type_name=type_name, timeout=timeout, grant=grant)
-        return Called(answer.type, await asyncio.to_thread(self._encode, name, answer.kind, answer.response))
-
-    async def ask(
         self,
         name: str,
         fields: object,
@@ -270,8 +238,13 @@ class ServiceCalls:
             self._clients.pop(oldest).close()
         return client
 
-    def _encode(self, name: str, kind: Any, response: Any) -> Json:
-        encoded = codec(kind.Response).encode(response)
+    async def encode(self, name: str, answer: Answer) -> Json:
+        """Return the response of a service as JSON.
+
+        Raises:
+            GatewayError: `response_too_large`.
+        """
+        encoded = await asyncio.to_thread(codec(answer.kind.Response).encode, answer.response)
         if len(encoded) > self._bridge.max_message_bytes:
             raise GatewayError(
                 f"the response of {name} has {len(encoded)} bytes, more than max_message_bytes",

@@ -1,7 +1,7 @@
-"""The requirements of a request or a command of `/ws`, declared on its function: role, scope, audit and quota."""
+"""What an operation needs, declared on its function: role, scope, audit and quota. Each door to it needs the same."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 from typing import Any, TypeVar
 
@@ -113,6 +113,17 @@ def operation(
 def public_operation(audit: Audit = Audit.CHANGES) -> Callable[[F], F]:
     """Declare that an endpoint needs no login: a health check, or the login itself."""
     return _declare(Operation(None, Scope.ANY, audit))
+
+
+def carries_out(function: Callable[..., object], scope: Scope | None = None) -> Callable[[F], F]:
+    """Declare that an endpoint or a command carries out an operation, and needs what that needs.
+
+    Args:
+        function: The operation.
+        scope: Its subject, where this door names it by other fields than the operation does.
+    """
+    declared = operation_of(function)
+    return _declare(declared if scope is None else replace(declared, scope=scope))
 
 
 def _declare(declared: Operation) -> Callable[[F], F]:

@@ -60,6 +60,12 @@ async def depend_on_grant(connection: HTTPConnection) -> Grant:
     return principal_of(connection).grant
 
 
+async def depend_on_principal(connection: HTTPConnection) -> Principal:
+    """Return who makes a request, for `Depends`."""
+    return principal_of(connection)
+
+
+ThePrincipal = Annotated[Principal, Depends(depend_on_principal)]
 TheGrant = Annotated[Grant, Depends(depend_on_grant)]
 
 

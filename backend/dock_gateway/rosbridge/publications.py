@@ -6,13 +6,12 @@ from typing import Any
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.work import in_turn
-from dock_gateway.graph.publishing import Publishing
 from dock_gateway.http.parts import Parts
+from dock_gateway.operations import topics as operations
 from dock_gateway.ros.messages.bounds import is_long
 from dock_gateway.ros.messages.types import Nested, kinds, type_name
 from dock_gateway.rosbridge.protocol import stamp
 from dock_gateway.rosbridge.values import reader
-from dock_gateway.streams.graph_operations import GraphOperations
 from dock_gateway.streams.rights import Rights
 
 HEADER = "std_msgs/msg/Header"
@@ -45,8 +44,7 @@ class Publications:
     """
 
     def __init__(self, parts: Parts, rights: Rights) -> None:
-        self._publishing = parts[Publishing]
-        self._operations = GraphOperations(parts, rights)
+        self._parts = parts
         self._rights = rights
         self._types: dict[str, str | None] = {}  # as the client says
         self._advertised: dict[str, Advertised] = {}
@@ -58,15 +56,13 @@ class Publications:
             GatewayError: Nothing may be published on it, or others have another type there.
         """
 
-        async def look() -> dict[str, Any]:
-            self._publishing.require_allowed(topic)
+        async def look() -> None:
             if len(self._types) >= MAX_ADVERTISED:
                 self._types.clear()
             self._types[topic] = wanted
             await self._look(topic)
-            return {}
 
-        await self._operations.advertise(topic, look)
+        await self._rights.carry_out(operations.advertise, {"topic": topic}, look)
 
     def unadvertise(self, topic: str) -> None:
         """Forget a topic. Its publisher leaves after a minute without messages."""
@@ -80,9 +76,11 @@ class Publications:
             GatewayError: As `Publishing.publish`; or the user's grant does not reach.
         """
         known = topic in self._advertised
-        await self._operations.publish(topic, lambda: self._publish(topic, message), recorded=not known)
+        await self._rights.carry_out(
+            operations.publish, {"topic": topic}, lambda: self._publish(topic, message), recorded=not known
+        )
 
-    async def _publish(self, topic: str, message: Any) -> dict[str, Any]:
+    async def _publish(self, topic: str, message: Any) -> None:
         known = self._advertised.get(topic) or await self._look(topic)
         if known.has_header and isinstance(message, dict):
             header = message.get("header") or {}
@@ -90,13 +88,12 @@ class Publications:
                 message = {**message, "header": {**header, "stamp": stamp(utc_now())}}
         if known.read is not None:
             message = await in_turn(known.read, message) if is_long(message) else known.read(message)
-        await self._publishing.publish(topic, message, type_name=known.type, grant=self._rights.grant)
-        return {}
+        order = operations.Publish(topic, message, known.type)
+        await operations.publish(self._parts, self._rights.principal, order)
 
     async def _look(self, topic: str) -> Advertised:
-        self._publishing.require_allowed(topic)
-        found = await self._publishing.find(topic, self._types.get(topic), self._rights.grant)
-        kind = await self._publishing.load(found)
+        wanted = operations.Advertise(topic, self._types.get(topic))
+        found, kind = await operations.advertise(self._parts, self._rights.principal, wanted)
         header = kinds(kind).get("header")
         has_header = isinstance(header, Nested) and type_name(header.message_class) == HEADER
         if len(self._advertised) >= MAX_ADVERTISED:

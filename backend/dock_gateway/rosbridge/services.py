@@ -13,12 +13,12 @@ from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
-from dock_gateway.ros.messages.interfaces import load_service
+from dock_gateway.operations import services as operations
 from dock_gateway.rosbridge import rosapi
 from dock_gateway.rosbridge.protocol import CallService
 from dock_gateway.rosbridge.values import adapter
 from dock_gateway.streams.commands import OWN_SERVICES
-from dock_gateway.streams.graph_operations import GraphOperations
+from dock_gateway.streams.node_parameters import NodeParameters
 from dock_gateway.streams.rights import Rights
 
 Json = dict[str, Any]
@@ -35,8 +35,8 @@ class Services:
     def __init__(self, parts: Parts, rights: Rights) -> None:
         self._parts = parts
         self._rights = rights
-        self._operations = GraphOperations(parts, rights)
-        self._parameters = {
+        self._parameters = NodeParameters(parts, rights)
+        self._of_parameters = {
             "get_param": self._get_param,
             "has_param": self._has_param,
             "set_param": self._set_param,
@@ -60,7 +60,7 @@ class Services:
             return await self._rights.command(OWN_SERVICES[service], args or {})
         if not service.startswith(rosapi.PREFIX):
             return await self.call_service(service, request)
-        parameter = self._parameters.get(service.removeprefix(rosapi.PREFIX))
+        parameter = self._of_parameters.get(service.removeprefix(rosapi.PREFIX))
         if parameter is not None:
             return await parameter(args)
         return await self.ask(service, args)
@@ -68,20 +68,20 @@ class Services:
     async def call_service(self, service: str, request: CallService) -> Any:
         """Call a service of a ROS node."""
 
-        async def call() -> Json:
-            services, grant = self._parts[ServiceCalls], self._rights.grant
+        async def call() -> Any:
+            services = self._parts[ServiceCalls]
             fields = {} if request.args in (None, []) else request.args
             if isinstance(fields, list):  # its fields in order
-                found = await services.find(service, grant=grant)
+                found = await services.find(service, grant=self._rights.grant)
                 kind = await services.load(found)
                 fields = dict(zip(kind.Request.get_fields_and_field_types(), fields, strict=False))
-            called = await services.call(service, fields, timeout=request.timeout, grant=grant)
-            adapt = adapter(load_service(called.type).Response)
-            response = orjson.loads(called.response)
-            return {"response": response if adapt is None else adapt(response)}
+            order = operations.CallService(service, fields, timeout=request.timeout)
+            answer = await operations.call_service(self._parts, self._rights.principal, order)
+            adapt = adapter(answer.kind.Response)
+            response = orjson.loads(await services.encode(service, answer))
+            return response if adapt is None else adapt(response)
 
-        answer = await self._operations.call_service(service, call)
-        return answer["response"]
+        return await self._rights.carry_out(operations.call_service, {"service": service}, call)
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     async def ask(self, service: str, args: Any) -> Json:
@@ -92,7 +92,7 @@ class Services:
     async def _value(self, args: Any) -> Any:
         """Return the value of a parameter, None if the node has no such parameter."""
         node, name = _parameter(args)
-        parameters = await self._operations.get_param(node)
+        parameters = await self._parameters.get(node)
         return next((each.document()["value"] for each in parameters if each.name == name), None)
 
     async def _get_param(self, args: Any) -> Json:
@@ -107,12 +107,12 @@ class Services:
         node, name = _parameter(args)
         text = args.get("value")
         value = decode_json(text, "args.value", constants=True) if isinstance(text, str) else text
-        await self._operations.set_param(node, {name: value})
+        await self._parameters.set_param(node, {name: value})
         return {"successful": True, "reason": ""}
 
     async def _get_param_names(self, _: Any) -> Json:
         seen: Seen = (await self._parts[GraphCache].graph(self._rights.grant)).seen
-        found = await self._operations.get_params(seen.nodes)
+        found = await self._parameters.get_all(seen.nodes)
         return {"names": sorted(f"{node}:{each.name}" for node, parameters in found.items() for each in parameters)}
 
 

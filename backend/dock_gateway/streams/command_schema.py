@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, WithJsonSchema, WrapValidator
 
 from dock_gateway.goals.schema import ActionGoal
 from dock_gateway.http.schema import Schema
-from dock_gateway.robots.battery_routes import MAX_RATE, MIN_RATE
+from dock_gateway.operations.battery import MAX_RATE, MIN_RATE
 from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
 from dock_gateway.stop.order import STOP_REQUEST
 from dock_gateway.stop.schema import StopProblem, StopReport, StopState

@@ -1,25 +1,23 @@
 """The commands of `/ws`, without the socket: a decoded message in, the fields of the ack out."""
 
+from typing import Any
+
 from dock_gateway.access.carry_out import Command, Fields
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
-from dock_gateway.goals.canceling import request_cancel
-from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.goals.action import Action
 from dock_gateway.http.bodies import read_fields
-from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import check_key, read_goal_id
-from dock_gateway.robots.battery_routes import read_rate
+from dock_gateway.operations import battery, goals
+from dock_gateway.operations import stop as stopping
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
-from dock_gateway.stop.order import STOP_SERVICE, StopOrder, releases_stop, stops_robots
-from dock_gateway.stop.routes import stop_robots
-from dock_gateway.stop.stopper import Stopper
+from dock_gateway.stop.order import STOP_SERVICE, StopOrder
 from dock_gateway.streams.command_schema import (
     MAX_ID,
     CancelGoalCommand,
@@ -54,69 +52,64 @@ def read_command(message: object) -> tuple[str, str | None, Fields]:
     return op, identity, fields
 
 
-@operation(Role.AGENT, Scope.NEW_GOAL, sends_goal=True)
+@carries_out(goals.send_goal)
 async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Send a goal to `action`, or a robot to its charging dock. The ack has the goal."""
     command = read_fields(SendGoalCommand, fields)
-    if command.action is not None:
-        return await _submit_goal(parts, principal, command)
-    with parts[RobotActions].hinting(command.robot, principal.grant):
-        return await _submit_goal(parts, principal, command)
-
-
-async def _submit_goal(parts: Parts, principal: Principal, command: SendGoalCommand) -> Fields:
     name, robot, goal = command.action, command.robot, command.goal
-    if name is None:
-        action = await parts[RobotActions].find("dock", robot, principal.grant)
-        message = action.parse_request(action.default_request if goal is None else goal, "goal")
-    else:
-        namespace = None if robot is None else parts[RobotRegistry].get(robot).namespace
-        action = await parts[ActionRegistry].find(parts[Settings].resolve(name, namespace))
-        message = await action.read_goal(goal, "goal")
     key = check_key(command.idempotency_key, "idempotency_key")
-    own = None if key is None else principal.own(key)
-    return {"goal": (await action.submitter.submit(message, own)).document()}
+    if name is not None:
+        namespace = None if robot is None else parts[RobotRegistry].get(robot).namespace
+        name = parts[Settings].resolve(name, namespace)
+
+    async def read(action: Action) -> Any:
+        if name is not None:
+            return await action.read_goal(goal, "goal")
+        return action.parse_request(action.default_request if goal is None else goal, "goal")
+
+    order = goals.SendGoal(read, name, robot=robot, key=None if key is None else principal.own(key))
+    _, sent = await goals.send_goal(parts, principal, order)
+    return {"goal": sent.document()}
 
 
-@operation(Role.AGENT, Scope.GOAL)
-async def cancel_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
+@carries_out(goals.cancel_goal)
+async def cancel_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Ask the action server to cancel a goal, whoever sent it."""
     command = read_fields(CancelGoalCommand, fields)
-    goal = await request_cancel(parts[Goals], parts[ActionRegistry], read_goal_id(command.goal_id))
+    goal = await goals.cancel_goal(parts, principal, goals.CancelGoal(read_goal_id(command.goal_id)))
     return {"goal": goal.document()}
 
 
-@operation(Role.SUPERVISOR, Scope.ROBOT)
-async def publish_battery(parts: Parts, _: Principal, fields: Fields) -> Fields:
+@carries_out(battery.publish_battery)
+async def publish_battery(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Publish a battery state once, or with `rate_hz` until it is stopped."""
-    command = read_fields(PublishBatteryCommand, fields)
-    publisher, state = parts[RobotRegistry].get(command.robot).publisher, fields.get("state", {})
+    command, state = read_fields(PublishBatteryCommand, fields), fields.get("state", {})
     if "rate_hz" in fields:
-        await publisher.start(state, read_rate(command.rate_hz))
-        return {"battery_publisher": publisher.document()}
-    return {"state": fragment(await publisher.publish(state, "state"))}
+        start = battery.StartPublishing(state, command.rate_hz, command.robot)
+        return {"battery_publisher": (await battery.start_publishing(parts, principal, start)).document()}
+    order = battery.PublishBattery(state, command.robot, "state")
+    return {"state": fragment(await battery.publish_battery(parts, principal, order))}
 
 
-@operation(Role.SUPERVISOR, Scope.ROBOT)
-async def stop_publishing(parts: Parts, _: Principal, fields: Fields) -> Fields:
+@carries_out(battery.stop_publishing)
+async def stop_publishing(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Stop publishing battery states."""
     command = read_fields(StopPublishingCommand, fields)
-    publisher = parts[RobotRegistry].get(command.robot).publisher
-    await publisher.stop()
-    return {"battery_publisher": publisher.document()}
+    return {"battery_publisher": (await battery.stop_publishing(parts, principal, command.robot)).document()}
 
 
-@stops_robots
+@carries_out(stopping.stop)
 async def stop(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Stop robots, all by default, and cancel their goals."""
     order: StopOrder = fields["order"]
-    return await stop_robots(parts[Stopper], principal, order)
+    return await stopping.stop(parts, principal, order)
 
 
-@releases_stop
-async def release_stop(parts: Parts, _: Principal, fields: Fields) -> Fields:
+@carries_out(stopping.release_stop)
+async def release_stop(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """Let robots that were stopped, all by default, move again."""
-    return {"stop": await parts[Stopper].release(read_fields(ReleaseStopCommand, fields).robot)}
+    command = read_fields(ReleaseStopCommand, fields)
+    return {"stop": await stopping.release_stop(parts, principal, command.robot)}
 
 
 @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)

@@ -2,7 +2,7 @@
 
 from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Any
+from typing import Any, TypeVar
 
 from starlette.types import Scope
 
@@ -10,7 +10,6 @@ from dock_gateway.access.authorization import authorize_command
 from dock_gateway.access.carry_out import carry_out
 from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Principal
-from dock_gateway.core.filters import parent_of
 from dock_gateway.core.grant import Grant
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
@@ -18,7 +17,7 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.streams.commands import COMMANDS
 
 Json = dict[str, Any]
-Do = Callable[[], Awaitable[Json]]
+T = TypeVar("T")
 
 
 class Rights:
@@ -28,21 +27,24 @@ class Rights:
         scope: The scope of the WebSocket.
         parts: Carry out the operations.
         principal: The user.
+
+    Attributes:
+        principal: The user.
     """
 
     def __init__(self, scope: Scope, parts: Parts, principal: Principal) -> None:
+        self.principal = principal
         self._scope = scope
         self._parts = parts
-        self._principal = principal
 
     @property
     def grant(self) -> Grant:
         """The grant of the user."""
-        return self._principal.grant
+        return self.principal.grant
 
     def turn(self, what: str) -> AbstractAsyncContextManager[None]:
         """Wait for the user's turn (`Quotas.turn`)."""
-        return self._parts[Quotas].turn(self._principal, what)
+        return self._parts[Quotas].turn(self.principal, what)
 
     async def require(self, function: Callable[..., object], fields: Json) -> None:
         """Refuse an operation that is not allowed.
@@ -54,46 +56,50 @@ class Rights:
         Raises:
             NotAuthenticated, NotAllowed, TooManyRequests: As `authorize_command`.
         """
-        await authorize_command(self._parts, self._principal, function.__name__, operation_of(function), fields)
+        await authorize_command(self._parts, self.principal, function.__name__, operation_of(function), fields)
 
     async def carry_out(
-        self, function: Callable[..., object], fields: Json, do: Do, *, subject: str | None = None
-    ) -> Json:
+        self,
+        function: Callable[..., object],
+        fields: Json,
+        do: Callable[[], Awaitable[T]],
+        *,
+        recorded: bool = True,
+        subject: str | None = None,
+    ) -> T:
         """Carry out an operation if it is allowed, and record it. Return its answer.
 
         Args:
             function: Declares what the operation needs.
             fields: What it is about.
             do: Carries it out.
+            recorded: Whether the audit log has it. It only reads, or was recorded when it was prepared, if not.
             subject: What the audit log says that it is about, if that is more than the name in the fields.
 
         Raises:
             GatewayError: It is not allowed (as `require`), or failed.
         """
 
-        async def authorized() -> Json:
+        async def authorized() -> T:
             await self.require(function, fields)
             return await do()
 
-        return await self.record(function, fields, authorized, subject=subject)
+        if not recorded:
+            return await authorized()
+        return await self._recorded(function, fields, authorized, subject)
 
-    async def record(
-        self, function: Callable[..., object], fields: Json, do: Do, *, subject: str | None = None
-    ) -> Json:
-        """Carry out an operation, and record it. Return its answer."""
-        name: str | None = next((fields[each] for each in ("topic", "service", "node") if each in fields), None)
-        if name is not None:
-            fields = {**fields, "robot": parent_of(name)}
-        return await audited_command(
-            self._scope, function.__name__, operation_of(function), fields, do, subject=subject or name
-        )
+    async def _recorded(
+        self, function: Callable[..., object], fields: Json, do: Callable[[], Awaitable[T]], subject: str | None = None
+    ) -> T:
+        name, operation = function.__name__, operation_of(function)
+        return await audited_command(self._scope, name, operation, fields, do, subject=subject)
 
     async def command(self, name: str, request: object) -> Json:
         """Carry out a command of `/ws`. `request` is what the client has sent, an error if it could not be read."""
-        return await carry_out(self._parts, self._principal, COMMANDS[name], request, self._scope)
+        return await carry_out(self._parts, self.principal, COMMANDS[name], request, self._scope)
 
     async def cancel(self, goal_id: str) -> None:
         """Cancel a goal of this user, even if the login has ended: its client is gone, and wanted it."""
         fields = {"goal_id": goal_id}
         cancel = COMMANDS["cancel_goal"]
-        await self.record(cancel, fields, lambda: cancel(self._parts, self._principal, fields))
+        await self._recorded(cancel, fields, lambda: cancel(self._parts, self.principal, fields))

@@ -16,6 +16,7 @@ from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import NotAllowed, NotFound, ServedElsewhere
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.share import Share
+from dock_gateway.doors.rest import stop_routes
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
@@ -23,7 +24,6 @@ from dock_gateway.http.operation import Scope, operation_of
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
-from dock_gateway.stop import routes as stop_routes
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.socket import OPERATIONS
 from tests.dock_gateway.access.test_authorization import REQUESTS, path_of

@@ -23,8 +23,12 @@ from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
+from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
+from dock_gateway.operations.parameters import set_parameters
+from dock_gateway.operations.services import call_service
+from dock_gateway.operations.topics import publish
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
@@ -329,6 +333,35 @@ async def test_commands(op: str, fields: dict[str, Any], result: Any, found: tup
     assert (entry.robot, entry.action_name, entry.goal_id, entry.status, entry.code) == found
     assert (entry.what, entry.client, entry.request_id) == (op, "192.0.2.7", "r1")
     assert site.audit.stored_first == (["release_stop"] if op == "release_stop" else [])
+
+
+@pytest.mark.parametrize(
+    ("path", "operation", "field"),
+    [
+        ("/services/robot7/base/reset", call_service, "service"),
+        ("/topics/robot7/base/chatter", publish, "topic"),
+        ("/nodes/robot7/base/driver/parameters", set_parameters, "node"),
+    ],
+)
+async def test_what_is_done_on_the_graph_is_about_the_same_at_each_door(path: str, operation: Any, field: str) -> None:
+    site = await asyncio.to_thread(Site, authentication=True)
+    with site.client(Role.VIEWER) as http:  # refused, but it is clear what it is about
+        http.request("PATCH" if field == "node" else "POST", path, json={})
+    entry = site.one()
+    name = path.partition("/robot7")[1] + path.partition("/robot7")[2].removesuffix("/parameters")
+    assert (entry.robot, entry.subject, entry.code) == ("/robot7/base", name, "role_required")
+
+    answer = {"goal": "a field of the response of some service"}
+
+    async def carry_out() -> dict[str, str]:
+        return answer
+
+    scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"parts": site.parts}}
+    needs = operation_of(operation)
+    assert await audited_command(scope, operation.__name__, needs, {field: name}, carry_out) == answer
+    assert ((entry := site.one()).robot, entry.subject) == ("/robot7/base", name)
+    await audited_command(scope, operation.__name__, needs, {field: name}, carry_out, subject=f"{name} speed")
+    assert ((entry := site.one()).robot, entry.subject) == ("/robot7/base", f"{name} speed")
 
 
 @pytest.mark.parametrize("op", ["ping", "unsubscribe", "nonsense"])

@@ -7,17 +7,16 @@ from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import FieldError, InvalidField, got
-from dock_gateway.core.filters import parent_of
-from dock_gateway.core.grant import Role
+from dock_gateway.doors.rest.service_routes import describe_use
 from dock_gateway.graph.call_schema import NodeParameters, ParameterChanges
 from dock_gateway.graph.parameters import Parameters
-from dock_gateway.graph.service_routes import describe_use
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.operation import carries_out
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import ThePrincipal
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import NO_QUERY, GraphName, json_response, known_query, read_json
+from dock_gateway.operations import parameters as operations
 
 router = APIRouter(tags=["Parameters"], prefix="/nodes")
 
@@ -30,11 +29,13 @@ AtOnceQuery = Annotated[bool, Query(description="Whether all parameters are set 
     responses=problems(404, 422, 429, 503, 504),
     dependencies=[NO_QUERY],
 )
-@operation(Role.VIEWER, Scope.PLACE)
-async def get_parameters(node: GraphName, parameters: Part[Parameters], grant: TheGrant) -> Response:
+@carries_out(operations.get_parameters)
+async def get_parameters(
+    node: GraphName, parameters: Part[Parameters], parts: AllParts, principal: ThePrincipal
+) -> Response:
     """Return all parameters of a node: their values, types, ranges and descriptions, and whether they may be set."""
     name = f"/{node}"
-    found = await parameters.read(name, grant)
+    found = await operations.get_parameters(parts, principal, name)
     return json_response(
         {
             "node": name,
@@ -51,12 +52,12 @@ async def get_parameters(node: GraphName, parameters: Part[Parameters], grant: T
     openapi_extra=body({"type": "object", "description": "New values by name"}, required=True),
     dependencies=[Depends(known_query("at_once"))],
 )
-@operation(Role.SUPERVISOR, Scope.NODE)
+@carries_out(operations.set_parameters)
 async def set_parameters(
     node: GraphName,
     request: Request,
-    parameters: Part[Parameters],
-    grant: TheGrant,
+    parts: AllParts,
+    principal: ThePrincipal,
     *,
     at_once: AtOnceQuery = True,
 ) -> Response:
@@ -66,9 +67,9 @@ async def set_parameters(
     """
     name = f"/{node}"
     values = await read_json(request)
-    subject = f"{name} {', '.join(values)}"[:200] if isinstance(values, dict) else name
-    audited(request, subject=subject, robot=parent_of(name))
     if not isinstance(values, dict):
         raise InvalidField([FieldError("", "an object with parameters by name", got(values))])
-    changes = await parameters.change(name, values, at_once=at_once, grant=grant)
+    order = operations.SetParameters(name, values, at_once)
+    audited(request, subject=order.subject)
+    changes = await operations.set_parameters(parts, principal, order)
     return json_response({"node": name, "parameters": [change.document() for change in changes]})

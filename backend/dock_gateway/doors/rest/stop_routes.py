@@ -12,14 +12,13 @@ from starlette.responses import Response
 
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import Trail, audited
-from dock_gateway.core.access import Principal
-from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
+from dock_gateway.core.errors import GatewayError, not_covered
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import TheGrant, ThePrincipal, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     RobotQuery,
@@ -29,43 +28,13 @@ from dock_gateway.http.requests import (
     read_json,
     read_wait,
 )
-from dock_gateway.stop.order import PREFER, STOP_REQUEST, StopOrder, noting, read_order, releases_stop, stops_robots
+from dock_gateway.operations import stop as operations
+from dock_gateway.stop.order import PREFER, STOP_REQUEST, noting, read_order
 from dock_gateway.stop.schema import StopReport, StopState
 from dock_gateway.stop.stopper import Stopper
 
 router = APIRouter(tags=["Stop"])
 only_robot = Depends(known_query("robot"))
-
-
-async def stop_robots(stopper: Stopper, principal: Principal, order: StopOrder, *, wait: float = 0.0) -> dict[str, Any]:
-    """Stop robots.
-
-    Args:
-        stopper: Stops them.
-        principal: The user, who is shown the robots that their grant covers.
-        order: What the request means.
-        wait: Seconds that action servers may take to answer.
-
-    Returns:
-        The report, with what was wrong with the request as `warning`.
-
-    Raises:
-        ServedElsewhere: The robots are those of another gateway.
-        Unavailable: Zero velocity could not be published.
-    """
-    try:
-        report = vars(await stopper.stop(*order.robots, latch=order.latch, by=order.by, wait=wait))
-    except Unavailable as error:
-        _narrow(error.extra, principal)
-        raise
-    _narrow(report, principal)
-    problems = report.pop("problems")
-    return {**report, "warning": order.warning(*problems)}
-
-
-def _narrow(report: dict[str, Any], principal: Principal) -> None:
-    for name in ("stopped", "not_stopped"):
-        report[name] = [robot for robot in report[name] if principal.grant.covers_robot(robot)]
 
 
 @router.post(
@@ -74,8 +43,8 @@ def _narrow(report: dict[str, Any], principal: Principal) -> None:
     responses=problems(421) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
-@stops_robots
-async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = None) -> Response:
+@carries_out(operations.stop)
+async def stop(request: Request, parts: AllParts, robot: RobotsQuery = None) -> Response:
     """Stop robots: publish zero velocity at once, cancel all goals on all their actions, and refuse new ones.
 
     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
@@ -94,7 +63,7 @@ async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = No
     wait = 0.0
     wrong: list[GatewayError] = []
     try:
-        value = await _read_body(request, stopper)
+        value = await _read_body(request, parts[Stopper])
     except GatewayError as error:
         value = error
     with noting(wrong):
@@ -102,7 +71,7 @@ async def stop(request: Request, stopper: Part[Stopper], robot: RobotsQuery = No
     principal = principal_of(request)
     order = read_order(principal, value, query=request.query_params, wrong=wrong)
     audited(request, robot=robots_text(order.robots))
-    return json_response(await stop_robots(stopper, principal, order, wait=wait))
+    return json_response(await operations.stop(parts, principal, order, wait=wait))
 
 
 async def _read_body(request: Request, stopper: Stopper) -> Any:
@@ -139,11 +108,13 @@ async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = 
 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
-@releases_stop
-async def release_stop(request: Request, stopper: Part[Stopper], robot: RobotQuery = None) -> Response:
+@carries_out(operations.release_stop)
+async def release_stop(
+    request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
+) -> Response:
     """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
 
     This moves no robot.
     """
     audited(request, robot=robots_text([robot or ALL_ROBOTS]))
-    return json_response(await stopper.release(robot))
+    return json_response(await operations.release_stop(parts, principal, robot))

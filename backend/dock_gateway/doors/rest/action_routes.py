@@ -1,6 +1,6 @@
 """`/actions`: the operations of `/dock` for every action on the graph whose interface package is installed."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
@@ -10,16 +10,16 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import is_hidden, parent_of
 from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.grant import Role
+from dock_gateway.doors.rest.answers import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.action_schema import ActionInfo, ActionList
-from dock_gateway.goals.answers import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.schema import ActionGoal, ActionGoalPage
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant, read_own_key
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import TheGrant, ThePrincipal, read_own_key
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     NO_QUERY,
@@ -34,6 +34,7 @@ from dock_gateway.http.requests import (
     read_json,
     read_wait,
 )
+from dock_gateway.operations.goals import CancelGoal, SendGoal, cancel_goal, send_goal
 from dock_gateway.storage import GoalFilter
 
 router = APIRouter(tags=["Actions"], prefix="/actions")
@@ -117,15 +118,17 @@ async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden
     openapi_extra={**GOAL_BODY, "parameters": HEADERS},
     dependencies=[NO_QUERY],
 )
-@operation(Role.AGENT, Scope.ACTION, sends_goal=True)
-async def send_action_goal(name: GraphName, request: Request, actions: Part[ActionRegistry]) -> Response:
+@carries_out(send_goal, Scope.ACTION)
+async def send_action_goal(name: GraphName, request: Request, parts: AllParts, principal: ThePrincipal) -> Response:
     """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
-    action = await actions.find(f"/{name}")
-    audited(request, action_name=action.name, robot=parent_of(action.name))
     wait, key = read_wait(request), read_own_key(request)
-    # It must not be empty: to use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
-    message = await action.read_goal(await read_json(request))
-    goal = await action.submitter.submit(message, key)
+
+    async def read(action: Action) -> Any:
+        audited(request, action_name=action.name, robot=parent_of(action.name))
+        # Not empty: to use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
+        return await action.read_goal(await read_json(request))
+
+    action, goal = await send_goal(parts, principal, SendGoal(read, action=f"/{name}", key=key))
     return await answer_sent(request, action, goal, f"/actions{action.name}/goals", wait)
 
 
@@ -168,14 +171,12 @@ async def get_action_goal(
     response_model=ActionGoal,
     responses=problems(404, 409, 422, 503, 504),
 )
-@operation(Role.AGENT, Scope.GOAL)
-async def cancel_action_goal(
-    name: GraphName, goal_id: GoalId, actions: Part[ActionRegistry], goals: Part[Goals]
-) -> Response:
+@carries_out(cancel_goal)
+async def cancel_action_goal(name: GraphName, goal_id: GoalId, parts: AllParts, principal: ThePrincipal) -> Response:
     """Ask the action server to cancel a goal, whoever sent it."""
-    action = await actions.find(f"/{name}")
-    goal = await find_goal(goals, action, goal_id)
-    await action.canceler.cancel(goal)
+    action = await parts[ActionRegistry].find(f"/{name}")
+    await find_goal(parts[Goals], action, goal_id)
+    goal = await cancel_goal(parts, principal, CancelGoal(goal_id))
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}", 202)
 
 

@@ -1,15 +1,18 @@
 """A goal to dock whose server has left goes to another action of the robot, unless a stop came first."""
 
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.core.grant import UNLIMITED
-from dock_gateway.goals.dock_routes import send_docking_goal
+from dock_gateway.doors.rest.dock_routes import DOCK, goal_routes
 from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.submission import Delivery
+from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from tests.support.history import make_goal
 from tests.support.requests import request
@@ -53,8 +56,9 @@ async def send(*found: Any) -> Any:
         return next(picked)
 
     asked = request(b"", [(b"idempotency-key", b"key")])
-    robot_actions: Any = SimpleNamespace(find=find)
-    await send_docking_goal(asked, robot_actions, "dock", None, UNLIMITED)
+    robot_actions: Any = SimpleNamespace(find=find, hinting=lambda *_: nullcontext())
+    (endpoint,) = (route.endpoint for route in goal_routes(DOCK).routes if route.name == "dock")
+    await endpoint(asked, Parts({RobotActions: robot_actions}), ANYBODY)
     return asked.scope["audit"].fields
 
 

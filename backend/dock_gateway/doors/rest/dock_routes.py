@@ -7,22 +7,22 @@ from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
-from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import Verb
-from dock_gateway.core.grant import Grant, Role
-from dock_gateway.goals.answers import HEADERS, answer_page, answer_sent
-from dock_gateway.goals.canceling import request_cancel
+from dock_gateway.core.grant import Role
+from dock_gateway.doors.rest.answers import HEADERS, answer_page, answer_sent
+from dock_gateway.goals.action import Action
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.schema import Goal, GoalPage
 from dock_gateway.http.openapi import docking_body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant, read_own_key
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import TheGrant, ThePrincipal, read_own_key
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     CursorQuery,
@@ -36,6 +36,7 @@ from dock_gateway.http.requests import (
     read_json,
     read_wait,
 )
+from dock_gateway.operations.goals import CancelGoal, SendGoal, cancel_goal, send_goal
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import DockList
 from dock_gateway.storage import GoalFilter
@@ -86,31 +87,6 @@ UNDOCK = Operations(
 )
 
 
-async def send_docking_goal(
-    request: Request, robot_actions: RobotActions, verb: Verb, robot: str | None, grant: Grant
-) -> Response:
-    """Send a goal to a robot's action or, if that has no server and another one is picked meanwhile, to that one.
-
-    Raises:
-        Conflict: `stopped`: a stop was requested meanwhile.
-    """
-    action = await robot_actions.find(verb, robot, grant)
-    audited(request, action_name=action.name, robot=parent_of(action.name))
-    wait, key = read_wait(request), read_own_key(request)
-    body = await read_json(request, empty=action.default_request)
-    stops = action.delivery.stops
-    try:
-        goal = await action.submitter.submit(action.parse_request(body), key)
-    except Unavailable:
-        if action.on_graph or (other := await robot_actions.find(verb, robot, grant)) is action:
-            raise
-        action.delivery.require_no_stop_since(stops)
-        action = other
-        goal = await action.submitter.submit(action.parse_request(body), key)
-        audited(request, action_name=action.name)
-    return await answer_sent(request, action, goal, f"/{verb}", wait)
-
-
 async def find_goal(goals: Goals, verb: Verb, goal_id: str) -> GoalRecord:
     """Return a goal that docks or undocks a robot.
 
@@ -141,12 +117,18 @@ def goal_routes(operations: Operations) -> APIRouter:
         openapi_extra={**operations.body, "parameters": HEADERS},
         dependencies=[Depends(known_query("robot"))],
     )
-    @operation(Role.AGENT, operations.scope, sends_goal=True)
-    async def send_goal(
-        request: Request, robot_actions: Part[RobotActions], grant: TheGrant, robot: RobotQuery = None
+    @carries_out(send_goal, operations.scope)
+    async def send_docking_goal(
+        request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
     ) -> Response:
-        with robot_actions.hinting(robot, grant):
-            return await send_docking_goal(request, robot_actions, verb, robot, grant)
+        wait, key = read_wait(request), read_own_key(request)
+
+        async def read(action: Action) -> Any:
+            audited(request, action_name=action.name, robot=parent_of(action.name))
+            return action.parse_request(await read_json(request, empty=action.default_request))
+
+        action, goal = await send_goal(parts, principal, SendGoal(read, verb=verb, robot=robot, key=key))
+        return await answer_sent(request, action, goal, path, wait)
 
     @router.get(
         "",
@@ -188,11 +170,14 @@ def goal_routes(operations: Operations) -> APIRouter:
         response_model=Goal,
         responses=problems(404, 409, 422, 503, 504),
     )
-    @operation(Role.AGENT, Scope.GOAL)
-    async def cancel_goal(goal_id: GoalId, goals: Part[Goals], actions: Part[ActionRegistry]) -> Response:
+    @carries_out(cancel_goal)
+    async def cancel_docking_goal(
+        goal_id: GoalId, goals: Part[Goals], parts: AllParts, principal: ThePrincipal
+    ) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
         await find_goal(goals, verb, goal_id)
-        return goal_response(await request_cancel(goals, actions, goal_id), f"{path}/{goal_id}", 202)
+        goal = await cancel_goal(parts, principal, CancelGoal(goal_id))
+        return goal_response(goal, f"{path}/{goal_id}", 202)
 
     return router
 

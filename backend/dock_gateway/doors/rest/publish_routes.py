@@ -5,20 +5,19 @@ from typing import Any
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import encode, fragment
 from dock_gateway.core.grant import Role
+from dock_gateway.doors.rest.service_routes import TypeQuery, describe_use, message_schema
 from dock_gateway.graph.call_schema import PublishedMessage, TopicInfo
 from dock_gateway.graph.publishing import Publishing
-from dock_gateway.graph.service_routes import TypeQuery, describe_use, message_schema
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import TheGrant, ThePrincipal
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import GraphName, json_response, known_query, read_body, read_json
+from dock_gateway.operations.topics import Publish, publish
 
 router = APIRouter(tags=["Topics"], prefix="/topics", dependencies=[Depends(known_query("type"))])
 
@@ -52,12 +51,12 @@ async def get_topic_message(
     responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
     openapi_extra=body({"type": "object", "description": "The message's own fields"}, required=True),
 )
-@operation(Role.OPERATOR, Scope.PUBLISHING)
+@carries_out(publish)
 async def publish_message(
     topic: GraphName,
     request: Request,
-    publishing: Part[Publishing],
-    grant: TheGrant,
+    parts: AllParts,
+    principal: ThePrincipal,
     *,
     type_name: TypeQuery = None,
 ) -> Response:
@@ -66,9 +65,8 @@ async def publish_message(
     `type` is needed only on a topic where no one is yet, or one with several types.
     """
     name = f"/{topic}"
-    audited(request, subject=name, robot=parent_of(name))
     fields = await read_json(request)
-    published = await publishing.publish(name, fields, type_name=type_name, grant=grant)
+    published = await publish(parts, principal, Publish(name, fields, type_name))
     message = await published.encode(len(await read_body(request)))
     return Response(
         encode(

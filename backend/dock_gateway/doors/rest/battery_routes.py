@@ -6,18 +6,20 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
-from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import moment, nanoseconds, utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.openapi import battery_body, body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import TheGrant, ThePrincipal
 from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import RobotQuery, json_response, known_query, read_json, read_object
+from dock_gateway.operations import battery as operations
+from dock_gateway.operations.battery import MAX_RATE, MIN_RATE, USUAL_RATE
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import BatteryAnswer, BatteryHistory, Published, Publisher
 from dock_gateway.settings import Settings
@@ -29,7 +31,6 @@ router = APIRouter(tags=["Battery"])
 ROBOT_ONLY = Depends(known_query("robot"))
 DEFAULT_SPAN = timedelta(minutes=5)
 MIN_STEP = 1_000  # nanoseconds; the API gives times in microseconds
-MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 100.0, 1.0
 # Topics with batteries that are named, if that of a robot has none.
 MAX_TOPICS = 20
 PUBLISHER_REQUEST = {
@@ -48,18 +49,6 @@ PUBLISHER_REQUEST = {
 }
 
 
-def read_rate(value: object) -> float:
-    """Return a publishing rate, in messages per second.
-
-    Raises:
-        InvalidField: The value is not a number in range.
-    """
-    if not isinstance(value, int | float) or isinstance(value, bool) or not MIN_RATE <= value <= MAX_RATE:
-        expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
-        raise InvalidField([FieldError("rate_hz", expected, got(value))])
-    return float(value)
-
-
 @router.get("/battery", response_model=BatteryAnswer, responses=problems(404, 422, 503), dependencies=[ROBOT_ONLY])
 @operation(Role.VIEWER, Scope.ROBOT)
 async def get_battery(robots: Part[RobotRegistry], grant: TheGrant, robot: RobotQuery = None) -> Response:
@@ -76,10 +65,13 @@ async def get_battery(robots: Part[RobotRegistry], grant: TheGrant, robot: Robot
     openapi_extra=battery_body(required=True),
     dependencies=[ROBOT_ONLY],
 )
-@operation(Role.SUPERVISOR, Scope.ROBOT)
-async def publish_battery(request: Request, robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
+@carries_out(operations.publish_battery)
+async def publish_battery(
+    request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
+) -> Response:
     """Publish one battery state. Omitted float fields are NaN."""
-    state = await robots.get(robot).publisher.publish(await read_json(request))
+    order = operations.PublishBattery(await read_json(request), robot)
+    state = await operations.publish_battery(parts, principal, order)
     return json_response({"state": fragment(state)})
 
 
@@ -97,22 +89,23 @@ async def get_publisher(robots: Part[RobotRegistry], robot: RobotQuery = None) -
     openapi_extra=body(PUBLISHER_REQUEST, required=True),
     dependencies=[ROBOT_ONLY],
 )
-@operation(Role.SUPERVISOR, Scope.ROBOT)
-async def start_publisher(request: Request, robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
+@carries_out(operations.start_publishing)
+async def start_publisher(
+    request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
+) -> Response:
     """Start publishing a battery state repeatedly. Replaces what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
     if "state" not in fields:
         raise InvalidField([FieldError("state", "an object, {} for the defaults", "got none")])
-    rate_hz = read_rate(fields.get("rate_hz", USUAL_RATE))
-    await robots.get(robot).publisher.start(fields["state"], rate_hz)
-    return json_response(robots.get(robot).publisher.document())
+    order = operations.StartPublishing(**fields, robot=robot)
+    return json_response((await operations.start_publishing(parts, principal, order)).document())
 
 
 @router.delete("/battery/publisher", status_code=204, responses=problems(404, 422), dependencies=[ROBOT_ONLY])
-@operation(Role.SUPERVISOR, Scope.ROBOT)
-async def stop_publisher(robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
+@carries_out(operations.stop_publishing)
+async def stop_publisher(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Response:
     """Stop publishing."""
-    await robots.get(robot).publisher.stop()
+    await operations.stop_publishing(parts, principal, robot)
     return Response(status_code=204)
 
 

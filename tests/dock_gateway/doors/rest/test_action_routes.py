@@ -6,27 +6,31 @@ from unittest.mock import AsyncMock
 
 import pytest
 
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.goals.action_routes import send_action_goal
+from dock_gateway.doors.rest.action_routes import send_action_goal
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
 from tests.support.history import make_goal
 from tests.support.requests import request
 
 
-def actions(action: Any) -> Any:
-    """A registry with one action."""
+def having(action: Any) -> Parts:
+    """A gateway with one action."""
 
     async def find(name: str) -> Any:
         assert name == action.name
         return action
 
-    return SimpleNamespace(find=find)
+    actions: Any = SimpleNamespace(find=find)
+    return Parts({ActionRegistry: actions})
 
 
 async def test_no_goal_is_sent_for_an_empty_body() -> None:
     action: Any = SimpleNamespace(name="/fibonacci", read_goal=AsyncMock(side_effect=lambda value: value))
     with pytest.raises(InvalidField):
-        await send_action_goal("fibonacci", request(b""), actions(action))
+        await send_action_goal("fibonacci", request(b""), having(action), ANYBODY)
 
 
 async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted() -> None:
@@ -51,7 +55,7 @@ async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted()
     )
     asked = request(b"{}", [(b"prefer", b"wait=30")])
     asked.scope["audit"].record = record
-    await send_action_goal("robot1/spin", asked, actions(action))
+    await send_action_goal("robot1/spin", asked, having(action), ANYBODY)
     assert recorded == [202, 0]
     assert asked.scope["audit"].fields == {
         "robot": "/robot1",

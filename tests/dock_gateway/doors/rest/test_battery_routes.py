@@ -6,7 +6,7 @@ import pytest
 
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.event import moment
-from dock_gateway.robots.battery_routes import describe, divide, short
+from dock_gateway.doors.rest.battery_routes import describe, divide, short
 from dock_gateway.storage.battery import Bucket, Tally
 
 NOW = datetime(2026, 11, 21, 3, 32, 40, 123456, tzinfo=UTC)

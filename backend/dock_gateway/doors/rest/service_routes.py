@@ -6,19 +6,18 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
-from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import GatewayError, NotAllowed
-from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import encode, fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.graph.call_schema import ServiceAnswer, ServiceInfo
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.principal import TheGrant, ThePrincipal
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import GraphName, json_response, known_query, read_json
+from dock_gateway.operations import services
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.schema import DIALECT
 from dock_gateway.ros.messages.types import MessageClass
@@ -53,22 +52,22 @@ def message_schema(message_class: MessageClass, *, complete: bool) -> dict[str, 
 )
 @operation(Role.VIEWER, Scope.PLACE)
 async def get_service(
-    service: GraphName, services: Part[ServiceCalls], grant: TheGrant, *, type_name: TypeQuery = None
+    service: GraphName, calls: Part[ServiceCalls], grant: TheGrant, *, type_name: TypeQuery = None
 ) -> Response:
     """Return the type of a service, the JSON Schema of its request and response, and whether it may be called."""
-    found = await services.find(f"/{service}", type_name, grant)
+    found = await calls.find(f"/{service}", type_name, grant)
     document: dict[str, Any] = {
         "service": found.name,
         "type": found.type,
         "types": found.types,
         "reads": found.reads,
         "hint": None,
-        "call": describe_use(lambda: services.require_allowed(found)),
+        "call": describe_use(lambda: calls.require_allowed(found)),
         "request": None,
         "response": None,
     }
     try:
-        kind = await services.load(found)
+        kind = await calls.load(found)
     except GatewayError as error:
         document["hint"] = error.detail
     else:
@@ -84,12 +83,12 @@ async def get_service(
     openapi_extra=body({"type": "object", "description": "The request's own fields"}, required=True),
     dependencies=[Depends(known_query("type", "timeout"))],
 )
-@operation(Role.OPERATOR, Scope.SERVICE)
+@carries_out(services.call_service)
 async def call_service(
     service: GraphName,
     request: Request,
-    services: Part[ServiceCalls],
-    grant: TheGrant,
+    parts: AllParts,
+    principal: ThePrincipal,
     *,
     type_name: TypeQuery = None,
     timeout: TimeoutQuery = 5.0,
@@ -99,10 +98,10 @@ async def call_service(
     A response that does not come in time is not the end of the call: the service may still carry it out.
     """
     name = f"/{service}"
-    audited(request, subject=name, robot=parent_of(name))
     fields = await read_json(request)
-    called = await services.call(name, fields, type_name=type_name, timeout=timeout, grant=grant)
+    answer = await services.call_service(parts, principal, services.CallService(name, fields, type_name, timeout))
+    response = await parts[ServiceCalls].encode(name, answer)
     return Response(
-        encode({"service": name, "type": called.type, "response": fragment(called.response)}),
+        encode({"service": name, "type": answer.type, "response": fragment(response)}),
         media_type="application/json",
     )

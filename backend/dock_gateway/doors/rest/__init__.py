@@ -1,0 +1,1 @@
+"""The REST API of the operations that other doors have, too."""

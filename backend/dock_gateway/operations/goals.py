@@ -1,0 +1,100 @@
+"""Goals of any action: they are sent and canceled."""
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.goal import Goal, Verb
+from dock_gateway.core.grant import Role
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.cancellation import require_unfinished
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Parts
+
+
+@dataclass(frozen=True)
+class SendGoal:
+    """A goal to send.
+
+    Attributes:
+        read: Returns the goal message for the action.
+        action: Absolute name of the action; None: the one that docks or undocks the robot.
+        verb: Which of them.
+        robot: The robot; None: the configured one.
+        key: The idempotency key as it is stored for who sends the goal; None: each goal is another one.
+    """
+
+    read: Callable[[Action], Awaitable[Any]]
+    action: str | None = None
+    verb: Verb = "dock"
+    robot: str | None = None
+    key: str | None = None
+
+
+@operation(Role.AGENT, Scope.NEW_GOAL, sends_goal=True)
+async def send_goal(parts: Parts, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
+    """Send a goal to an action. Return the action and the goal, which has been accepted.
+
+    Raises:
+        GatewayError: There is no such action, the goal is not one of it, may not be sent, or was not accepted.
+    """
+    if order.action is not None:
+        action = await parts[ActionRegistry].find(order.action)
+        return action, await _submit(action, order)
+    with parts[RobotActions].hinting(order.robot, principal.grant):
+        return await _send_docking_goal(parts[RobotActions], principal, order)
+
+
+async def _send_docking_goal(robot_actions: RobotActions, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
+    """Send a goal to a robot's action or, if that has no server and another one is picked meanwhile, to that one.
+
+    Raises:
+        Conflict: `stopped`: a stop was requested meanwhile.
+    """
+    action = await robot_actions.find(order.verb, order.robot, principal.grant)
+    stops = action.delivery.stops
+    try:
+        return action, await _submit(action, order)
+    except Unavailable:
+        other = action if action.on_graph else await robot_actions.find(order.verb, order.robot, principal.grant)
+        if other is action:
+            raise
+        action.delivery.require_no_stop_since(stops)
+        return other, await _submit(other, order)
+
+
+async def _submit(action: Action, order: SendGoal) -> Goal:
+    message = await order.read(action)
+    return await action.submitter.submit(message, order.key)
+
+
+@dataclass(frozen=True)
+class CancelGoal:
+    """A goal to cancel, on whichever action it is, whoever sent it; `goal_id` is in its canonical form."""
+
+    goal_id: str
+
+
+@operation(Role.AGENT, Scope.GOAL)
+async def cancel_goal(parts: Parts, _: Principal, order: CancelGoal) -> Goal:
+    """Ask the action server to cancel a goal. Return the goal.
+
+    Raises:
+        NotAuthenticated: The login of who cancels it has ended meanwhile (`invalid_token`).
+        NotFound: There is no such goal, or its action has no server.
+        Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+        Unavailable: The action server is gone.
+        ServerTimeout: The server did not answer in time.
+    """
+    goals = parts[Goals]
+    goal = await goals.get(order.goal_id)
+    require_unfinished(goal)
+    action = await parts[ActionRegistry].find(goal.action_name)
+    goal = await goals.get(order.goal_id)  # it may have returned or ended meanwhile
+    await action.canceler.cancel(goal)
+    return goal

@@ -1,0 +1,58 @@
+"""What several doors have is declared once: a door translates, and carries out an operation."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import dock_gateway
+
+PACKAGE = Path(dock_gateway.__file__).parent
+DOORS = ("agents", "doors", "foxglove", "rosbridge", "streams")
+# Each of these requirements is that of one operation, whatever doors it has.
+DECLARED = {
+    "Role.AGENT, Scope.NEW_GOAL": ["operations/goals.py send_goal"],
+    "Role.AGENT, Scope.GOAL": ["operations/goals.py cancel_goal"],
+    "Role.VIEWER, Scope.ANY, reads_body": ["hub/forwarding.py forward_request", "stop/order.py stops_robots"],
+    "Role.SUPERVISOR, Scope.ROBOTS": ["stop/order.py releases_stop"],
+    "Role.OPERATOR, Scope.SERVICE": ["operations/services.py call_service"],
+    "Role.OPERATOR, Scope.PUBLISHING": ["operations/topics.py advertise", "operations/topics.py publish"],
+    "Role.SUPERVISOR, Scope.NODE": ["operations/parameters.py set_parameters"],
+    "Role.VIEWER, Scope.PLACE": ["doors/rest/service_routes.py get_service", "operations/parameters.py get_parameters"],
+    "Role.SUPERVISOR, Scope.ROBOT": [
+        "operations/battery.py publish_battery",
+        "operations/battery.py start_publishing",
+        "operations/battery.py stop_publishing",
+        "robots/calibration_routes.py calibrate_dock",
+    ],
+}
+
+
+def declarations() -> Iterator[tuple[str, str]]:
+    """Each declaration of an operation in the code: what it needs; its file and name."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        file = path.relative_to(PACKAGE).as_posix()
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                calls: list[ast.expr] = node.decorator_list
+                name = node.name
+            elif isinstance(node, ast.Assign):
+                calls, name = [node.value], ast.unparse(node.targets[0])
+            else:
+                continue
+            for call in calls:
+                if isinstance(call, ast.Call) and ast.unparse(call.func) == "operation":
+                    marks = [each.arg for each in call.keywords if each.arg == "reads_body"]
+                    needs = ", ".join([*(ast.unparse(each) for each in call.args[:2]), *filter(None, marks)])
+                    yield needs.replace("needs.", "").replace("Subject.", "Scope."), f"{file} {name}"
+
+
+@pytest.mark.parametrize("needs", DECLARED)
+def test_an_operation_is_declared_once(needs: str) -> None:
+    assert sorted(where for found, where in declarations() if found == needs) == DECLARED[needs]
+
+
+def test_a_door_declares_only_what_reads() -> None:
+    acts = [where for needs, where in declarations() if where.startswith(DOORS) and "Role.VIEWER" not in needs]
+    assert acts == ["agents/tools.py answer_approval"]
