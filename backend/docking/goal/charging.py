@@ -134,15 +134,13 @@ class ChargeRecord:
         return self._stable_for + 2 * RARE_MESSAGES * silence if self._stable_for else 0.0
 
     def hear(self, at: float, reading: BatteryReading | None, *, charges: bool) -> None:
-        """Take notice of a battery message, or of the pose; of each once.
+        """Take notice of a battery message, or of the pose: to be called once for each.
 
         Args:
             at: When it came.
             reading: The battery message; None where the pose tells it.
             charges: Whether it charges by that.
         """
-        if at == self._heard_at:
-            return
         self._heard_at = at
         if reading is not None:
             self._status, self._current = reading.status, reading.current

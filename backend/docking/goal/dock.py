@@ -1,6 +1,5 @@
 """Docking: reached when the battery charges, and goes on charging."""
 
-import math
 from dataclasses import replace
 
 from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
@@ -82,7 +81,7 @@ class Docking(Objective):
         self._stable_for = timeouts.charge_stable_for
         self._record = ChargeRecord(timeouts.charge_stable_for)
         self._charger = ChargerDoubt()
-        self._read_at = math.nan
+        self._read: tuple[float, int] | None = None
         self._motion = MotionModel()  # for the velocity, measured from poses
         self._deadlines = {
             stage: Deadline(parameter, getattr(timeouts, parameter), error, message)
@@ -125,8 +124,8 @@ class Docking(Objective):
             docked = progress.docked if progress.arrived else self.memory.at if self.memory.docked else None
             charges = stands_docked(robot, docked, self._charging, self._threshold)
             self._record.hear(now, battery, charges=charges)
-        elif battery.received_at != self._read_at:
-            self._read_at = battery.received_at
+        elif (read := (battery.received_at, battery.status)) != self._read:
+            self._read = read
             says = tells_charging(battery, self._charging, self._motion.velocity)
             charges = self._charger.believes(robot, self._motion.velocity, progress.docked, charges=says)
             full = not charges and self._is_full(robot, battery, progress)

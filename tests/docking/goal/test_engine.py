@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from docking.behaviors.turns import Rotate
@@ -177,6 +177,7 @@ def test_the_first_outcome_stays() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 30.0), st.one_of(st.none(), st.integers(0, 255))), min_size=1, max_size=60))
+@example([(0.0, 0), (0.0, 1)])  # in the same instant of a simulated clock
 def test_it_never_moves_on_a_stale_battery_and_never_after_its_end(events: list[tuple[float, int | None]]) -> None:
     goal = make_goal(timeouts(battery_stale_after=2.0, battery_lost_after=20.0, goal_timeout=100.0))
     now, battery, ended = START, None, None
