@@ -19,6 +19,7 @@ BOTH = (DOCK_POSE, INFRARED)
 
 Change = Callable[[Settings, Random], Settings]
 Disturbance = Callable[[Simulation], None]
+Makes = Callable[[Random], Disturbance]
 
 
 def _leave_alone(_random: Random) -> Disturbance:
@@ -218,6 +219,40 @@ def _push_once(random: Random) -> Disturbance:
     return push
 
 
+def _from_a_moment(*faults: Fault, first: float = 0.0, last: float = 0.0, lasts: float = math.inf) -> Makes:
+    """Faults that begin at a random moment, and last for up to some time.
+
+    Args:
+        faults: What is broken from then on.
+        first: The earliest moment, in s.
+        last: The latest one.
+        lasts: How long it lasts at most, in s.
+    """
+
+    def make(random: Random) -> Disturbance:
+        begins = random.uniform(first, last)
+        ends = begins + random.uniform(1.0, max(1.0, lasts)) if lasts < math.inf else math.inf
+
+        def switch(simulation: Simulation) -> None:
+            for fault in faults:
+                simulation.set_fault(fault, begins <= simulation.time < ends)
+
+        return switch
+
+    return make
+
+
+def _held(random: Random) -> Disturbance:
+    """From a random moment on something holds the robot, and odometry goes on to report the commands."""
+    begins = random.uniform(1.0, 20.0)
+
+    def hold(simulation: Simulation) -> None:
+        simulation.set_fault(Fault.OPEN_LOOP_ODOMETRY, True)
+        simulation.halted = simulation.time >= begins
+
+    return hold
+
+
 BEHIND = Region(0.6, 2.5, math.radians(180.0), math.radians(110.0))
 FAR = Region(4.3, 6.0, math.radians(60.0), turned=math.radians(180.0))
 OFF_AXIS = Region(0.6, 2.5, math.radians(105.0), math.radians(77.0), math.radians(180.0))
@@ -248,6 +283,10 @@ ASIDE = (
 OCCUPIED = (
     "No robot docks there: without a scan the robot runs into the other one, at the speed of the way. It comes back to"
     " that place at v_linear_min, and the error says where it was blocked, and how often."
+)
+FROZEN = (
+    "What does not move as the robot drives is not believed: the robot stands still, and the error says so. It docks"
+    " where the fault began after it was on the contacts, or where it ended in time."
 )
 BLINDLY = "The robot backs onto the dock without seeing it; what odometry misjudges shows only at the contact."
 """Why less than 95 % of the goals of a row dock."""
@@ -368,6 +407,41 @@ CASES = (
     Case("camera sees 50° and 1.2 m", (DOCK_POSE,), NARROW, why=UNSEEN),
     Case("camera sees 50° and 1.2 m, pose known", (DOCK_POSE,), NARROW, known=True),
     Case("camera sees 50° and 1.2 m, search_radius 4 m", (DOCK_POSE,), NARROW, search_radius=4.0, why=SEARCHES),
+    Case("camera frozen from the start", (DOCK_POSE,), disturb=_from_a_moment(Fault.FROZEN_CAMERA), why=FROZEN),
+    Case("camera freezes", (DOCK_POSE,), disturb=_from_a_moment(Fault.FROZEN_CAMERA, first=1.0, last=20.0), why=FROZEN),
+    Case(
+        "camera freezes for 1 to 5 s",
+        (DOCK_POSE,),
+        disturb=_from_a_moment(Fault.FROZEN_CAMERA, first=1.0, last=15.0, lasts=5.0),
+        why=FROZEN,
+    ),
+    Case(
+        "detector extrapolates for 1 to 5 s",
+        (DOCK_POSE,),
+        disturb=_from_a_moment(Fault.EXTRAPOLATING_CAMERA, first=1.0, last=15.0, lasts=5.0),
+        why=FROZEN,
+    ),
+    Case("detections 0.3 s late, wrong stamps", (DOCK_POSE,), _set("marker", delay=0.3, honest_stamps=False)),
+    Case("detections 0.5 s late, wrong stamps", (DOCK_POSE,), disturb=_from_a_moment(Fault.LAGGING_DETECTIONS)),
+    Case("detections 0.8 s late, wrong stamps", (DOCK_POSE,), _set("marker", delay=0.8, honest_stamps=False)),
+    Case("odometry freezes", BOTH, disturb=_from_a_moment(Fault.FROZEN_ODOMETRY, first=1.0, last=20.0), why=FROZEN),
+    Case(
+        "odometry freezes, no velocity",
+        BOTH,
+        _set("odometry", twist=False),
+        disturb=_from_a_moment(Fault.FROZEN_ODOMETRY, first=1.0, last=20.0),
+        why=FROZEN,
+    ),
+    Case("odometry reports commands, robot held", (DOCK_POSE,), disturb=_held, why=FROZEN),
+    Case("beacon frozen from the start", (INFRARED,), disturb=_from_a_moment(Fault.FROZEN_BEACON), why=FROZEN),
+    Case("beacon freezes", (INFRARED,), disturb=_from_a_moment(Fault.FROZEN_BEACON, first=1.0, last=40.0), why=FROZEN),
+    Case(
+        "scan frozen, something in the way",
+        (DOCK_POSE,),
+        disturb=_from_a_moment(Fault.FROZEN_SCAN, Fault.OBSTACLE, first=0.5, last=0.5),
+        search_radius=4.0,
+        why=FROZEN,
+    ),
     Case(
         "all at once, milder",
         (DOCK_POSE,),

@@ -8,6 +8,7 @@ from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import InfraredReading, Observation
 from docking.estimation.beacon_state import UNKNOWN, BeaconState, View
 from docking.estimation.receivers import Change, Sight, find_sector, ranges_of
+from docking.estimation.repetition import RepeatedRanges
 from docking.estimation.track import Track
 from docking.parameters import Receivers
 
@@ -67,6 +68,7 @@ class BeaconFilter:
         seen_at: When the beacon was seen last.
         heard_at: When the last reading that was used was made, whatever it saw.
         count: Readings that saw the beacon.
+        repeated: Whether the receivers repeat a reading: it is not used.
         crossings: Of the edges of its light, the latest ones, in their order.
         edges: On which sides the edge of its light is known: 1 is the right one, as seen from a robot that looks at the
             dock, -1 the left one.
@@ -79,6 +81,7 @@ class BeaconFilter:
         self.count = 0
         self.crossings: deque[Crossing] = deque(maxlen=4)
         self.edges: set[int] = set()
+        self.repeated = RepeatedRanges()
         self._track = Track()
         self._waiting: deque[InfraredReading] = deque()  # until odometry of their moments has arrived
         self._odometry: Pose | None = None
@@ -154,7 +157,11 @@ class BeaconFilter:
         last, self._odometry = self._odometry, odometry.pose
         if self._state is not None and last is not None:
             self._state.move(odometry.pose.relative_to(last))
-        if reading is not None and self._is_new(reading, observation.now):
+        if (
+            reading is not None
+            and self._is_new(reading, observation.now)
+            and not self.repeated.look(reading, odometry.pose)
+        ):
             self._waiting.append(reading)
         while self._waiting and self._waiting[0].stamp <= odometry.stamp:
             reading = self._waiting.popleft()

@@ -13,6 +13,7 @@ from docking.core.observation import MarkerDetection, Observation
 from docking.estimation.flat_marker import FlatMarker
 from docking.estimation.marker_selection import MarkerSelection
 from docking.estimation.poses import difference, median_pose, squared_distance
+from docking.estimation.seen_motion import SeenMotion
 
 POSITION_NOISE = 0.01
 """Standard deviation of a detection, in m, until it has been measured."""
@@ -93,6 +94,7 @@ class DockEstimate:
         period: Seconds between two detections, usually.
         selection: Which detections are of the dock's marker.
         flat: Whether their headings are mirrored.
+        motion: Whether the marker is seen to move as the robot drives.
     """
 
     def __init__(self, memory: float) -> None:
@@ -107,6 +109,7 @@ class DockEstimate:
         self.period = 0.0
         self.selection = MarkerSelection()
         self.flat = FlatMarker()
+        self.motion = SeenMotion()
         self._memory = memory
         self._newest = -math.inf
         self._at_newest: list[Pose] = []  # detections with that stamp
@@ -164,6 +167,7 @@ class DockEstimate:
         if odometry is None or not odometry.pose.finite:
             return
         self._predict(odometry.pose, observation.now)
+        self.motion.drive(odometry.stamp, odometry.pose)
         for marker in (*observation.other_markers, observation.marker):
             if marker is not None and self._is_new(marker, odometry.pose, observation.now):
                 self._take(marker, odometry.pose)
@@ -184,10 +188,14 @@ class DockEstimate:
         return True
 
     def _take(self, marker: MarkerDetection, robot: Pose) -> None:
-        if not self.selection.takes(marker.pose, robot, self.pose):
+        placed = self.motion.place(marker.pose, marker.stamp)
+        if not self.selection.takes(placed, robot, self.pose):
+            return
+        if not self.motion.believes(marker.pose, marker.stamp):
+            self.forget()
             return
         self._learn_period(marker.stamp)
-        self.raw, changed = self.flat.correct(marker.pose, marker.camera or robot, robot, self.pose)
+        self.raw, changed = self.flat.correct(placed, marker.camera or robot, robot, self.pose)
         if changed:
             self._start_again()
         if self._state is None:

@@ -176,9 +176,8 @@ class Goal:
                 if not self._detector.is_on(dt):
                     return self._command(self._rest())
                 self._detector = None
-            self._plan.observe(observation)
-            if note := self._plan.poses.note:
-                self.doubts.note("marker", note)
+            if doubt := self._observe(observation):
+                return self._wait(self._stage, self._plan.lost.error_code, f"{doubt}: the robot waits", dt)
             # Where the robot will be when a command that is given now takes effect.
             ahead = observation if watch is None else watch.ahead(observation)
             if obstacles is not None and not obstacles.look(ahead, self._plan.poses.filtered_dock, dt):
@@ -192,6 +191,18 @@ class Goal:
         if velocity != STANDSTILL:
             self._objective.memory.moves()
         return self._command(velocity)
+
+    def _observe(self, observation: Observation) -> str:
+        """Let the plan take notice; return why the robot must not move, as a sentence, empty if it may.
+
+        Raises:
+            DockingError: What is seen cannot be.
+        """
+        self._plan.observe(observation)
+        poses = self._plan.poses
+        if poses.note:
+            self.doubts.note("marker", poses.note)
+        return poses.doubt
 
     def _move(self, observation: Observation, ahead: Observation, dt: float) -> Velocity:
         """Let the controller say what to do, and keep the limits.

@@ -9,6 +9,7 @@ from docking.core.footprint import Footprint
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.estimation.clearance import Clearance
+from docking.estimation.repetition import RepeatedScan
 from docking.estimation.scan import place
 from docking.parameters import CollisionSettings, ServerSettings
 from robot_io.laser import NOWHERE, Points
@@ -50,6 +51,7 @@ class ObstacleWatch:
         self._clearance = Clearance(outline, settings.obstacle_margin)
         self._points = self._around = NOWHERE
         self._hides_dock = False
+        self._repeated = RepeatedScan()
         self._blocked: Velocity | None = None  # what could not be commanded
         self._clear_for = 0.0
         self._waited_for = 0.0
@@ -77,11 +79,15 @@ class ObstacleWatch:
         """
         scan, odometry = observation.scan, observation.odometry
         self.lost = scan is None or observation.now - scan.stamp > self._settings.scan_timeout
+        repeats = scan is not None and odometry is not None and self._repeated.look(scan, odometry.pose)
+        self.lost |= repeats
         if scan is not None and odometry is not None:
             self._see(scan.points, odometry.pose, docked)
         self.reason = ""
         if scan is None and self._waited_for > STARTING:
             self.reason = "no scan received yet: the robot waits"
+        elif repeats:
+            self.reason = "the scan stays the same although the robot moves: the robot waits"
         elif scan is not None and self.lost:
             self.reason = f"no scan for over {self._settings.scan_timeout:g} s (scan_timeout): the robot waits"
         elif not self.lost and not self._is_clear(dt):

@@ -8,6 +8,7 @@ from docking.core.observation import STANDSTILL, Velocity
 from docking.estimation.motion_model import AT_REST, MotionModel
 from docking.goal.hits import Hits
 from docking.goal.plan import KnownPoses
+from docking.goal.recent_poses import RecentPoses
 from docking.parameters import MotionLimits
 from docking.parameters.limits import RESERVE, braked
 
@@ -33,6 +34,8 @@ class Pace:
       zone is learned there: a base that stands may stand against the dock.
     - A base that is known to move only at more than `v_linear_min` and `AT_DOCK` stops before its dock.
     - So the robot starts slowly, once the dock is known, until it is seen to move: that tells the dead zone.
+    - It stays slow until the marker was seen to move as the robot drives. That may end: so it slows down before the
+      nearest place where the dock was believed to be a moment ago.
     - A robot that stands although it is to drive is blocked, or odometry says so wrongly: it drives slowly, too.
     - Backwards it is not faster than `v_linear_back`, whatever moves it, unless a scan shows that the way is free.
     """
@@ -51,6 +54,7 @@ class Pace:
         self._radius = slowdown_radius
         self._stands = True
         self._beginning = False
+        self._recent = RecentPoses()
 
     def next(
         self,
@@ -86,16 +90,15 @@ class Pace:
                 f" {most_at_dock:.2f} m/s at most: set v_linear_min (now {self._limits.v_linear_min:g}) to the lowest"
                 " speed at which it moves, if it and the dock bear that"
             )
-        begins = self._begins(desired, poses, model)
+        self._recent.add(robot, poses)
+        unproven = poses.filtered_dock is not None and not poses.proven
+        begins = self._begins(desired, poses, model) or unproven
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf
 
         def most_at(linear: float) -> float:
             """The highest speed, in m/s, on a way that begins with this velocity."""
-            dock, hit = (
-                self._distance(robot, poses, model, linear),
-                self._hits.distance(robot, model.unseen.way, linear),
-            )
+            dock, hit = self._nearest(robot, poses, model, linear), self._hits.distance(robot, model.unseen.way, linear)
             return min(first, self._near_dock(dock, sure), self._near_dock(hit + self._radius, slowest))
 
         velocity = self._limiter.limit(_slowed(desired, most_at(desired.linear_x)), dt, model.dead_zone)
@@ -123,6 +126,11 @@ class Pace:
         elif model.moves_at < math.inf:
             self._beginning = False
         return self._beginning
+
+    def _nearest(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
+        """The same as `_distance`, wherever the dock was believed to be, and however late it is seen."""
+        nearest = min((self._distance(robot, one, model, linear) for one in self._recent), default=math.inf)
+        return max(0.0, nearest - poses.late * abs(model.velocity.linear_x))
 
     def _near_dock(self, left: float, slowest: float) -> float:
         """The highest speed, in m/s, where the dock may be so near, in m."""

@@ -27,6 +27,9 @@ class KnownPoses:
         turn: How far the marker is taken to be turned on its dock, in rad.
         uncertainty: How far the docked pose may be off without anyone knowing, in m: the robot drives slowly sooner.
         pushes: Whether the robot is to push against the dock, where its wheels may stand.
+        doubt: Why the robot must stand still, as what is seen does not move as it drives; empty if it may drive.
+        proven: Whether what is seen has moved as the robot drove, or nothing is seen now; if not, it drives slowly.
+        late: How much older than known the detections may be, in s.
     """
 
     dock: Pose | None = None
@@ -37,6 +40,9 @@ class KnownPoses:
     turn: float = 0.0
     pushes: bool = False
     uncertainty: float = 0.0
+    doubt: str = ""
+    proven: bool = True
+    late: float = 0.0
 
 
 class NothingLeftToTry(FailedToControl):

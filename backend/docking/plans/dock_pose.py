@@ -34,8 +34,20 @@ TURNS = (0.0, math.radians(3.5), math.radians(-3.5))
 
 If the marker is not turned, each of them still leads onto the contacts.
 """
+MOST_DOUBTS = 3
+"""How often the marker may not move as the robot drives, before the goal is given up."""
+DOUBTED_FOR = 6.0
+"""How long the robot waits for another image then, in s."""
+WORTH_A_NOTE = 0.2
+"""The lag of detections, in s, from which it is noted."""
 MEMORY = 1.0
 """How old a detection may be, in s, to be used at all."""
+
+
+class MarkerDoubted(LostMarker):
+    """The marker does not move as the robot drives: to drive on or back would be blind."""
+
+    worth_a_retry = False
 
 
 class DockPosePlan(SightedPlan):
@@ -55,6 +67,7 @@ class DockPosePlan(SightedPlan):
         self._last_marker: Pose | None = None  # where it was before the robot began to look for it again
         self._looks: Search | None = None
         self._turns = sorted(TURNS, key=lambda turn: turn != settings.last_turn)  # the last one first
+        self._observed_at = self._doubted_since = math.inf
         self._turn = 0  # which one of them is tried
         self._waits = self._charged = False
         self._dock_charges = settings.charging.charges
@@ -73,6 +86,9 @@ class DockPosePlan(SightedPlan):
             self.explores,
             self._turns[self._turn],
             self.pushes,
+            doubt=self.marker.motion.doubt,
+            proven=self.marker.motion.proven or not self._sees(self._observed_at),
+            late=self.marker.motion.latest - self.marker.motion.lag,
         )
 
     @property
@@ -134,14 +150,19 @@ class DockPosePlan(SightedPlan):
 
         Raises:
             FailedToDetectDock: Nothing tells which of two markers is the dock's.
+            MarkerDoubted: The marker does not move as the robot drives.
         """
+        if self.pushes:
+            self.marker.motion.begin()  # wheels that push may slip
         super().observe(observation)
+        self._observed_at = observation.now
         self._charged |= observation.battery is not None and observation.battery.connected
         if self.marker.pose is None:
             self._expect()
         self.marker.update(self._camera.correct(observation))
         if self._missed:
             self._camera.add(self.marker.raw, self.marker.noticed_at, self._robot)
+        self._watch_motion(observation.now)
         self._prefer_last()
         if self.marker.pose is None and (two := self.marker.selection.ambiguous) is not None:
             raise FailedToDetectDock(
@@ -149,6 +170,20 @@ class DockPosePlan(SightedPlan):
                 " one is the dock's: give the dock a pose in the database, with tf from its frame to odometry's, or let"
                 " the detector publish the dock's marker alone"
             )
+
+    def _watch_motion(self, now: float) -> None:
+        """Give the goal up where the marker does not move as the robot drives, and no other image comes."""
+        motion = self.marker.motion
+        if motion.lag >= WORTH_A_NOTE:
+            self.doubts.note("lag", f"detections are about {motion.lag:.1f} s older than their stamps")
+        if not motion.doubt:
+            self._doubted_since = math.inf
+            return
+        if self._doubted_since == math.inf:
+            self._doubted_since = now
+            self.doubts.count("seen motion", motion.doubt)
+        if motion.doubts > MOST_DOUBTS or now - self._doubted_since > max(DOUBTED_FOR, self._detection_timeout):
+            raise MarkerDoubted(motion.doubt)
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""

@@ -82,9 +82,8 @@ class InfraredPlan(SightedPlan):
         self._observed_at = observation.now
         silent = observation.now - max(self.beacon.heard_at, self._listens_since)
         if self._needed and silent > self._detection_timeout:
-            raise InfraredLost(
-                f"the receivers were silent for {self._detection_timeout:g} s (external_detection_timeout)"
-            )
+            what = "repeated one reading, although the robot moves," if self.beacon.repeated.repeats else "were silent"
+            raise InfraredLost(f"the receivers {what} for {self._detection_timeout:g} s (external_detection_timeout)")
         had_axis, self._has_axis = self._has_axis, self.beacon.axis is not None
         if had_axis and not self._has_axis and self._needed:
             raise InfraredLost("the beacon is not where it was")

@@ -130,6 +130,11 @@ class Robot:
         return Velocity(self.linear, self.angular, self.lateral)
 
     @property
+    def commanded(self) -> Velocity:
+        """The velocity that a base which carries out its commands has."""
+        return Velocity(*self._target())
+
+    @property
     def radius(self) -> float:
         """Of the body, in m."""
         return self._settings.radius

@@ -35,6 +35,7 @@ from docking.simulation.faults import (
     GHOSTS,
     IN_THE_WAY,
     JUMP,
+    LAGGING,
     LATE,
     LOST,
     ON_THE_DOCK,
@@ -44,12 +45,13 @@ from docking.simulation.faults import (
     Fault,
 )
 from docking.simulation.infrared import InfraredReceivers
-from docking.simulation.laser import ANGLE_MIN, LaserScanner
+from docking.simulation.laser import ANGLE_MIN, Distances, LaserScanner
 from docking.simulation.localization import Localization
 from docking.simulation.marker import MarkerCamera, camera_mount
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, Repeater
 from docking.simulation.readings import LaserScan, Sighting
+from docking.simulation.repeating import DetectorFaults, Freezer
 from docking.simulation.robot import Robot
 from docking.simulation.settings import Settings
 from robot_io.laser import points_of
@@ -128,6 +130,10 @@ class Simulation:
         self.track = Track()
         self.reading: tuple[float, Odometry] | None = None
         self._repeater = Repeater()
+        self._detector_faults = DetectorFaults()
+        self._frozen_ranges: Freezer[InfraredReading] = Freezer()
+        self._frozen_scan: Freezer[Distances] = Freezer()
+        self._frozen_odometry: Freezer[Odometry] = Freezer()
         self.detections: tuple[tuple[float, Pose], ...] = ()
         self.sightings: tuple[Sighting, ...] = ()
         self.ranges: tuple[float, InfraredReading] | None = None
@@ -160,7 +166,7 @@ class Simulation:
             goes_on=Fault.NO_COMMAND_TIMEOUT in self.faults,
         )
         self._collide()
-        self.odometry.step(robot.left, robot.right, robot.side)
+        self.odometry.step(*self._wheel_ways(dt))
         self._feed(dt)
         self._sense()
 
@@ -277,7 +283,8 @@ class Simulation:
     @property
     def odometry_velocity(self) -> Velocity:
         """As the wheels seem to turn, in base_link; 0 if odometry has no velocity."""
-        return self.odometry.velocity(self.robot.velocity) if self.settings.odometry.twist else STANDSTILL
+        wheels = self.robot.commanded if Fault.OPEN_LOOP_ODOMETRY in self.faults else self.robot.velocity
+        return self.odometry.velocity(wheels) if self.settings.odometry.twist else STANDSTILL
 
     def observe(self, now: float | None = None) -> Observation:
         """Return the observation of a docking node that has received all topics.
@@ -319,6 +326,15 @@ class Simulation:
 
     # How it goes on.
 
+    def _wheel_ways(self, dt: float) -> tuple[float, float, float]:
+        """What odometry takes the wheels to have turned, in m: the left one, the right one, and to the left."""
+        robot = self.robot
+        if Fault.OPEN_LOOP_ODOMETRY not in self.faults:
+            return robot.left, robot.right, robot.side
+        commanded = robot.commanded
+        half = 0.5 * self.settings.robot.wheel_separation * commanded.angular_z
+        return (commanded.linear_x - half) * dt, (commanded.linear_x + half) * dt, 0.0
+
     def _collide(self, *, driven: bool = True) -> None:
         self._collisions.look(self.robot, self.obstacles, self.time, driven=driven)
 
@@ -353,6 +369,7 @@ class Simulation:
         if self.scanning and now >= self._scan_due:
             self._scan_due = self.time + 1.0 / self.settings.laser.rate
             distances = self._scanner.scan(self.robot.pose, self.dock, self.obstacles, self.settings.room)
+            distances = self._frozen_scan.pass_on(distances, frozen=Fault.FROZEN_SCAN in self.faults)
             self.scan = LaserScan(distances, self.odometry.pose, self.time)
         if now >= self._measurement_due:
             self._measurement_due += 1.0 / self.settings.battery.battery_rate
@@ -364,6 +381,8 @@ class Simulation:
         arrives_at = now + settings.delay
         stamp = (now if settings.honest_stamps else arrives_at) + settings.stamp_offset
         reading = Odometry(self.odometry.pose, self.odometry_velocity, arrives_at)
+        frozen = self._frozen_odometry.pass_on(reading, frozen=Fault.FROZEN_ODOMETRY in self.faults)
+        reading = replace(frozen, stamp=arrives_at)
         faulty = REPEATING if Fault.REPEATED_ODOMETRY in self.faults else settings
         self._readings.send(self._repeater.pass_on(stamp, reading, now, faulty), arrives_at)
         for arrived in self._readings.arrived(now):
@@ -383,9 +402,18 @@ class Simulation:
         ]
         if settings.second_y != 0.0:
             seen.append(self._second.look(robot.relative_to(Pose(y=settings.second_y)), self.time))
-        if markers := [marker for marker in seen if marker is not None]:
-            arrives_at = self.time + settings.delay
-            stamp = (self.time if settings.honest_stamps else arrives_at) + settings.stamp_offset
+        markers = self._detector_faults.pass_on(
+            [marker for marker in seen if marker is not None],
+            self.time,
+            self.robot.velocity,
+            frozen=Fault.FROZEN_CAMERA in self.faults,
+            extrapolates=Fault.EXTRAPOLATING_CAMERA in self.faults,
+        )
+        if markers:
+            lagging = Fault.LAGGING_DETECTIONS in self.faults
+            arrives_at = self.time + settings.delay + (LAGGING if lagging else 0.0)
+            honest = settings.honest_stamps and not lagging
+            stamp = (self.time if honest else arrives_at) + settings.stamp_offset
             stamp += AHEAD if Fault.FUTURE_DETECTIONS in self.faults else 0.0
             self._detections.send((stamp, markers), arrives_at)
 
@@ -407,7 +435,9 @@ class Simulation:
             hidden=Fault.HIDDEN_BEACON in self.faults,
             ghosts=GHOSTS if Fault.INFRARED_GHOSTS in self.faults else 0.0,
         )
-        self.ranges = self.time, InfraredReading(*ranges, self.track.arrival(self.time, self.time))
+        measured = InfraredReading(*ranges, 0.0)
+        reading = self._frozen_ranges.pass_on(measured, frozen=Fault.FROZEN_BEACON in self.faults)
+        self.ranges = self.time, replace(reading, stamp=self.track.arrival(self.time, self.time))
 
     def _measure_battery(self) -> None:
         if Fault.SILENT_BATTERY in self.faults:

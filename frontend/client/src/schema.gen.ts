@@ -13138,7 +13138,7 @@ export interface operations {
             header?: never;
             path: {
                 /** @description What breaks */
-                fault: "dead_charger" | "flickering_charge" | "dirty_contacts" | "occluded_marker" | "stuck_wheel" | "late_commands" | "lost_commands" | "no_command_timeout" | "worn_wheel" | "wrong_detections" | "future_detections" | "repeated_odometry" | "localization_jumps" | "obstacle" | "occupied_dock" | "hidden_beacon" | "infrared_ghosts" | "silent_battery" | "percentage_0_to_100";
+                fault: "dead_charger" | "flickering_charge" | "dirty_contacts" | "occluded_marker" | "stuck_wheel" | "late_commands" | "lost_commands" | "no_command_timeout" | "worn_wheel" | "wrong_detections" | "future_detections" | "lagging_detections" | "frozen_camera" | "extrapolating_camera" | "repeated_odometry" | "localization_jumps" | "frozen_odometry" | "open_loop_odometry" | "obstacle" | "occupied_dock" | "hidden_beacon" | "frozen_beacon" | "frozen_scan" | "infrared_ghosts" | "silent_battery" | "percentage_0_to_100";
             };
             cookie?: never;
         };

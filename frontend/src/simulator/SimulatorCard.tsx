@@ -216,6 +216,21 @@ const FAULTS: readonly FaultWords[] = [
     effect: "The camera's clock is 0.5 s ahead: docking cannot use its detections, and says so.",
   },
   {
+    fault: "lagging_detections",
+    name: "Lagging detections",
+    effect: "Detections come 0.5 s late, stamped on arrival: docking finds out how late.",
+  },
+  {
+    fault: "frozen_camera",
+    name: "Frozen camera",
+    effect: "The detector repeats its last image: the robot stops, waits, and gives up.",
+  },
+  {
+    fault: "extrapolating_camera",
+    name: "Extrapolating camera",
+    effect: "The detector goes on with the marker's last motion: the robot stops.",
+  },
+  {
     fault: "repeated_odometry",
     name: "Repeated odometry",
     effect: "Odometry repeats itself for half a second in each three: docking takes that for silence.",
@@ -225,6 +240,16 @@ const FAULTS: readonly FaultWords[] = [
     name: "Localization jumps",
     effect:
       "The pose on the map jumps by 5 to 20 cm: docking without a marker stands still until that is over.",
+  },
+  {
+    fault: "frozen_odometry",
+    name: "Frozen odometry",
+    effect: "Odometry repeats its last message: the robot stops, then blocked or odometry_lost.",
+  },
+  {
+    fault: "open_loop_odometry",
+    name: "Open-loop odometry",
+    effect: "Odometry reports commands: where the robot is held, the marker shows it.",
   },
   {
     fault: "obstacle",
@@ -242,6 +267,16 @@ const FAULTS: readonly FaultWords[] = [
     fault: "hidden_beacon",
     name: "Hidden beacon",
     effect: "No infrared receiver sees the beacon: docking by infrared waits, then backs off and retries.",
+  },
+  {
+    fault: "frozen_beacon",
+    name: "Frozen beacon",
+    effect: "The infrared receivers repeat their last reading: the robot stops.",
+  },
+  {
+    fault: "frozen_scan",
+    name: "Frozen scan",
+    effect: "The scanner repeats its last scan: with collision detection, the robot waits.",
   },
   {
     fault: "infrared_ghosts",

@@ -42,7 +42,7 @@ def test_after_one_miss_it_knows_how_far_and_which_side_and_what_to_correct(asid
 
 
 def test_farther_than_5_cm_it_does_not_try_again_by_itself() -> None:
-    outcome, simulation = dock(0.08)
+    outcome, simulation = dock(0.08, seed=2)
     assert (outcome.end, outcome.error_code, simulation.bumps) == (End.ABORTED, ErrorCode.FAILED_TO_CHARGE, 1)
     assert "mm to the left of where tf has it: correct the camera's mounting pose in tf" in outcome.error_msg
 
