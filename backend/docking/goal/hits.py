@@ -7,6 +7,8 @@ from docking.core.geometry import Pose
 
 AROUND = 0.35
 """How far around such a place the robot is slow, in m: what it has run into may be some centimetres nearer."""
+PASSED = 0.05
+"""How far behind the robot such a place is passed, in m: by odometry, what it stands against may be behind it."""
 KEPT_FOR = 600.0
 """Seconds after which such a place is forgotten: what stood there may be gone."""
 MOST = 20
@@ -45,7 +47,7 @@ class Hits:
         nearest = math.inf
         for place, _ in self._places:
             off = place.relative_to(robot)
-            if off.x * linear >= 0.0:
+            if math.copysign(off.x, off.x * linear) > -PASSED:
                 nearest = min(nearest, math.hypot(off.x, off.y))
         return max(0.0, nearest - AROUND - max(0.0, math.copysign(way, way * linear)))
 
