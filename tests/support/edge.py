@@ -16,6 +16,7 @@ from dock_gateway.http.edge.forwarded import ForwardedHeaders
 from dock_gateway.http.edge.options import edge_options
 from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.settings import Settings
+from tests.support.waiting import PATIENCE
 
 HOST = b"Host: localhost\r\n"
 
@@ -59,7 +60,7 @@ class Edge:
                 writer.write(piece)
                 with suppress(OSError):
                     await writer.drain()
-            return await asyncio.wait_for(reader.read(), 10)
+            return await asyncio.wait_for(reader.read(), PATIENCE)
 
 
 @asynccontextmanager
