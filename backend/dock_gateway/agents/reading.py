@@ -11,7 +11,6 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
-from dock_gateway.doors.rest.action_routes import describe
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.goals import Goals
@@ -70,7 +69,7 @@ async def list_actions(parts: Parts, principal: Principal, fields: Fields) -> Fi
     """List the actions on the ROS graph."""
     robot, names = fields.get("robot"), ("action_name", "action_type", "verb", "available", "running_goals", "hint")
     covered = (each for each in parts[ActionRegistry].all() if principal.grant.covers_action(each.name))
-    shown = [describe(action) for action in covered if robot is None or is_under(action.name, robot)]
+    shown = [action.document() for action in covered if robot is None or is_under(action.name, robot)]
     return {"actions": [{name: action[name] for name in names} for action in shown]}
 
 

@@ -117,6 +117,23 @@ class Action:
         """The request that an empty body stands for; None if a body is required."""
         return None if self.adapter is None else self.adapter.default
 
+    def document(self) -> dict[str, Any]:
+        """Return the action as JSON, as in `ActionInfo`."""
+        state = self.watch.state
+        return {
+            "action_name": self.name,
+            "action_type": self.type,
+            "verb": self.verb,
+            "available": state.available,
+            "answering": state.answering,
+            "duplicate": state.duplicate,
+            "installed": True,
+            "hint": self.hint,
+            "running_goals": len(self.tracker.running()),
+            "feedback_dropped": self.feedback_dropped,
+            "unknown_goals_ignored": self.unknown_goals_ignored,
+        }
+
     async def read_goal(self, value: object, path: str = "") -> Any:
         """Return the goal message with these fields. Others have their turn while a large one is read.
 

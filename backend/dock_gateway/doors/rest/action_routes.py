@@ -42,24 +42,6 @@ router = APIRouter(tags=["Actions"], prefix="/actions")
 GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=True)
 
 
-def describe(action: Action) -> dict[str, object]:
-    """Return an action as `/actions` shows it."""
-    state = action.watch.state
-    return {
-        "action_name": action.name,
-        "action_type": action.type,
-        "verb": action.verb,
-        "available": state.available,
-        "answering": state.answering,
-        "duplicate": state.duplicate,
-        "installed": True,
-        "hint": action.hint,
-        "running_goals": len(action.tracker.running()),
-        "feedback_dropped": action.feedback_dropped,
-        "unknown_goals_ignored": action.unknown_goals_ignored,
-    }
-
-
 async def find_goal(goals: Goals, action: Action, goal_id: str) -> Goal:
     """Return a goal of this action.
 
@@ -86,7 +68,7 @@ async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden
     def listed(name: str, verb: Verb | None) -> bool:
         return grant.covers_action(name) and (hidden or verb is not None or not is_hidden(name))
 
-    found = [describe(action) for action in actions.all() if listed(action.name, action.verb)]
+    found = [action.document() for action in actions.all() if listed(action.name, action.verb)]
     missing = [
         {
             "action_name": entry.name,
@@ -184,4 +166,4 @@ async def cancel_action_goal(name: GraphName, goal_id: GoalId, parts: AllParts, 
 @operation(Role.VIEWER, Scope.ACTION)
 async def get_action(name: GraphName, actions: Part[ActionRegistry]) -> Response:
     """Return one action."""
-    return json_response(describe(await actions.find(f"/{name}")))
+    return json_response((await actions.find(f"/{name}")).document())
