@@ -181,7 +181,7 @@ class Buffer:
     """Takes encoded messages, one at a time, and copies only the bytes that are asked for. For one thread.
 
     Attributes:
-        info: About the message: its `source_timestamp` and `received_timestamp` in ns, see `received_at`, and its
+        info: About the message: its `source_timestamp` and `received_timestamp` in ns, see `arrived_at`, and its
             `publisher`, an `endpoint_gid`.
     """
 

@@ -1,4 +1,18 @@
-"""When a message arrived, which may be long before it is handled. Pure."""
+"""When a message arrived, which may be long before it is handled."""
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+
+def arrived_at(info: Mapping[str, Any], now: float | None = None) -> float:
+    """When a message that is handled now was received, in seconds of the clock of `now`.
+
+    Args:
+        info: About the message, as a subscription of rclpy gives it.
+        now: The current time; None is that of the monotonic clock.
+    """
+    return received_at(time.monotonic() if now is None else now, time.time(), info.get("received_timestamp", 0) / 1e9)
 
 
 def received_at(now: float, wall_now: float, received_wall: float) -> float:

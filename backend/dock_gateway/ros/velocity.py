@@ -9,7 +9,6 @@ thread, all else on the ROS thread.
 
 import asyncio
 import logging
-import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -30,7 +29,7 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
 from robot_io.rclpy_private import Buffer, InvalidHandle, RCLError
-from robot_io.reception import received_at
+from robot_io.reception import arrived_at
 from robot_io.velocity import CLASSES, is_motion, twist_of, velocity_message
 from robot_io.velocity_types import PLAIN
 
@@ -279,8 +278,7 @@ class VelocityTopics:
         """
 
         def hear(message: Twist | TwistStamped, info: dict[str, Any]) -> None:
-            arrived_at = received_at(time.monotonic(), time.time(), info["received_timestamp"] / 1e9)
-            on_command(is_motion(message), info["publisher"], arrived_at)
+            on_command(is_motion(message), info["publisher"], arrived_at(info))
 
         return VelocityListener(self._bridge, self, name, hear)
 

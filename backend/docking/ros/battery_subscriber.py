@@ -12,7 +12,7 @@ from sensor_msgs.msg import BatteryState
 from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence
 from docking.ros.clock import control_time
 from robot_io.qos import LATEST
-from robot_io.reception import received_at
+from robot_io.reception import arrived_at
 
 BATTERY_TOPIC = "battery_status"
 SEARCH_PERIOD = 1.0
@@ -77,11 +77,10 @@ class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
         )
 
     def _receive(self, message: BatteryState, info: dict[str, Any]) -> None:
-        received_wall = info.get("received_timestamp", 0) / 1e9
         self._battery.update(
             BatteryReading(
                 status=message.power_supply_status,
-                received_at=received_at(control_time(self), time.time(), received_wall),
+                received_at=arrived_at(info, control_time(self)),
                 message=message,
                 percentage=message.percentage,
                 current=message.current,

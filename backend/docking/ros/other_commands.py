@@ -1,7 +1,6 @@
 """Hears whether other nodes drive the robot: they command a motion on `cmd_vel`."""
 
 import math
-import time
 from contextlib import suppress
 
 from rclpy.node import Node
@@ -13,7 +12,7 @@ from docking.ros.velocity_publisher import TOPIC
 from robot_io.endpoints import node_name
 from robot_io.qos import LISTEN
 from robot_io.rclpy_private import Buffer, NotForExecutors, RCLError, SubscriptionWaitable
-from robot_io.reception import received_at
+from robot_io.reception import arrived_at
 from robot_io.velocity import CLASSES, is_motion
 
 
@@ -68,9 +67,7 @@ class OtherCommands:
                 ):
                     self._scan()  # a publisher of our own may be new
                     if publisher not in self._own:
-                        received_wall = self._buffer.info["received_timestamp"] / 1e9
-                        arrived_at = received_at(time.monotonic(), time.time(), received_wall)
-                        self.heard_at = max(self.heard_at, arrived_at)
+                        self.heard_at = max(self.heard_at, arrived_at(self._buffer.info))
 
     def leave(self) -> None:
         """Unsubscribe."""

@@ -2,7 +2,6 @@
 
 import enum
 import math
-import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -28,7 +27,7 @@ from docking.ros.localization import LocalizationState
 from docking.ros.transforms import Transforms
 from robot_io.laser import flatten, points_of
 from robot_io.qos import LATEST, volatile
-from robot_io.reception import received_at
+from robot_io.reception import arrived_at
 from robot_io.transform import Transform
 
 MARKER_TOPIC = "detected_dock_pose"
@@ -134,9 +133,8 @@ class Sensors:
         resolved = self._node.resolve_topic_name(topic)
 
         def receive(message: Any, info: dict[str, Any]) -> None:
-            received_wall = info.get("received_timestamp", 0) / 1e9
             try:
-                take(message, received_at(control_time(self._node), time.time(), received_wall))
+                take(message, arrived_at(info, control_time(self._node)))
             except ValueError as error:
                 self._set_fault(resolved, f"{resolved} {error}")
             else:
