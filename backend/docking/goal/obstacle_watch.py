@@ -79,10 +79,11 @@ class ObstacleWatch:
         """
         scan, odometry = observation.scan, observation.odometry
         self.lost = scan is None or observation.now - scan.stamp > self._settings.scan_timeout
-        repeats = scan is not None and odometry is not None and self._repeated.look(scan, odometry.pose)
-        self.lost |= repeats
+        repeats = False
         if scan is not None and odometry is not None:
+            repeats = self._repeated.look(scan, odometry.pose)
             self._see(scan.points, odometry.pose, docked)
+        self.lost |= repeats
         self.reason = ""
         if scan is None and self._waited_for > STARTING:
             self.reason = "no scan received yet: the robot waits"

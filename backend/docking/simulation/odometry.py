@@ -107,13 +107,13 @@ class DriftingOdometry:
 
 
 class Repeater:
-    """Repeats the last message of odometry while the settings say so."""
+    """Repeats the last message of odometry while it is frozen, or the settings say so."""
 
     def __init__(self) -> None:
         self._last: tuple[float, Odometry] | None = None
 
     def pass_on(
-        self, stamp: float, reading: Odometry, now: float, settings: OdometrySettings
+        self, stamp: float, reading: Odometry, now: float, settings: OdometrySettings, *, frozen: bool = False
     ) -> tuple[float, Odometry]:
         """Return the message to send now: its stamp, and the odometry.
 
@@ -122,9 +122,10 @@ class Repeater:
             reading: The measurement.
             now: Seconds since the start.
             settings: When to repeat what was sent before.
+            frozen: Whether to repeat it whatever they say, with new stamps.
         """
-        if self._last is None or not settings.repeats(now):
+        if self._last is None or not (frozen or settings.repeats(now)):
             self._last = stamp, reading
             return self._last
         first, before = self._last
-        return first if settings.repeat_stamps else stamp, replace(before, stamp=reading.stamp)
+        return first if settings.repeat_stamps and not frozen else stamp, replace(before, stamp=reading.stamp)

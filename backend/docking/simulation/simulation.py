@@ -133,7 +133,6 @@ class Simulation:
         self._detector_faults = DetectorFaults()
         self._frozen_ranges: Freezer[InfraredReading] = Freezer()
         self._frozen_scan: Freezer[Distances] = Freezer()
-        self._frozen_odometry: Freezer[Odometry] = Freezer()
         self.detections: tuple[tuple[float, Pose], ...] = ()
         self.sightings: tuple[Sighting, ...] = ()
         self.ranges: tuple[float, InfraredReading] | None = None
@@ -381,10 +380,9 @@ class Simulation:
         arrives_at = now + settings.delay
         stamp = (now if settings.honest_stamps else arrives_at) + settings.stamp_offset
         reading = Odometry(self.odometry.pose, self.odometry_velocity, arrives_at)
-        frozen = self._frozen_odometry.pass_on(reading, frozen=Fault.FROZEN_ODOMETRY in self.faults)
-        reading = replace(frozen, stamp=arrives_at)
         faulty = REPEATING if Fault.REPEATED_ODOMETRY in self.faults else settings
-        self._readings.send(self._repeater.pass_on(stamp, reading, now, faulty), arrives_at)
+        frozen = Fault.FROZEN_ODOMETRY in self.faults
+        self._readings.send(self._repeater.pass_on(stamp, reading, now, faulty, frozen=frozen), arrives_at)
         for arrived in self._readings.arrived(now):
             self.reading = arrived
             self.track.add(*arrived)
