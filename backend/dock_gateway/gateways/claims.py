@@ -112,7 +112,8 @@ class Gateways:
             raise _claimed(self._own, self._known[rival])
 
         def check(claims: Mapping[str, Claim]) -> None:
-            if (first := self._rival(claims)) is not None:
+            running = {key: claim for key, claim in claims.items() if not self._is_over(key, claim)}
+            if (first := self._rival(running)) is not None:
                 raise _claimed(self._own, claims[first])
 
         await self._put(claimed=True, check=check)
@@ -161,15 +162,12 @@ class Gateways:
             log.info("%s has ended without a word: its claim is removed", over.where)
 
     def _rival(self, claims: Mapping[str, Claim]) -> str | None:
-        """Return the id of a gateway that serves robots of this one."""
+        """Return the id of a gateway that serves robots of this one, by claims that are not over."""
         return next(
             (
                 key
                 for key, claim in claims.items()
-                if key != self.id
-                and claim.claimed
-                and compete(self._own.robots, claim.robots)
-                and not self._is_over(key, claim)
+                if key != self.id and claim.claimed and compete(self._own.robots, claim.robots)
             ),
             None,
         )

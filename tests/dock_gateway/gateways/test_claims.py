@@ -5,12 +5,15 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from datetime import timedelta
+from itertools import count
+from types import SimpleNamespace
 
 import pytest
 
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import Claim, Share
+from dock_gateway.gateways import claims
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import boot_id, host_name
 from tests.support.entries import SharedStore
@@ -83,6 +86,19 @@ async def test_gateways_with_every_robot_are_replicas(make: Make) -> None:
 async def test_the_claim_of_a_gateway_that_was_killed_ends_whatever_its_clock_said(
     make: Make, store: SharedStore[Claim]
 ) -> None:
+    await store.write("dead", left_behind("/a/*"))
+    gateway = make("/a/robot1", expiry=0.05)
+    await gateway.open()
+    assert {*await store.read()} == {gateway.id}
+
+
+@pytest.mark.parametrize("step", [0.001 * thousandths for thousandths in range(5, 50, 3)])
+async def test_whenever_that_claim_ends_it_is_removed_before_another_one_is_made(
+    make: Make, store: SharedStore[Claim], monkeypatch: pytest.MonkeyPatch, step: float
+) -> None:
+    """The clock goes on at each look at it: nothing may be judged twice, as it could be over in between."""
+    clock = count(0.0, step)
+    monkeypatch.setattr(claims, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     await store.write("dead", left_behind("/a/*"))
     gateway = make("/a/robot1", expiry=0.05)
     await gateway.open()
