@@ -1,8 +1,11 @@
 """Undocking over DDS, and docking and undocking in one process."""
 
 import signal
-from collections.abc import Iterator
+import threading
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import pytest
 from geometry_msgs.msg import Twist
@@ -21,10 +24,10 @@ from tests.support.docking import (
     send_undock_goal,
     watch_wheels,
 )
-from tests.support.observer import Observer
+from tests.support.observer import GoalOfTest, Observer
 from tests.support.processes import ForkedProcess, client_process, ros_environment
 from tests.support.sensors import odometry
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -147,6 +150,36 @@ def test_a_latched_stop_ends_undocking_and_lets_in_nothing(domain: int, observer
             wait_until(lambda: wheels.standing, "zero velocity")
             wait_until(lambda: not send_dock_goal(observer).accepted, "a rejected goal to dock")
             assert not send_undock_goal(observer).accepted
+
+
+@pytest.mark.parametrize("send", [send_dock_goal, send_undock_goal])
+def test_a_goal_that_a_stop_cancels_is_canceled_however_late_the_server_hears_of_both(
+    domain: int, observer: Observer, monkeypatch: pytest.MonkeyPatch, send: Callable[[Observer], GoalOfTest]
+) -> None:
+    """A gateway's stop cancels the goals and then latches; a busy server finds both at once."""
+    battery = CHARGING if send is send_undock_goal else LOW
+    with docking_servers(domain, HELD) as (dock, undock):
+        executor = dock.executor
+        last = undock if send is send_undock_goal else dock
+        # The server without a goal is the first to hear.
+        nodes = sorted(executor.get_nodes(), key=lambda node: node is last)
+        monkeypatch.setattr(executor, "get_nodes", lambda: nodes)
+        wheels = watch_wheels(observer)
+        with (
+            observer.publishing(battery, BATTERY),
+            observer.publishing(odometry(Pose(), 1.0), "odom", heard=False),
+        ):
+            goal = send(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            busy = threading.Event()
+            executor.create_task(partial(busy.wait, PATIENCE))
+            canceled = observer.call(goal.handle.cancel_goal_async)
+            observer.publish(Bool(data=True), "stop_latched", LATCHED)
+            time.sleep(0.5)  # for both to reach the server
+            busy.set()
+            assert observer.result_of(canceled, "the answer to the cancel").goals_canceling
+            assert goal.result().status == CANCELED
+            wait_until(lambda: wheels.standing, "zero velocity")
 
 
 def test_the_program_holds_both_servers_and_ends_at_a_signal(domain: int, observer: Observer) -> None:

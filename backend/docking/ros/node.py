@@ -258,8 +258,13 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         return CancelResponse.ACCEPT
 
     def _obey_stop(self) -> None:
+        if self._stops.held and self._active_goal.running is not None:
+            # What else came is dealt with first: a gateway cancels goals before it latches, and a canceled goal is one.
+            self.executor.create_task(self._end_by_stop)
+
+    def _end_by_stop(self) -> None:
         running = self._active_goal.running
-        if self._stops.held and running is not None:
+        if running is not None:
             running.end(running.goal.abort(ErrorCode.STOP_LATCHED, "a stop was latched"))
 
     # A goal runs, and ends.
