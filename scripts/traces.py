@@ -27,7 +27,7 @@ TITLES = {
     STEP: "A control step of docking, from its timer to `cmd_vel`",
 }
 ROUNDS = 5
-USUAL = 0.25  # the share of all traces of a kind
+USUAL = 0.5  # of the number of the most frequent traces of a kind
 
 Trace = tuple[tuple[str, str], ...]
 
@@ -96,7 +96,8 @@ def usual(traces: list[Trace]) -> Trace:
     by_files: defaultdict[frozenset[tuple[str, str]], list[Trace]] = defaultdict(list)
     for trace in traces:
         by_files[frozenset(trace)].append(trace)
-    common = [same for same in by_files.values() if len(same) >= len(traces) * USUAL]
+    most = max(len(same) for same in by_files.values())
+    common = [same for same in by_files.values() if len(same) >= most * USUAL]
     return Counter(max(common, key=lambda same: len(same[0]))).most_common(1)[0][0]
 
 
