@@ -13,7 +13,7 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
@@ -61,7 +61,7 @@ class Scene:
     def send(self, goal_id: str = A) -> Goal:
         goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
         self.history.record(goal)
-        self.tracker.add(goal)
+        self.tracker.apply(GoalMachine.add, goal)
         return goal
 
     def status(self, *reports: tuple[str, GoalStatus]) -> None:

@@ -13,7 +13,7 @@ import logging
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.request import act
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -93,7 +93,7 @@ class Canceler:
                 raise ServerTimeout(detail, goal_id=goal.goal_id) from None
             self._tracker.heard()
             if goal.goal_id in answer.goal_ids:
-                self._tracker.move(goal, GoalStatus.CANCELING)
+                self._tracker.apply(GoalMachine.move, goal, GoalStatus.CANCELING)
                 return
             if attempt == 0 and answer.return_code in (UNKNOWN_GOAL, NOTHING_TO_CANCEL) and not goal.status.terminal:
                 await asyncio.sleep(0.1)  # the server may not have received the goal yet, or its status is on its way
@@ -114,13 +114,13 @@ class Canceler:
     def _refused(self, goal: Goal) -> None:
         """Accept a refusal: the goal is no longer unwanted, unless a stop is latched for it."""
         self.unwanted.pop(goal.goal_id, None)
-        self._tracker.explain(goal, self._why_unwanted(goal))
+        self._tracker.apply(GoalMachine.explain, goal, self._why_unwanted(goal))
 
     def stop(self) -> None:
         """Mark every goal that has not ended: a stop was requested. `cancel_all` asks the server."""
         for goal in self._tracker.live.values():
             self.mark_unwanted(goal, self._stopped(goal))
-            self._tracker.explain(goal, self._why_unwanted(goal))
+            self._tracker.apply(GoalMachine.explain, goal, self._why_unwanted(goal))
 
     async def cancel_all(self) -> list[str]:
         """Ask the server to cancel every goal; return the ids of those that it will cancel.
@@ -151,7 +151,7 @@ class Canceler:
             raise ServerTimeout(detail) from None
         self._tracker.heard()
         for goal_id in answer.goal_ids & self._tracker.live.keys():
-            self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
+            self._tracker.apply(GoalMachine.move, self._tracker.live[goal_id], GoalStatus.CANCELING)
         left = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
         refuses = await asyncio.gather(*map(self._refuses, left))
         canceling = sorted(answer.goal_ids | {goal.goal_id for goal in left if goal.status is GoalStatus.CANCELING})
@@ -197,7 +197,7 @@ class Canceler:
         if why is None or goal.goal_id in self.insisting or goal.status is GoalStatus.CANCELING:
             return
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail, extra={"goal_id": goal.goal_id})
-        self._tracker.explain(goal, why)
+        self._tracker.apply(GoalMachine.explain, goal, why)
         self.insisting.add(goal.goal_id)
         self._tracker.tasks.spawn(self._insist(goal))
 
@@ -244,7 +244,7 @@ class Canceler:
                         extra={"goal_id": goal.goal_id},
                     )
                 await asyncio.sleep(self._limits.cancel_retry)
-            self._tracker.explain(goal, None)  # the stop was released, so the goal may run
+            self._tracker.apply(GoalMachine.explain, goal, None)  # the stop was released, so the goal may run
         finally:
             self.insisting.discard(goal.goal_id)
 

@@ -236,6 +236,7 @@ class GoalMachine:
             self.move(now, goal, GoalStatus.PENDING)
         else:
             self._publish(status_event, goal, nanoseconds(goal.created_at))  # before any message from the server
+        self.outputs.append(Notify(News.SENT, goal))
 
     def take_up(self, now: Now, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
@@ -312,7 +313,7 @@ class GoalMachine:
             goal.stalled = stalled
             self._publish(status_event, goal, now.ns)
 
-    def explain(self, goal: Goal, error: GoalError | None) -> None:
+    def explain(self, _: Now, goal: Goal, error: GoalError | None) -> None:
         """Set why a goal that has not ended will not succeed; None: it may. It is published with the next change."""
         if not goal.status.terminal and goal.error != error:
             goal.error = error

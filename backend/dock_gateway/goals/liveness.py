@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.goals.duplicates import Duplicates
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.settings import Settings
@@ -170,12 +171,13 @@ class ServerWatch:
             if goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.taken_up:
                 continue  # its sender waits with its own deadline
             if left:
-                self._tracker.lose(goal, GoalError("action_server_lost", "the action server left the ROS graph"))
+                detail = "the action server left the ROS graph"
+                self._tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", detail))
             elif silence > self._settings.lost_after:
                 detail = f"the action server has been silent for {silence:.0f} s and does not answer"
-                self._tracker.lose(goal, GoalError("action_server_lost", detail))
+                self._tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", detail))
             else:
-                self._tracker.stall(goal, stalled=silence > self._settings.stalled_after)
+                self._tracker.apply(GoalMachine.stall, goal, stalled=silence > self._settings.stalled_after)
 
     def reconcile(self) -> None:
         """Ask a server that is back whether it still knows its goals."""

@@ -19,7 +19,7 @@ from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.docking_actions import DockingActions
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.latch.interlock import Interlock
@@ -354,7 +354,7 @@ class ActionRegistry:
         """Store the progress of a goal that its action server reported."""
         for action in self._actions.values():
             if goal := action.tracker.live.get(goal_id):
-                action.tracker.on_progress(goal, stage, retries, stamp_ns)
+                action.tracker.apply(GoalMachine.progress, goal, stage, retries, stamp_ns)
 
     def servers_of(self, namespace: str) -> DockingServers:
         """Return the states of a robot's docking and undocking servers, even if they have never been seen."""

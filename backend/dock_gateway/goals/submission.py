@@ -13,7 +13,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.request import act, approve, hold
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.liveness import ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -141,13 +141,13 @@ class Delivery:
             await self._history.add(goal, claim.key if claim else None)
         else:
             self._canceler.allow(goal)
-        self._tracker.add(goal)
+        self._tracker.apply(GoalMachine.add, goal)
         try:
             self.require_no_stop_since(stops, goal_id=goal.goal_id)
             self._act(origin)
             call = port.send(goal.goal_id, message)
         except GatewayError as error:
-            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
+            self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
         await self._take_answer(goal, call)
         return outcome(goal)
@@ -175,7 +175,7 @@ class Delivery:
             await self._reject(goal)
 
     def _accept(self, goal: Goal, response: Any) -> None:
-        self._tracker.accept(goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
+        self._tracker.apply(GoalMachine.accept, goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
 
     async def _reject(self, goal: Goal) -> None:
         busy_with = self._busy_with()
@@ -189,7 +189,7 @@ class Delivery:
             error = GoalError("goal_rejected", "the action server rejected the goal and gave no reason")
         if goal.status is not GoalStatus.PENDING:
             return  # it runs: the server refused the same id sent again
-        self._tracker.end(goal, GoalStatus.REJECTED, error=error)
+        self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=error)
 
     def _busy_with(self) -> str | None:
         running = (goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING)
@@ -202,7 +202,7 @@ class Delivery:
         self._canceler.mark_unwanted(goal, TOO_LATE)
         self.unanswered[goal.goal_id] = call
         detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
-        self._tracker.lose(goal, GoalError("action_server_timeout", detail))
+        self._tracker.apply(GoalMachine.lose, goal, GoalError("action_server_timeout", detail))
 
         def answered(response: "asyncio.Future[Any]") -> None:
             self.unanswered.pop(goal.goal_id, None)
@@ -212,7 +212,7 @@ class Delivery:
             if response.result().accepted:
                 self._accept(goal, response.result())
             else:
-                self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
+                self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=goal.error)
 
         call.response.add_done_callback(answered)
 

@@ -9,6 +9,7 @@ import time
 from collections import defaultdict
 from collections.abc import Awaitable, Callable
 from datetime import datetime
+from typing import Concatenate, ParamSpec
 from weakref import WeakValueDictionary
 
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
@@ -28,6 +29,8 @@ from dock_gateway.ros.status import StatusReport
 from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
+
+P = ParamSpec("P")
 
 
 class GoalTracker:
@@ -73,7 +76,7 @@ class GoalTracker:
         self.last_heard = time.monotonic()
         self.port = port
         self.tasks = Tasks("tracking goals")
-        self._results = Results(port, reasons, self.heard, self._answered, remark, limits=limits)
+        self._results = Results(port, reasons, self.heard, self._settle, remark, limits=limits)
         self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)
@@ -98,28 +101,19 @@ class GoalTracker:
         """Handle a message of `_action/status`: the states of the goals that the server remembers."""
         self.heard()
         for report in reports:
-            self._machine.report(Now.read(), report.goal_id, report.status, report.accepted_ns, stamp_ns)
-            self.carry_out()
+            self.apply(GoalMachine.report, report.goal_id, report.status, report.accepted_ns, stamp_ns)
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
         """Handle a message of `_action/feedback`."""
         self.heard()
-        self._machine.feedback(Now.read(), goal_id, feedback, stamp_ns)
-        self.carry_out()
+        self.apply(GoalMachine.feedback, goal_id, feedback, stamp_ns)
 
     def ask_again(self, goal: Goal) -> None:
         """Request a goal's result again: the server may have restarted and lost the first request."""
         self._results.request_again(goal)
 
-    def on_progress(self, goal: Goal, stage: str | None, retries: int | None, stamp_ns: int) -> None:
-        """Handle the server's report on `/diagnostics` about a goal."""
-        self._machine.progress(Now.read(), goal, stage, retries, stamp_ns)
-        self.carry_out()
-
-    def _answered(self, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
-        """Handle the answer to a request for a goal's result; `stamp_ns` is when the server reported the goal's end."""
-        self._machine.answered(Now.read(), goal, answer, stamp_ns)
-        self.carry_out()
+    def _settle(self, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
+        self.apply(GoalMachine.answered, goal, answer, stamp_ns)
 
     # ------------------------------------------------------------------ goals
 
@@ -131,60 +125,18 @@ class GoalTracker:
         """Return a new goal on this action, which is not tracked yet."""
         return self._machine.new_goal(goal_id, created_at, origin)
 
-    def add(self, goal: Goal) -> None:
-        """Track a goal that is being sent."""
-        self._machine.add(Now.read(), goal)
-        self.carry_out()
-        self._notify(News.SENT, goal)
-
     def take_up(self, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
         self._notify(News.RESUMED, goal)
-        self._machine.take_up(Now.read(), goal)
-        self.carry_out()
-
-    def accept(self, goal: Goal, stamp_ns: int) -> None:
-        """Note that the action server accepted a goal."""
-        self._machine.accept(Now.read(), goal, stamp_ns)
-        self.carry_out()
-
-    def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
-        """Move a goal to a state that is not terminal, unless that is a step back."""
-        self._machine.move(Now.read(), goal, status, stamp_ns)
-        self.carry_out()
-
-    def stall(self, goal: Goal, *, stalled: bool) -> None:
-        """Set or clear a goal's `stalled` flag."""
-        self._machine.stall(Now.read(), goal, stalled=stalled)
-        self.carry_out()
-
-    def explain(self, goal: Goal, error: GoalError | None) -> None:
-        """Set why a goal that has not ended will not succeed; None: it may. It is published with the next change."""
-        self._machine.explain(goal, error)
-        self.carry_out()
-
-    def lose(self, goal: Goal, error: GoalError) -> None:
-        """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
-        self._machine.lose(Now.read(), goal, error)
-        self.carry_out()
-
-    def end(
-        self,
-        goal: Goal,
-        status: GoalStatus,
-        *,
-        result: Json | None = None,
-        error: GoalError | None = None,
-        stamp_ns: int | None = None,
-    ) -> None:
-        """End a goal for good; `stamp_ns` is when the server reported it."""
-        self._machine.end(Now.read(), goal, status, result=result, error=error, stamp_ns=stamp_ns)
-        self.carry_out()
+        self.apply(GoalMachine.take_up, goal)
 
     # ------------------------------------------------------------------ what the machine wants done
 
-    def carry_out(self) -> None:
-        """Do what the machine wants done."""
+    def apply(
+        self, change: Callable[Concatenate[GoalMachine, Now, P], None], *args: P.args, **kwargs: P.kwargs
+    ) -> None:
+        """Give the machine an input at this moment, such as `GoalMachine.end`, and do what it wants done."""
+        change(self._machine, Now.read(), *args, **kwargs)
         while self._machine.outputs:
             match self._machine.outputs.popleft():
                 case Publish(event, goal):
@@ -217,8 +169,7 @@ class GoalTracker:
                     try:
                         if (goal := (known or {}).get(goal_id)) is not None:
                             self._notify(News.RESUMED, goal)
-                        self._machine.adopt(Now.read(), goal_id, goal)
-                        self.carry_out()
+                        self.apply(GoalMachine.adopt, goal_id, goal)
                     except Exception:
                         log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
                     if not self._machine.ended(goal_id) and number % REQUESTS_AT_ONCE == 0:

@@ -13,7 +13,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import CancelAnswer
@@ -72,12 +72,12 @@ class Scene:
 
     def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:
         goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
-        self.tracker.add(goal)
+        self.tracker.apply(GoalMachine.add, goal)
         if status is S.LOST:
-            self.tracker.move(goal, S.EXECUTING)
-            self.tracker.lose(goal, LOST)
+            self.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
+            self.tracker.apply(GoalMachine.lose, goal, LOST)
         elif status is not S.PENDING:
-            self.tracker.move(goal, status)
+            self.tracker.apply(GoalMachine.move, goal, status)
         return goal
 
 
@@ -122,7 +122,7 @@ async def test_a_goal_that_the_server_does_not_know_yet_is_asked_for_once_more(s
 async def test_a_goal_that_ends_while_the_server_is_asked(scene: Scene, return_code: int) -> None:
     goal = scene.goal(S.EXECUTING)
     scene.port.script = [CancelAnswer(frozenset(), return_code)]
-    scene.port.while_asked = lambda: scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.port.while_asked = lambda: scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
@@ -141,7 +141,7 @@ async def test_a_refusal_ends_all_wishes_to_cancel(scene: Scene) -> None:
 
 async def test_an_ended_goal(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
@@ -153,7 +153,7 @@ async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -
     goal = scene.goal(S.PENDING)
     scene.port.script = [CancelAnswer(frozenset(), 2), CancelAnswer(frozenset(), 2), CancelAnswer(frozenset({A}), 0)]
     await scene.canceler.cancel(goal)
-    scene.tracker.move(goal, S.ACCEPTED)
+    scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)
     scene.canceler.seen_again(goal)
     await asyncio.sleep(0.05)
     assert goal.status is S.CANCELING
@@ -163,7 +163,7 @@ async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
     goal = scene.goal(S.LOST)
     await scene.canceler.cancel(goal)
     assert scene.port.asked == []
-    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     await asyncio.sleep(0.05)
     assert goal.status is S.CANCELING
     assert goal.error is not None
@@ -186,9 +186,9 @@ async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, fail
 async def test_a_goal_that_was_given_up(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
     scene.canceler.mark_unwanted(goal, TOO_LATE)
-    scene.tracker.lose(goal, LOST)
+    scene.tracker.apply(GoalMachine.lose, goal, LOST)
     scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
-    scene.tracker.move(goal, S.ACCEPTED)  # late
+    scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)  # late
     await asyncio.sleep(0.1)
     assert goal.status is S.CANCELING
     assert goal.error == TOO_LATE
@@ -199,7 +199,7 @@ async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Sce
     scene.port.script = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(Unavailable):
         await scene.stop()
-    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     await asyncio.sleep(0.05)
     assert goal.status is S.CANCELING
     assert scene.port.asked == [None, A]
@@ -325,7 +325,7 @@ async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
 async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
     scene.canceler.mark_unwanted(goal, TOO_LATE)
-    scene.tracker.end(goal, S.REJECTED, error=LOST)
+    scene.tracker.apply(GoalMachine.end, goal, S.REJECTED, error=LOST)
     assert scene.canceler.unwanted == {}
 
 
@@ -439,7 +439,7 @@ async def test_a_goal_that_is_sent_again_may_run(scene: Scene) -> None:
     scene.port.script = [CancelAnswer(frozenset(), 0)]
     await scene.stop()
     scene.canceler.allow(goal)
-    scene.tracker.accept(goal, 1)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0.02)
     assert (goal.status, scene.port.asked) == (S.ACCEPTED, [None])
 

@@ -60,7 +60,7 @@ def test_a_goal_that_is_sent_is_told_with_the_time_of_its_creation(bench: Bench)
     goal = Goal(A, "/dock", "pkg/action/Dock", moment(2_000_000_000))
     bench.machine.taken_up.add(A)
     bench.machine.add(NOW, goal)
-    assert bench.done() == [("status", "pending", 2_000_000_000)]
+    assert bench.done() == [("status", "pending", 2_000_000_000), Notify(News.SENT, goal)]
     assert (bench.machine.live, bench.machine.taken_up) == ({A: goal}, set())
     assert bench.machine.running() == [goal]
     assert not bench.machine.ended(A)
@@ -69,7 +69,12 @@ def test_a_goal_that_is_sent_is_told_with_the_time_of_its_creation(bench: Bench)
 def test_a_lost_goal_that_is_sent_again_is_pending(bench: Bench) -> None:
     goal = bench.goal(S.LOST, error=WHY)
     bench.machine.add(NOW, goal)
-    assert bench.done() == [("status", "pending", NOW.ns), Store(goal), Notify(News.RETURNED, goal)]
+    assert bench.done() == [
+        ("status", "pending", NOW.ns),
+        Store(goal),
+        Notify(News.RETURNED, goal),
+        Notify(News.SENT, goal),
+    ]
     assert goal.error is None
 
 
@@ -198,10 +203,10 @@ def test_why_a_goal_was_canceled_stays_unless_it_succeeds(
     bench: Bench, status: GoalStatus, error: GoalError | None, kept: GoalError | None
 ) -> None:
     goal = bench.goal(S.CANCELING)
-    bench.machine.explain(goal, WHY)
+    bench.machine.explain(NOW, goal, WHY)
     bench.machine.end(NOW, goal, status, result=b"{}", error=error)
     assert goal.error == kept
-    bench.machine.explain(goal, GoalError("later", "too late"))
+    bench.machine.explain(NOW, goal, GoalError("later", "too late"))
     assert goal.error == kept
 
 

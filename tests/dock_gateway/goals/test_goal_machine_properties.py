@@ -185,7 +185,7 @@ class World(RuleBasedStateMachine):
             return
         now, error = self.now, goal.error
         if what == "cancel":
-            self.machine.explain(goal, WHY)
+            self.machine.explain(now, goal, WHY)
             assert goal.error == (error if goal.status.terminal else WHY)
             self.machine.move(now, goal, S.CANCELING)
         elif what == "lose":

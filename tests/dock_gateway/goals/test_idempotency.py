@@ -13,6 +13,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import Canceler
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.idempotency import Submitter
 from dock_gateway.goals.submission import Delivery
 from dock_gateway.goals.tracker import GoalTracker
@@ -291,7 +292,9 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_the_retry_under_it
     goal = stored_before(scene, "key")
     if taken_up:
         scene.tracker.take_up(goal)
-        scene.tracker.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
+        scene.tracker.apply(
+            GoalMachine.lose, goal, GoalError("action_server_lost", "the action server does not know the goal")
+        )
         assert goal.unconfirmed
     submission = scene.submit("key")
     await until(lambda: bool(scene.port.sent))
@@ -306,10 +309,10 @@ async def test_a_goal_that_runs_is_not_ended_when_the_server_refuses_its_id_once
     scene.history.gate.set_result(None)
     goal = stored_before(scene, "key")
     scene.tracker.take_up(goal)
-    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
     submission = scene.submit("key")
     await until(lambda: bool(scene.port.sent))
-    scene.tracker.move(goal, GoalStatus.EXECUTING)  # the first request was only slow
+    scene.tracker.apply(GoalMachine.move, goal, GoalStatus.EXECUTING)  # the first request was only slow
     scene.port.answer(REJECTED)
     assert (await submission).status is GoalStatus.EXECUTING
 
@@ -321,7 +324,7 @@ async def test_a_goal_whose_cancel_was_given_up_and_that_succeeds_has_no_error(s
     scene.port.answer(ACCEPTED)
     goal = await submission
     goal.error = GoalError("canceled", "it was canceled while the action server could not be reached")
-    scene.tracker.end(goal, GoalStatus.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, GoalStatus.SUCCEEDED, result=b"{}")
     await scene.tracker.close()
     kept = await scene.history.get(goal.goal_id)
     assert kept is not None

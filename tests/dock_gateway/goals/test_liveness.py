@@ -12,6 +12,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import PendingFacts, cancel
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
@@ -61,8 +62,8 @@ class Scene:
             limits=GoalLimits(gone_grace=0.05, recheck=0.01),
         )
         self.goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
-        self.tracker.add(self.goal)
-        self.tracker.move(self.goal, S.EXECUTING)
+        self.tracker.apply(GoalMachine.add, self.goal)
+        self.tracker.apply(GoalMachine.move, self.goal, S.EXECUTING)
 
     async def look_after(self, seconds: float) -> None:
         await asyncio.sleep(seconds)

@@ -10,6 +10,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.goal_machine import GoalMachine
 from tests.support.tracking import QUICK, A, B, S, Scene, scene
 from tests.support.waiting import until
 
@@ -18,7 +19,7 @@ __all__ = ["scene"]
 
 async def test_nothing_is_asked_for_after_the_end(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.move(goal, S.ACCEPTED)
+    scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)
     await scene.tracker.close()
     await asyncio.sleep(0.03)
     scene.status((A, S.EXECUTING))
@@ -78,7 +79,7 @@ async def test_a_result_before_the_status_is_not_asked_for_again(status: GoalSta
 async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     goal = scene.send()
     scene.reasons.put(A, GoalError("battery_lost", "no battery for 60 s"))
-    scene.tracker.accept(goal, 1)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
@@ -88,7 +89,7 @@ async def test_an_aborted_goal_says_why(scene: Scene) -> None:
 async def test_a_reason_that_comes_a_moment_later() -> None:
     scene = Scene(reasons=PendingFacts(5.0))
     goal = scene.send()
-    scene.tracker.accept(goal, 1)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
@@ -100,7 +101,7 @@ async def test_a_reason_that_comes_a_moment_later() -> None:
 
 async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     scene.tracker.ask_again(goal)
     await asyncio.sleep(0)
     scene.port.answer(A, None)
@@ -112,11 +113,11 @@ async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
 
 async def test_a_server_that_is_not_there_is_asked_again_later(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.accept(goal, 1)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
     scene.port.calls[A][-1].response.set_exception(Unavailable("nobody"))
     await asyncio.sleep(0.05)
-    scene.tracker.accept(goal, 1)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
     assert len(scene.port.calls[A]) == 2
 

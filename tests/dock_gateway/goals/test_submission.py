@@ -14,6 +14,7 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import UNCONFIRMED, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, Claim, Delivery, outcome
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.quotas import Quotas
@@ -189,7 +190,7 @@ async def test_a_goal_that_is_accepted(scene: Scene) -> None:
 
 async def test_the_stamp_of_the_acceptance_is_exact(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     stamps: list[int] = []
-    monkeypatch.setattr(scene.tracker, "accept", lambda _, stamp_ns: stamps.append(stamp_ns))
+    monkeypatch.setattr(GoalMachine, "accept", lambda *inputs: stamps.append(inputs[-1]))
     task = await scene.send()
     scene.answer(ACCEPTED)
     await task
@@ -303,7 +304,7 @@ async def test_a_goal_that_cannot_be_sent(scene: Scene) -> None:
 )
 async def test_a_goal_that_is_rejected(scene: Scene, reason: GoalError | None, error: GoalError) -> None:
     other = Goal(B, "/dock", "pkg/action/Dock", utc_now())
-    scene.tracker.add(other)  # on its way, too: it keeps nobody busy
+    scene.tracker.apply(GoalMachine.add, other)  # on its way, too: it keeps nobody busy
     task = await scene.send()
     (goal_id,) = scene.port.sent
     if reason:
@@ -319,8 +320,8 @@ async def test_a_goal_that_is_rejected(scene: Scene, reason: GoalError | None, e
 
 async def test_a_rejection_while_another_goal_runs_says_so(scene: Scene) -> None:
     other = Goal(B, "/dock", "pkg/action/Dock", utc_now())
-    scene.tracker.add(other)
-    scene.tracker.move(other, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.add, other)
+    scene.tracker.apply(GoalMachine.move, other, S.EXECUTING)
     task = await scene.send()
     scene.answer(REJECTED)
     refused = await refusal(task)
@@ -331,7 +332,7 @@ async def test_a_goal_that_runs_is_not_ended_by_a_rejection(scene: Scene) -> Non
     """The server refused the same id, sent again."""
     task = await scene.send()
     (goal,) = scene.tracker.live.values()
-    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     scene.answer(REJECTED)
     assert (await task).status is S.EXECUTING
 
@@ -364,7 +365,7 @@ async def test_a_goal_that_its_server_reports_is_not_given_up() -> None:
     scene = Scene(accept_timeout=0.5)
     task = await scene.send()
     (goal,) = scene.tracker.live.values()
-    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     assert await task is goal
     assert (goal.status, scene.delivery.unanswered, scene.port.canceled) == (S.EXECUTING, {}, [])
     await scene.tracker.close()
@@ -398,7 +399,7 @@ async def test_nothing_is_awaited_of_a_goal_that_was_given_up_and_has_ended(hast
     problems: list[Any] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, problem: problems.append(problem))
     assert hasty.delivery.unanswered.keys() == {goal.goal_id}
-    hasty.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    hasty.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     assert hasty.delivery.unanswered == {}
     assert hasty.port.sent[goal.goal_id][1].response.cancelled()
     await asyncio.sleep(0)
@@ -410,7 +411,7 @@ async def test_a_goal_that_ended_before_it_was_answered(scene: Scene) -> None:
     scene.settings.__dict__.update(settings)
     task = await scene.send()
     (goal,) = scene.tracker.live.values()
-    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     assert (await task).status is S.SUCCEEDED
     assert scene.port.sent[goal.goal_id][1].response.cancelled()
     assert scene.delivery.unanswered == {}

@@ -10,6 +10,7 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, restamped, status_event
 from dock_gateway.core.goal import Goal, GoalError
+from dock_gateway.goals.goal_machine import GoalMachine
 from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, limits, scene
 from tests.support.waiting import PATIENCE, until
@@ -19,7 +20,7 @@ __all__ = ["scene"]
 
 async def test_the_usual_order(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.accept(goal, 1)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
     scene.status((A, S.EXECUTING))
     scene.feedback(1)
     await asyncio.sleep(0)
@@ -41,11 +42,11 @@ async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> 
     goal = scene.send()
     scene.feedback(1)
     assert goal.status is S.PENDING
-    scene.tracker.move(goal, S.ACCEPTED)
+    scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)
     scene.feedback(2)
     assert goal.status is S.ACCEPTED
     scene.status((A, S.EXECUTING))
-    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     scene.feedback(3)
     scene.status((A, S.EXECUTING))
     assert goal.feedback_count == 2
@@ -55,11 +56,11 @@ async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> 
 async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
     goal = scene.send()
     scene.status((A, S.EXECUTING))
-    scene.tracker.on_progress(goal, "CONTROLLING", 0, 7)
-    scene.tracker.on_progress(goal, "CONTROLLING", 0, 8)  # said again
-    scene.tracker.on_progress(goal, "RETRY", 1, 9)
-    scene.tracker.end(goal, S.ABORTED, result=b"{}")
-    scene.tracker.on_progress(goal, "CONTROLLING", 2, 10)
+    scene.tracker.apply(GoalMachine.progress, goal, "CONTROLLING", 0, 7)
+    scene.tracker.apply(GoalMachine.progress, goal, "CONTROLLING", 0, 8)  # said again
+    scene.tracker.apply(GoalMachine.progress, goal, "RETRY", 1, 9)
+    scene.tracker.apply(GoalMachine.end, goal, S.ABORTED, result=b"{}")
+    scene.tracker.apply(GoalMachine.progress, goal, "CONTROLLING", 2, 10)
     assert (goal.stage, goal.retries) == ("RETRY", 1)
     assert await scene.events() == [
         "status:pending",
@@ -87,8 +88,8 @@ async def test_a_goal_of_someone_else(scene: Scene) -> None:
 
 async def test_lost_and_back(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.move(goal, S.EXECUTING)
-    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
+    scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
     assert scene.tracker.running() == []
     scene.feedback(1)
     assert goal.status is S.EXECUTING
@@ -101,7 +102,7 @@ async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(sce
     await scene.tracker.wait_terminal(goal, 0.01)
     waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 2 * PATIENCE))
     await asyncio.sleep(0)
-    scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
+    scene.tracker.apply(GoalMachine.end, goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
     await asyncio.wait_for(waiting, PATIENCE)
     other = scene.send(B)
     waiting = asyncio.create_task(scene.tracker.wait_terminal(other, 2 * PATIENCE))
@@ -123,7 +124,7 @@ async def test_the_silence_of_a_goal_without_news_is_that_of_the_server(scene: S
     goal = scene.send()
     scene.tracker.last_heard = time.monotonic() - 100.0
     assert 100.0 <= scene.tracker.silence_of(goal) < 110.0
-    scene.tracker.move(goal, S.ACCEPTED)
+    scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)
     assert scene.tracker.silence_of(goal) < 10.0
 
 
@@ -131,7 +132,7 @@ async def test_who_waits_goes_on_when_the_goal_is_lost(scene: Scene) -> None:
     goal = scene.send()
     waiting = [asyncio.create_task(scene.tracker.wait_terminal(goal, 60)) for _ in range(2)]
     await asyncio.sleep(0)
-    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
     await asyncio.wait_for(asyncio.gather(*waiting), 50)
     await asyncio.wait_for(scene.tracker.wait_terminal(goal, 60), 50)
     scene.fanout.close()
@@ -140,7 +141,7 @@ async def test_who_waits_goes_on_when_the_goal_is_lost(scene: Scene) -> None:
 
 async def test_the_end_is_stored_under_the_stamp_of_the_message_that_reported_it(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.end(goal, S.ABORTED, result=b"{}", stamp_ns=7)
+    scene.tracker.apply(GoalMachine.end, goal, S.ABORTED, result=b"{}", stamp_ns=7)
     documents = await scene.documents()
     assert [document["type"] for document in documents[-2:]] == ["status", "result"]
     assert [document["time"] for document in documents[-2:]] == ["1970-01-01T00:00:00Z"] * 2
@@ -152,7 +153,7 @@ async def test_the_end_is_stored_under_the_stamp_of_the_message_that_reported_it
 
 async def test_a_rejected_goal_has_no_result(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
+    scene.tracker.apply(GoalMachine.end, goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
     assert await scene.events() == ["status:pending", "status:rejected"]
 
 
@@ -166,7 +167,7 @@ async def test_the_end_that_another_gateway_stored_first_counts(scene: Scene, mo
         return list(theirs)
 
     monkeypatch.setattr(scene.history, "seal", seal)
-    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     await until(lambda: goal.last_event_id == theirs[-1].id)
     kept = await scene.history.get(A)
     assert kept is not None
@@ -184,7 +185,7 @@ async def test_an_end_that_cannot_be_stored_is_published_all_the_same(
     goal = scene.send()
     waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 60))
     await asyncio.sleep(0)
-    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     await asyncio.wait_for(waiting, 50)
     assert (await scene.events())[-1] == "result:succeeded"
 
@@ -204,7 +205,7 @@ async def test_where_a_history_is_shared_an_end_is_published_in_the_order_of_all
     monkeypatch.setattr(scene.history, "seal", seal)
     first, second = scene.send(A), scene.send(B)
     for goal in (first, second):
-        scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+        scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
         await until(lambda goal=goal: stored and goal.last_event_id == stored[-1].id)
     assert [document["id"] for document in await scene.documents()][2:] == [event.id for event in stored]
 
@@ -218,7 +219,7 @@ async def test_an_end_that_a_shared_history_cannot_store_in_time_is_published_un
     monkeypatch.setattr(scene.history, "shared", True)
     monkeypatch.setattr(scene.history, "seal", seal)
     goal, _ = scene.send(A), scene.send(B)
-    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     documents = await scene.documents()
     assert [document["type"] for document in documents][-3:] == ["feedback", "status", "result"]
     assert [document["id"] for document in documents] == sorted(document["id"] for document in documents)

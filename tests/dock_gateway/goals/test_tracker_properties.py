@@ -13,6 +13,7 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
@@ -72,13 +73,13 @@ class World:
             if live is None and await self.history.get(goal_id) is None:
                 goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
                 await self.history.add(goal)
-                self.tracker.add(goal)
+                self.tracker.apply(GoalMachine.add, goal)
         elif name == "status" and status is not None:
             self.tracker.on_status([StatusReport(goal_id, status, 1)], 2)
         elif name == "feedback":
             self.tracker.on_feedback(goal_id, b"{}", 3)
         elif name == "lose" and live is not None:
-            self.tracker.lose(live, GoalError("action_server_lost", "silent"))
+            self.tracker.apply(GoalMachine.lose, live, GoalError("action_server_lost", "silent"))
         elif name == "answer":
             calls = self.port.calls.get(goal_id, [])
             if calls and not calls[-1].response.done():

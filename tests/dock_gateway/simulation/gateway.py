@@ -16,6 +16,7 @@ from dock_gateway.core.filters import EventFilter, GoalFilter
 from dock_gateway.core.goal import Goal, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals import unfinished
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.status import StatusReport
@@ -157,7 +158,7 @@ class Gateway(Process):
         goal = tracker.new_goal(goal_id, moment(self.chance.loop.time_ns()), "gateway")
         goal.goal = b"{}"
         await self.history.add(goal)
-        tracker.add(goal)
+        tracker.apply(GoalMachine.add, goal)
         accepted: asyncio.Future[int] = self.chance.loop.create_future()
         server = self.server
 
@@ -166,7 +167,7 @@ class Gateway(Process):
             self.carry("answers", lambda: accepted.done() or accepted.set_result(stamp))
 
         self.chance.later(self.chance.latency(), arrive)
-        tracker.accept(goal, await accepted)
+        tracker.apply(GoalMachine.accept, goal, await accepted)
         await self.history.seal(goal, [])
 
     def on_status(self, action: str, reports: list[StatusReport], stamp: int) -> None:

@@ -17,6 +17,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
+from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.owners import Owners
@@ -152,7 +153,7 @@ class OneGoal(Parts):
     def __init__(self, scene: Scene, ends_at: int) -> None:
         self._scene, self._ends_at, self._looks = scene, ends_at, 0
         self._goal = scene.send(A)
-        scene.tracker.move(self._goal, S.EXECUTING)
+        scene.tracker.apply(GoalMachine.move, self._goal, S.EXECUTING)
         part = SimpleNamespace(document=dict)
         robot = SimpleNamespace(namespace="/", battery=part, publisher=part)
         self.logins = Logins(MemoryHistory(1))
@@ -187,7 +188,7 @@ class OneGoal(Parts):
         return [await self._get(event_filter.goal_id or "")]
 
     def end(self) -> None:
-        self._scene.tracker.end(self._goal, S.SUCCEEDED, result=b'{"n":1}')
+        self._scene.tracker.apply(GoalMachine.end, self._goal, S.SUCCEEDED, result=b'{"n":1}')
 
 
 BEFORE, LATER = 0, 99
