@@ -106,8 +106,8 @@ BOUNDS = {
     "storage.spool:Files.__init__": OF_GATEWAY,
     "storage.sql:SqlHistory._hold": OLDEST_GO,
     "storage.sqlite:SqliteDatabase.__init__": TURN,
-    "streams.incoming:carry_out_all": OF_CONNECTION,
-    "streams.socket:Session.subscribe": OF_CONNECTION,
+    "streams.socket:CommandSession.subscribe": OF_CONNECTION,
+    "streams.socket_session:SocketSession.read": OF_CONNECTION,
 }
 
 LIMITS = limits(Settings())

@@ -2,13 +2,10 @@
 
 from fastapi import APIRouter, Depends, WebSocket
 
-from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.errors import MalformedRequest
-from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Role
 from dock_gateway.foxglove.protocol import SUBPROTOCOLS
-from dock_gateway.foxglove.session import Session
-from dock_gateway.http.edge.websocket import frame_writer
+from dock_gateway.foxglove.session import FoxgloveSession
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
@@ -26,11 +23,4 @@ async def foxglove(websocket: WebSocket, parts: AllParts) -> None:
     if chosen is None:
         expected = f"connect with the subprotocol {' or '.join(SUBPROTOCOLS)}"
         raise MalformedRequest(expected, code="subprotocol_required")
-    principal = principal_of(websocket)
-    session = Session(websocket, parts, principal, frame_writer(websocket))
-    with subscribed(parts, principal, EventFilter(topics=frozenset())) as place:
-        try:
-            await websocket.accept(subprotocol=chosen)
-            await session.run(place)
-        finally:
-            await session.close()
+    await FoxgloveSession(websocket, parts, principal_of(websocket)).serve(chosen)

@@ -5,9 +5,9 @@ What a client may do is what it may do at `/ws`.
 
 import logging
 import os
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable, Coroutine, Iterable, Sequence
 from contextlib import nullcontext, suppress
-from typing import TypeVar
+from typing import Any, TypeVar
 from uuid import uuid4
 
 from fastapi import WebSocket
@@ -16,7 +16,6 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests
-from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
 from dock_gateway.core.grant import Role
 from dock_gateway.core.work import in_turns
 from dock_gateway.foxglove import protocol
@@ -43,20 +42,14 @@ from dock_gateway.foxglove.subscriptions import Subscriptions
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
+from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
-from dock_gateway.http.problems import INTERNAL
 from dock_gateway.settings import Settings
-from dock_gateway.streams.connection import ClientConnection
-from dock_gateway.streams.events import until_one_ends
-from dock_gateway.streams.feed import end_of
-from dock_gateway.streams.incoming import Reads, carry_out_all
-from dock_gateway.streams.rights import Rights
+from dock_gateway.streams.socket_session import Request, SocketSession
 
 log = logging.getLogger(__name__)
 
-# Operations in progress, and cancels and stops in addition to them.
-MAX_OPERATIONS, MAX_URGENT = 64, 64
 CAPABILITIES = ("services", "parameters", "parametersSubscribe", "connectionGraph")
 # Errors in one status message.
 MAX_ERRORS = 10
@@ -67,63 +60,34 @@ SESSION = uuid4().hex
 Item = TypeVar("Item")
 
 
-class Session:
-    """One connection.
+class FoxgloveSession(SocketSession):
+    """One connection; arguments as those of `SocketSession`."""
 
-    Args:
-        websocket: The connection.
-        parts: Carry out the operations.
-        principal: The user who sends them.
-        writer: Writes frames past the queue; None if the connection cannot.
-    """
-
-    def __init__(
-        self,
-        websocket: WebSocket,
-        parts: Parts,
-        principal: Principal,
-        writer: FrameWriter | None,
-    ) -> None:
-        self._websocket = websocket
-        self._parts = parts
-        self._rights = Rights(websocket.scope, parts, principal)
-        self._subscriptions = Subscriptions(parts[Relays], writer)
-        self._connection = ClientConnection(websocket, parts[Settings].subscriber_timeout)
-        self._services = Services(parts, self._rights)
-        self._publications = Publications(parts, self._rights)
-        self._parameters = ClientParameters(parts, self._rights)
-        self._view = GraphView(parts[GraphCache], self._rights, self._services, self._subscriptions, self._send)
+    def __init__(self, websocket: WebSocket, parts: Parts, principal: Principal) -> None:
+        super().__init__(websocket, parts, principal)
+        self._subscriptions = Subscriptions(parts[Relays], frame_writer(websocket))
+        self._services = Services(parts, self.rights)
+        self._publications = Publications(parts, self.rights)
+        self._parameters = ClientParameters(parts, self.rights)
+        self._view = GraphView(parts[GraphCache], self.rights, self._services, self._subscriptions, self._send)
         self._in_order = self._view.changing
-        self._reads = Reads()
-        self._closed = False
 
-    async def run(self, place: Subscriber) -> None:
-        """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
-        await until_one_ends(
-            self._read(),
+    def senders(self) -> Sequence[Coroutine[Any, Any, None]]:
+        """Return what shows the graph, and sends messages of topics and parameters."""
+        return (
             self._show_graph(),
             self._subscriptions.send_all(self._send_bytes),
             self._parameters.send_all(self._send_parameters),
-            self._follow(place),
         )
-        await self._connection.close("too_slow")
 
-    async def close(self) -> None:
-        """End the subscriptions and what only reads. Other operations in progress continue, and running goals."""
-        self._closed = True
-        self._reads.close()
+    async def release(self) -> None:
+        """End the subscriptions."""
         async with self._in_order:
             await self._subscriptions.close()
             await self._parameters.close()
 
-    async def _follow(self, place: Subscriber) -> None:
-        fanout = self._parts[Fanout]
-        while not (fanout.closing or place.expelled):
-            await place.take(60.0)
-        await self._connection.close(end_of(place))
-
     async def _show_graph(self) -> None:
-        publishes = self._parts[Settings].publish and self._rights.grant.role.includes(Role.OPERATOR)
+        publishes = self.parts[Settings].publish and self.rights.grant.role.includes(Role.OPERATOR)
         capabilities = [*CAPABILITIES, *(["clientPublish"] if publishes else [])]
         metadata = {"ROS_DISTRO": os.environ.get("ROS_DISTRO", "jazzy")}
         await self._send(protocol.server_info(capabilities, metadata, SESSION))
@@ -131,53 +95,36 @@ class Session:
 
     # ------------------------------------------------------------------ operations
 
-    async def _read(self) -> None:
-        """Carry out what the client sends, until it disconnects."""
-        await carry_out_all(
-            self._websocket,
-            self._handle,
-            self._refuse,
-            self._is_urgent,
-            most=MAX_OPERATIONS,
-            most_urgent=MAX_URGENT,
-            what="operations",
-        )
-
-    async def _refuse(self, received: Message, error: TooManyRequests) -> None:
-        if (call := _call_in(received)) is None:
-            await self._report(error.detail)
-        else:
+    async def refuse(self, request: Request, error: GatewayError) -> None:
+        """Say why in a status message, or in the answer to a call."""
+        if (call := _call_in(request.message)) is not None:
             await self._send(protocol.service_call_failure(call, error.detail))
+        else:
+            await self._report(f"{request.op}: {error.detail}" if request.op else error.detail)
 
-    def _is_urgent(self, received: Message) -> bool:
-        """Whether a message stops something."""
-        call = _call_in(received)
+    def is_urgent(self, message: Message) -> bool:
+        """Return whether a message stops something."""
+        call = _call_in(message)
         service = None if call is None else self._services.find(call.service)
         return service is not None and service.draft.urgent
 
-    async def _handle(self, received: Message) -> None:
-        op = ""
-        try:
-            if (text := received.get("text")) is None:
-                await self._handle_binary(received.get("bytes") or b"")
-                return
-            op, fields = read_operation(text)
-            if op in IN_ORDER:
-                async with self._in_order:
-                    if not self._closed:
-                        await IN_ORDER[op](self, fields)
-            elif op in OTHERS:
-                await OTHERS[op](self, fields)
-            else:
-                known = ", ".join((*IN_ORDER, *OTHERS))
-                await self._report(f"unknown operation {op[:60]!r}: expected one of {known}")
-        except GatewayError as error:
-            await self._report(f"{op}: {error.detail}" if op else error.detail)
-        except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
-            log.debug("an answer could not be sent: %s", error)
-        except Exception:
-            log.exception("an operation failed")
-            await self._report(f"{op}: {INTERNAL.detail}")
+    async def carry_out(self, request: Request) -> None:
+        """Carry out an operation."""
+        if (text := request.message.get("text")) is None:
+            await self._handle_binary(request.message.get("bytes") or b"")
+            return
+        op, fields = read_operation(text)
+        if op in IN_ORDER:
+            request.op = op
+            async with self._in_order:
+                if not self.closed:
+                    await IN_ORDER[op](self, fields)
+        elif op in OTHERS:
+            request.op = op
+            await OTHERS[op](self, fields)
+        else:
+            known = ", ".join((*IN_ORDER, *OTHERS))
+            await self._report(f"unknown operation {op[:60]!r}: expected one of {known}")
 
     async def _handle_binary(self, data: bytes) -> None:
         message = read_binary(data)
@@ -189,18 +136,9 @@ class Session:
 
     async def _call(self, call: Call) -> None:
         service = self._services.find(call.service)
-        try:
-            with self._reads.one() if service is not None and service.draft.reads else nullcontext():
-                response = await self._services.call(call)
-        except GatewayError as error:
-            await self._send(protocol.service_call_failure(call, error.detail))
-        except WebSocketDisconnect:
-            raise
-        except Exception:
-            log.exception("a call of a service failed")
-            await self._send(protocol.service_call_failure(call, INTERNAL.detail))
-        else:
-            await self._send_bytes(protocol.service_call_response(call, response))
+        with self.reads.one() if service is not None and service.draft.reads else nullcontext():
+            response = await self._services.call(call)
+        await self._send_bytes(protocol.service_call_response(call, response))
 
     async def subscribe(self, fields: Json) -> None:
         """Send the messages of channels."""
@@ -210,7 +148,7 @@ class Session:
         self._subscriptions.require_room()
         if (channel := self._view.channels.find(wanted.channel)) is None:
             raise NotFound(f"there is no channel {wanted.channel}", code="channel_not_found")
-        await self._rights.require(Session.read_topic, {"topic": channel.topic})
+        await self.rights.require(FoxgloveSession.read_topic, {"topic": channel.topic})
         await self._subscriptions.subscribe(wanted.id, channel)
 
     @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
@@ -247,7 +185,7 @@ class Session:
             await self._report_all("setParameters", errors)
 
     async def _answer_parameters(self, op: str, names: list[str], identity: str | None, errors: list[str]) -> None:
-        with self._reads.one():
+        with self.reads.one():
             found, unknown = await self._parameters.get(names)
         await self._send(protocol.parameter_values(found, identity))
         await self._report_all(op, [*errors, *unknown])
@@ -296,10 +234,10 @@ class Session:
         await self._send(protocol.parameter_values(parameters))
 
     async def _send(self, message: bytes) -> None:
-        await self._connection.send({"type": "websocket.send", "text": message.decode()})
+        await self.connection.send({"type": "websocket.send", "text": message.decode()})
 
     async def _send_bytes(self, message: bytes) -> None:
-        await self._connection.send({"type": "websocket.send", "bytes": message})
+        await self.connection.send({"type": "websocket.send", "bytes": message})
 
 
 def _call_in(received: Message) -> Call | None:
@@ -311,17 +249,20 @@ def _call_in(received: Message) -> Call | None:
     return message if isinstance(message, Call) else None
 
 
-Operate = Callable[[Session, Json], Awaitable[None]]
+Operate = Callable[[FoxgloveSession, Json], Awaitable[None]]
 
 # Operations that wait for one another.
 IN_ORDER: dict[str, Operate] = {
-    "subscribe": Session.subscribe,
-    "unsubscribe": Session.unsubscribe,
-    "advertise": Session.advertise,
-    "unadvertise": Session.unadvertise,
-    "subscribeParameterUpdates": Session.subscribe_parameters,
-    "unsubscribeParameterUpdates": Session.unsubscribe_parameters,
-    "subscribeConnectionGraph": Session.subscribe_connections,
-    "unsubscribeConnectionGraph": Session.unsubscribe_connections,
+    "subscribe": FoxgloveSession.subscribe,
+    "unsubscribe": FoxgloveSession.unsubscribe,
+    "advertise": FoxgloveSession.advertise,
+    "unadvertise": FoxgloveSession.unadvertise,
+    "subscribeParameterUpdates": FoxgloveSession.subscribe_parameters,
+    "unsubscribeParameterUpdates": FoxgloveSession.unsubscribe_parameters,
+    "subscribeConnectionGraph": FoxgloveSession.subscribe_connections,
+    "unsubscribeConnectionGraph": FoxgloveSession.unsubscribe_connections,
 }
-OTHERS: dict[str, Operate] = {"getParameters": Session.get_parameters, "setParameters": Session.set_parameters}
+OTHERS: dict[str, Operate] = {
+    "getParameters": FoxgloveSession.get_parameters,
+    "setParameters": FoxgloveSession.set_parameters,
+}

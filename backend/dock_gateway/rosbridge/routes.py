@@ -2,14 +2,12 @@
 
 from fastapi import APIRouter, Depends, WebSocket
 
-from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.grant import Role
-from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.requests import known_query
-from dock_gateway.rosbridge.session import Session
+from dock_gateway.rosbridge.session import RosbridgeSession
 from dock_gateway.streams.queries import read_flag
 
 router = APIRouter()
@@ -26,10 +24,4 @@ async def rosbridge(websocket: WebSocket, parts: AllParts) -> None:
     """
     principal = principal_of(websocket)
     cancel = read_flag(websocket.query_params, CANCEL, default=False)
-    session = Session(websocket, parts, principal, frame_writer(websocket), cancel_on_disconnect=cancel)
-    with subscribed(parts, principal, session.event_filter) as place:
-        try:
-            await websocket.accept()
-            await session.run(place)
-        finally:
-            await session.close()
+    await RosbridgeSession(websocket, parts, principal, cancel_on_disconnect=cancel).serve()

@@ -5,7 +5,7 @@ Goals are the gateway's: they survive a broken connection. What a client may do 
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from contextlib import AsyncExitStack, nullcontext, suppress
 from functools import partial
 from typing import Any
@@ -16,16 +16,16 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, TooManyRequests
-from dock_gateway.core.fanout import Fanout, FrameWriter, Subscriber
-from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.event import Event
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Role
 from dock_gateway.core.work import SMALL, Work
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
+from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
-from dock_gateway.http.problems import INTERNAL
 from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
@@ -58,11 +58,7 @@ from dock_gateway.rosbridge.services import Services
 from dock_gateway.rosbridge.subscriptions import Subscriptions
 from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import STOP
-from dock_gateway.streams.connection import ClientConnection
-from dock_gateway.streams.events import until_one_ends
-from dock_gateway.streams.feed import end_of
-from dock_gateway.streams.incoming import Reads, carry_out_all
-from dock_gateway.streams.rights import Rights
+from dock_gateway.streams.socket_session import Request, SocketSession
 
 log = logging.getLogger(__name__)
 
@@ -71,151 +67,121 @@ CANCEL, FRAGMENT = "cancel_action_goal", "fragment"
 URGENT_WORDS = (CANCEL, STOP, "\\u")
 # What asks many nodes.
 PARAMETERS = "/rosapi/get_param_names"
-# Operations in progress, and cancels and stops in addition to them.
-MAX_OPERATIONS, MAX_URGENT = 64, 64
 
 
-class Session:
+class RosbridgeSession(SocketSession):
     """One connection.
 
     Args:
-        websocket: The connection.
-        parts: Carry out the operations.
-        principal: The user who sends them.
-        writer: Writes frames past the queue; None if the connection cannot.
+        websocket, parts, principal: As those of `SocketSession`.
         cancel_on_disconnect: Whether the goals of the connection are canceled when it ends.
-
-    Attributes:
-        event_filter: The events that the connection needs.
     """
 
     def __init__(
-        self,
-        websocket: WebSocket,
-        parts: Parts,
-        principal: Principal,
-        writer: FrameWriter | None,
-        *,
-        cancel_on_disconnect: bool = False,
+        self, websocket: WebSocket, parts: Parts, principal: Principal, *, cancel_on_disconnect: bool = False
     ) -> None:
-        self._websocket = websocket
-        self._parts = parts
+        super().__init__(websocket, parts, principal)
+        writer = frame_writer(websocket)
         self._level = Level.error
-        self._rights = Rights(websocket.scope, parts, principal)
         self._goals = ClientGoals(self._send)
-        self._services = Services(parts, self._rights)
-        self._publications = Publications(parts, self._rights)
+        self._services = Services(parts, self.rights)
+        self._publications = Publications(parts, self.rights)
         self._subscriptions = Subscriptions(parts[Relays], parts[Work], writer)
         self._framed = writer is not None
-        self._connection = ClientConnection(websocket, parts[Settings].subscriber_timeout)
         self._in_order = asyncio.Lock()
         self._asking = asyncio.Lock()
         self._fragments = Fragments(parts[Settings].max_body_bytes)
         self._cancel_on_disconnect = cancel_on_disconnect
-        self._reads = Reads()
-        self._closed = False
-        self.event_filter: EventFilter = self._goals.event_filter
+        self.event_filter = self._goals.event_filter
 
-    async def run(self, place: Subscriber) -> None:
-        """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
-        await until_one_ends(
-            self._read(), self._follow(place), self._subscriptions.send_all(self._send_payload, self._report_error)
-        )
-        await self._connection.close("too_slow")
+    def senders(self) -> Sequence[Coroutine[Any, Any, None]]:
+        """Return what sends the messages of topics."""
+        return (self._subscriptions.send_all(self._send_payload, self._report_error),)
 
-    async def close(self) -> None:
-        """End the subscriptions. Operations in progress continue, and goals that are running."""
-        self._closed = True
-        self._reads.close()
-        if self._cancel_on_disconnect and not self._parts[Fanout].closing:
+    async def on_events(self, events: list[Event]) -> None:
+        """Send what happens to the goals of the connection."""
+        await self._goals.on_events(events)
+
+    async def release(self) -> None:
+        """End the subscriptions, and the goals, if that is wanted."""
+        if self._cancel_on_disconnect and not self.parts[Fanout].closing:
             await asyncio.gather(*map(self._cancel, self._goals.running))
         async with self._in_order:
             await self._subscriptions.close()
 
     async def _cancel(self, goal: asyncio.Future[str]) -> None:
         try:
-            await self._rights.cancel(await goal)
+            await self.rights.cancel(await goal)
         except (GatewayError, asyncio.CancelledError) as error:
             log.info("a goal of a client that is gone was not canceled: %s", error)
 
-    async def _follow(self, place: Subscriber) -> None:
-        fanout = self._parts[Fanout]
-        while not (fanout.closing or place.expelled or place.overrun):
-            events, _ = await place.take(60.0)
-            if not place.expelled:
-                await self._goals.on_events(events)
-        await self._connection.close(end_of(place))
-
     # ------------------------------------------------------------------ operations
 
-    async def _read(self) -> None:
-        """Carry out what the client sends, until it disconnects."""
-        await carry_out_all(
-            self._websocket,
-            self._handle,
-            self._refuse,
-            _is_urgent,
-            collect=self._collect,
-            most=MAX_OPERATIONS,
-            most_urgent=MAX_URGENT,
-            what="operations",
-        )
+    def is_urgent(self, message: Message) -> bool:
+        """Return whether a message stops something."""
+        # What has none of the words for that is not decoded: it may be long.
+        text = message.get("text") or (message.get("bytes") or b"").decode(errors="replace")
+        lower = text.lower()
+        if not any(word in lower for word in URGENT_WORDS):
+            return False
+        try:
+            op, _, fields = read_operation(_text(message))
+        except GatewayError:
+            return False
+        return op == CANCEL or is_stop(op, fields)
 
-    async def _collect(self, received: Message) -> Message | None:
+    async def collect(self, message: Message) -> Message | None:
         """Return a message, whole if it came in pieces; None if pieces of it are missing."""
-        text = _text(received)
+        text = _text(message)
         if FRAGMENT not in (text if isinstance(text, str) else text.decode(errors="replace")):
-            return received
+            return message
         identity = None
         try:
             op, identity, fields = read_operation(text)
             if op != FRAGMENT:
-                return received
+                return message
             whole = self._fragments.add(read_fields(Fragment, fields), identity)
         except GatewayError as error:
             await self._report(Level.error, error.detail, identity)
             return None
-        return None if whole is None else {"type": received["type"], "text": whole}
+        return None if whole is None else {"type": message["type"], "text": whole}
 
-    async def _refuse(self, _: Message, error: TooManyRequests) -> None:
-        await self._report(Level.error, error.detail, None)
+    async def refuse(self, request: Request, error: GatewayError) -> None:
+        """Say why in a status message."""
+        text = f"{request.op}: {error.detail}" if request.op else error.detail
+        if request.op or not isinstance(error, TooManyRequests):  # roslibpy does not show why
+            log.info("an operation of a client of rosbridge was refused: %s", text)
+        await self._report(Level.error, text, request.identity)
 
-    async def _handle(self, received: Message) -> None:
-        op, identity, text = "", None, _text(received)
-        try:
-            async with AsyncExitStack() as stack:
-                # Decoded, a long message takes twenty times as much memory: it is, once it is its turn.
-                long = len(text) > SMALL and not _is_urgent(received)
-                if long:
-                    await stack.enter_async_context(self._in_order)
-                op, identity, fields = read_operation(text)
-                operate = OPERATIONS.get(op)
-                if operate is None:
-                    known = ", ".join(OPERATIONS)
-                    await self._report(Level.error, f"unknown operation {op[:60]!r}: expected one of {known}", identity)
-                    return
-                if op not in IN_ORDER:
-                    await stack.aclose()
-                elif not long:
-                    await stack.enter_async_context(self._in_order)
-                await operate(self, fields, identity)
-        except GatewayError as error:
-            text = f"{op}: {error.detail}" if op else error.detail
-            log.info("an operation of a client of rosbridge was refused: %s", text)  # roslibpy does not show why
-            await self._report(Level.error, text, identity)
-        except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
-            log.debug("an answer could not be sent: %s", error)
-        except Exception:
-            log.exception("an operation failed")
-            await self._report(Level.error, f"{op}: {INTERNAL.detail}", identity)
+    async def carry_out(self, request: Request) -> None:
+        """Carry out an operation."""
+        text = _text(request.message)
+        async with AsyncExitStack() as stack:
+            # Decoded, a long message takes twenty times as much memory: it is, once it is its turn.
+            long = len(text) > SMALL and not self.is_urgent(request.message)
+            if long:
+                await stack.enter_async_context(self._in_order)
+            op, request.identity, fields = read_operation(text)
+            operate = OPERATIONS.get(op)
+            if operate is None:
+                known = ", ".join(OPERATIONS)
+                unknown = f"unknown operation {op[:60]!r}: expected one of {known}"
+                await self._report(Level.error, unknown, request.identity)
+                return
+            request.op = op
+            if op not in IN_ORDER:
+                await stack.aclose()
+            elif not long:
+                await stack.enter_async_context(self._in_order)
+            await operate(self, fields, request.identity)
 
     @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
     async def subscribe(self, fields: Json, identity: Identity) -> None:
         """Send the messages of a topic."""
         request = read_fields(Subscribe, fields)
-        topic = self._parts[Settings].resolve(request.topic, "")
-        await self._rights.require(Session.subscribe, {"topic": topic})
-        if self._closed:
+        topic = self.parts[Settings].resolve(request.topic, "")
+        await self.rights.require(RosbridgeSession.subscribe, {"topic": topic})
+        if self.closed:
             return
         type_name = full_type(request.type) if request.type else None
         await self._subscriptions.subscribe(topic, type_name, identity, request)
@@ -223,7 +189,7 @@ class Session:
 
     async def unsubscribe(self, fields: Json, identity: Identity) -> None:
         """Send no more messages of a topic."""
-        topic = self._parts[Settings].resolve(read_fields(Unsubscribe, fields).topic, "")
+        topic = self.parts[Settings].resolve(read_fields(Unsubscribe, fields).topic, "")
         await self._subscriptions.unsubscribe(topic, identity)
         await self._report(Level.info, f"unsubscribed from {topic}", identity)
 
@@ -231,7 +197,7 @@ class Session:
         """Send a goal, then its feedback and its end."""
         request = read_fields(SendActionGoal, fields)
         action, identity = split_name(request.action, identity)
-        name = self._parts[Settings].resolve(action, "")
+        name = self.parts[Settings].resolve(action, "")
         try:
             submit = partial(self._submit, {"action": name, "goal": await self._goal_fields(name, request.args)})
             type_name = await self._goals.submit(request, identity, name, submit)
@@ -248,18 +214,18 @@ class Session:
             return {}
         if not isinstance(args, list):
             return args
-        self._rights.grant.require_action(name)
-        action = await self._parts[ActionRegistry].find(name)
+        self.rights.grant.require_action(name)
+        action = await self.parts[ActionRegistry].find(name)
         return dict(zip(kinds(type(action.port.goal_codec.default())), args, strict=False))
 
     async def _submit(self, command: Json) -> Json:
-        goal: Json = (await self._rights.command("send_goal", command))["goal"]
+        goal: Json = (await self.rights.command("send_goal", command))["goal"]
         return goal
 
     async def cancel_action_goal(self, fields: Json, identity: Identity) -> None:
         """Cancel a goal of this connection."""
         _, identity = split_name(read_fields(CancelActionGoal, fields).action or "", identity)
-        await self._rights.command("cancel_goal", {"goal_id": await self._goals.goal_id(identity)})
+        await self.rights.command("cancel_goal", {"goal_id": await self._goals.goal_id(identity)})
 
     async def call_service(self, fields: Json, identity: Identity) -> None:
         """Call a service."""
@@ -268,7 +234,7 @@ class Session:
             return
         request = read_fields(CallService, fields)
         service, identity = split_name(request.service, identity)
-        service = self._parts[Settings].resolve(service, "")
+        service = self.parts[Settings].resolve(service, "")
         # Answers about the graph are long: one at a time waits for a client that does not read.
         async with self._asking if service in rosapi.SERVICES else nullcontext():
             await self._call(service, request, identity)
@@ -276,14 +242,14 @@ class Session:
     async def _stop(self, fields: Json, identity: Identity) -> None:
         service, identity = split_name(fields["service"], identity)
         try:
-            values, result = await self._rights.command(STOP, stop_request(fields)), True
+            values, result = await self.rights.command(STOP, stop_request(fields)), True
         except GatewayError as error:
             values, result = error.problem(), False
         await self._send(service_response(service[:MAX_ID], identity, values, result=result))
 
     async def _call(self, service: str, request: CallService, identity: Identity) -> None:
         try:
-            with self._reads.one() if service == PARAMETERS else nullcontext():
+            with self.reads.one() if service == PARAMETERS else nullcontext():
                 values = await self._services.call(service, request)
         except GatewayError as error:
             response = service_response(request.service, identity, error.detail, result=False)
@@ -294,18 +260,18 @@ class Session:
     async def advertise(self, fields: Json, identity: Identity) -> None:
         """Prepare for messages on a topic."""
         request = read_fields(Advertise, fields)
-        topic = self._parts[Settings].resolve(request.topic, "")
+        topic = self.parts[Settings].resolve(request.topic, "")
         await self._publications.advertise(topic, full_type(request.type))
         await self._report(Level.info, f"advertised {topic}", identity)
 
     async def unadvertise(self, fields: Json, _: Identity) -> None:
         """Publish no more on a topic."""
-        self._publications.unadvertise(self._parts[Settings].resolve(read_fields(Unadvertise, fields).topic, ""))
+        self._publications.unadvertise(self.parts[Settings].resolve(read_fields(Unadvertise, fields).topic, ""))
 
     async def publish(self, fields: Json, _: Identity) -> None:
         """Publish a message."""
         request = read_fields(Publish, fields)
-        await self._publications.publish(self._parts[Settings].resolve(request.topic, ""), request.msg)
+        await self._publications.publish(self.parts[Settings].resolve(request.topic, ""), request.msg)
 
     async def set_level(self, fields: Json, _: Identity) -> None:
         """Choose which status messages are sent."""
@@ -323,33 +289,33 @@ class Session:
 
     async def _send(self, message: bytes, fragment_size: int | None = None) -> None:
         for piece in split(message, fragment_size):
-            await self._connection.send({"type": "websocket.send", "text": piece.decode()})
+            await self.connection.send({"type": "websocket.send", "text": piece.decode()})
 
     async def _send_payload(self, payload: Payload, fragment_size: int | None) -> None:
         if not payload.binary and fragment_size is not None and payload.size > fragment_size:
             await self._send(payload.data, fragment_size)
         elif self._framed:
-            await self._connection.send({"type": "websocket.send", "frame": payload.frame})
+            await self.connection.send({"type": "websocket.send", "frame": payload.frame})
         elif payload.binary:
-            await self._connection.send({"type": "websocket.send", "bytes": payload.data})
+            await self.connection.send({"type": "websocket.send", "bytes": payload.data})
         else:
             await self._send(payload.data)
 
 
-Operate = Callable[[Session, Json, Identity], Awaitable[None]]
+Operate = Callable[[RosbridgeSession, Json, Identity], Awaitable[None]]
 
 OPERATIONS: dict[str, Operate] = {
     operate.__name__: operate
     for operate in (
-        Session.subscribe,
-        Session.unsubscribe,
-        Session.send_action_goal,
-        Session.cancel_action_goal,
-        Session.call_service,
-        Session.publish,
-        Session.advertise,
-        Session.unadvertise,
-        Session.set_level,
+        RosbridgeSession.subscribe,
+        RosbridgeSession.unsubscribe,
+        RosbridgeSession.send_action_goal,
+        RosbridgeSession.cancel_action_goal,
+        RosbridgeSession.call_service,
+        RosbridgeSession.publish,
+        RosbridgeSession.advertise,
+        RosbridgeSession.unadvertise,
+        RosbridgeSession.set_level,
     )
 }
 # Operations that wait for one another.
@@ -359,16 +325,3 @@ IN_ORDER = frozenset({"subscribe", "unsubscribe", "advertise", "unadvertise", "p
 def _text(received: Message) -> str | bytes:
     text: str | None = received.get("text")
     return received.get("bytes") or b"" if text is None else text
-
-
-def _is_urgent(received: Message) -> bool:
-    """Whether a message stops something. What has none of the words for that is not decoded: it may be long."""
-    text = received.get("text") or (received.get("bytes") or b"").decode(errors="replace")
-    lower = text.lower()
-    if not any(word in lower for word in URGENT_WORDS):
-        return False
-    try:
-        op, _, fields = read_operation(_text(received))
-    except GatewayError:
-        return False
-    return op == CANCEL or is_stop(op, fields)

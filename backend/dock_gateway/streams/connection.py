@@ -23,6 +23,7 @@ class ClientConnection:
         self._websocket = websocket
         self._timeout = timeout
         self._sending = asyncio.Lock()
+        self._closed = False
 
     async def send(self, message: Message) -> None:
         """Send a message.
@@ -42,5 +43,8 @@ class ClientConnection:
 
     async def close(self, reason: str) -> None:
         """Close the connection, unless it is closed already."""
+        if self._closed:
+            return
+        self._closed = True
         with suppress(WebSocketDisconnect, RuntimeError):
             await self._websocket.close(CLOSE_CODES[reason], reason)

@@ -8,7 +8,7 @@ import pytest
 
 from dock_gateway.core import work as core_work
 from dock_gateway.core.errors import NotAllowed
-from dock_gateway.foxglove.session import Session
+from dock_gateway.foxglove.session import FoxgloveSession
 
 MANY = 500
 
@@ -31,7 +31,7 @@ async def test_others_have_their_turn_between_the_things_of_one_operation(monkey
 
     task = asyncio.create_task(others())
     session = cast("Any", SimpleNamespace(_report_all=report))
-    await Session._each(session, "advertise", range(MANY), refuse)
+    await FoxgloveSession._each(session, "advertise", range(MANY), refuse)
     task.cancel()
     assert reported == [("advertise", MANY)]
     assert turns >= MANY - 1

@@ -26,7 +26,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams import socket as socket_module
 from dock_gateway.streams.commands import COMMANDS
-from dock_gateway.streams.socket import Session
+from dock_gateway.streams.socket import CommandSession
 from tests.support.audit import audit_parts
 from tests.support.stopping import fake_fleet
 from tests.support.tracking import A
@@ -75,7 +75,8 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
     settings = Settings(subscriber_timeout=1.0)
     parts = Parts({Settings: settings, Quotas: Quotas(settings), Logins: Logins(MemoryHistory(1))})
-    session = Session(cast("WebSocket", websocket), parts, ANYBODY, max_commands=2)
+    session = CommandSession(cast("WebSocket", websocket), parts, ANYBODY)
+    session.most = 2
     await session.read()
     await asyncio.sleep(0.01)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
@@ -126,8 +127,8 @@ def subscribe(identity: str) -> str:
     return f'{{"op": "subscribe", "id": "{identity}", "goal_id": "{A}"}}'
 
 
-def session_of(websocket: FakeWebSocket, parts: Lookups) -> Session:
-    return Session(cast("WebSocket", websocket), parts, ANYBODY)
+def session_of(websocket: FakeWebSocket, parts: Lookups) -> CommandSession:
+    return CommandSession(cast("WebSocket", websocket), parts, ANYBODY)
 
 
 async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_refused(lookups: Lookups) -> None:
@@ -151,7 +152,7 @@ async def test_a_subscription_that_is_under_way_when_the_socket_closes_leaves_no
 ) -> None:
     websocket = FakeWebSocket()
     session = session_of(websocket, lookups)
-    command = asyncio.create_task(session.handle(subscribe("a")))
+    command = asyncio.create_task(session.handle({"text": subscribe("a")}))
     await asyncio.sleep(later)
     await session.close()
     await command
@@ -177,7 +178,8 @@ async def test_stops_are_never_refused(tmp_path: Path) -> None:
         fleet.parts.add(Quotas, Quotas(Settings()))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
-        session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY, max_commands=1, max_stops=1)
+        session = CommandSession(cast("WebSocket", websocket), fleet.parts, ANYBODY)
+        session.most = session.most_urgent = 1
         reading = asyncio.create_task(session.read())
         await until(lambda: len(websocket.told) == 20)
         reading.cancel()
@@ -191,7 +193,7 @@ async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
         fleet.parts.add(Logins, Logins(MemoryHistory(1)))
         fleet.parts.add(Quotas, Quotas(Settings()))
         websocket = FakeWebSocket()
-        session = Session(cast("WebSocket", websocket), fleet.parts, ANYBODY)
+        session = CommandSession(cast("WebSocket", websocket), fleet.parts, ANYBODY)
         await session.handle({"text": None, "bytes": b'{"op": "ping"}'})
         await session.handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
         assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [
