@@ -3,7 +3,7 @@
 import enum
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 
 class PowerSupplyStatus(enum.IntEnum):
@@ -24,6 +24,8 @@ CONNECTED = frozenset({PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL})
 """The states of a battery that is connected to its charger; every other number, known or not, is none."""
 
 
+FULL = 0.95
+"""State of charge above which many chargers wait until it is below again."""
 MAX_CURRENT = 1000.0
 """In A; the battery of a robot has no more."""
 
@@ -62,6 +64,7 @@ class BatteryReading:
         message: The sensor_msgs/BatteryState itself, which nothing here looks into.
         percentage: State of charge, from 0 to 1; NaN if it is not measured.
         current: In A; drivers differ in which direction is positive. NaN where it is not measured.
+        full_at: When the battery was full the last time, by the same clock as `received_at`; -inf if it was not.
     """
 
     status: int
@@ -69,6 +72,12 @@ class BatteryReading:
     message: object = None
     percentage: float = math.nan
     current: float = math.nan
+    full_at: float = field(default=-math.inf, compare=False)
+
+    @property
+    def filled(self) -> bool:
+        """Whether it is full, or so full that chargers wait; not whether it is at one."""
+        return self.status == PowerSupplyStatus.FULL or FULL <= self.percentage <= 1.0
 
     @property
     def connected(self) -> bool:
@@ -108,9 +117,12 @@ class Battery:
     def __init__(self) -> None:
         self.latest: BatteryReading | None = None
         self.on_connected: Callable[[], None] | None = None
+        self._full_at = -math.inf
 
     def update(self, reading: BatteryReading) -> None:
         """Update with a newer reading."""
-        self.latest = reading
+        if reading.filled:
+            self._full_at = reading.received_at
+        self.latest = replace(reading, full_at=self._full_at)
         if reading.connected and self.on_connected is not None:
             self.on_connected()

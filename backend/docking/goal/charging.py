@@ -2,7 +2,7 @@
 
 import math
 
-from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
+from docking.core.battery import FULL, BatteryReading, PowerSupplyStatus, describe_status
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.parameters import ChargingSettings, ChargingSource
@@ -18,8 +18,6 @@ Twice as many after one that said otherwise: rare messages see little of a charg
 """
 OFTEN = 0.5
 """Mean seconds between messages that are not rare."""
-FULL = 0.95
-"""State of charge above which many chargers wait until it is below again."""
 ROUNDING = 1e-9
 
 

@@ -1,5 +1,6 @@
 """Whether the robot is docked, as far as earlier goals can tell."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -22,6 +23,7 @@ class DockMemory:
     Attributes:
         docked: Whether the robot was docked at the end of the last goal that tells; None where nothing is known.
         at: Where it stood then, in odom; None where that is not known.
+        since: From when on it has been docked there, by the clock of observations; inf where that is not known.
         staging: Of the dock that the robot is on, else of that of the last docking goal, and the direction; None before
             the first one.
         dock_type: Of the same dock; empty where there is none.
@@ -33,6 +35,7 @@ class DockMemory:
 
     docked: bool | None = None
     at: Pose | None = None
+    since: float = math.inf
     staging: Staging | None = None
     dock_type: str = ""
     charges: bool = True
@@ -58,8 +61,10 @@ class DockMemory:
             self.turns.pop(forgotten)
             self.places.pop(forgotten, None)
 
-    def note(self, docked: bool, at: Pose | None) -> None:
-        """Remember how a goal has ended, and where."""
+    def note(self, docked: bool, at: Pose | None, now: float = math.inf) -> None:
+        """Remember how a goal has ended, where, and when by the clock of observations."""
+        if not (docked and self.recall(at)):
+            self.since = now
         self.docked, self.at = docked, at
 
     def heads_for(self, staging: Staging, dock_type: str, robot: Pose | None, *, charges: bool = True) -> None:

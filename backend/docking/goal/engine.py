@@ -113,6 +113,8 @@ class Goal:
             return self.abort(failure.error_code, str(failure))
         if self._objective.doubt:
             self.doubts.note("charge", self._objective.doubt)
+        if self._objective.unsure:
+            self.doubts.note("docked", self._objective.unsure)
         if reached:
             return self._succeed(observation)
         if 0.0 < timeouts.goal_timeout <= now - self._started_at:
@@ -226,9 +228,17 @@ class Goal:
         if self._pace is None or self._watch is None or observation.odometry is None:
             return step
         desired = step if self._obstacles is None else self._obstacles.slow_down(step)
-        behind = desired.linear_x < 0.0 and self._obstacles is not None and self._obstacles.sees_behind
+        backwards, obstacles = desired.linear_x < 0.0, self._obstacles
+        sees = obstacles is not None and (obstacles.sees_behind or not backwards)
+        robot, poses, model = observation.odometry.pose, self._plan.poses, self._watch.model
         velocity = self._pace.next(
-            desired, dt, observation.odometry.pose, self._plan.poses, self._watch.model, sees_behind=behind
+            desired,
+            dt,
+            robot,
+            poses,
+            model,
+            sees_behind=sees and backwards,
+            slowly=bool(self._objective.unsure) and not sees,
         )
         return self._rest() if self._obstacles is not None and self._obstacles.stops(velocity) else velocity
 
@@ -283,7 +293,7 @@ class Goal:
 
     def _succeed(self, observation: Observation) -> Outcome:
         odometry = observation.odometry
-        self._objective.memory.note(self._objective.docks, None if odometry is None else odometry.pose)
+        self._objective.memory.note(self._objective.docks, None if odometry is None else odometry.pose, observation.now)
         return self._finish(Outcome(End.SUCCEEDED, retries=self.retries, doubts=self.doubts.sentences()))
 
     def cancel(self) -> Outcome:

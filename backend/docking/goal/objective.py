@@ -56,6 +56,8 @@ class Objective(ABC):
         memory: Knowledge of the dock that is kept from goal to goal.
         docks: Whether the robot is docked when the goal is reached.
         doubt: What seems wrong with the charge, as a sentence; empty where nothing does.
+        unsure: Why it is not certain that the robot is on its dock, which it is to leave, as a sentence; empty where it
+            is. A robot that may be anywhere drives slowly.
         slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
     """
 
@@ -64,6 +66,7 @@ class Objective(ABC):
     recovery: RecoverySettings | None = None
     slowdown_radius = 0.0
     doubt = ""
+    unsure = ""
 
     def __init__(self, timeouts: Timeouts, memory: DockMemory | None, charging: ChargingSettings | None) -> None:
         """Begin.

@@ -65,6 +65,7 @@ class Pace:
         model: MotionModel,
         *,
         sees_behind: bool = False,
+        slowly: bool = False,
     ) -> Velocity:
         """Return the next velocity on the way to a desired one. If the robot cannot slow down in time, it stops.
 
@@ -75,12 +76,14 @@ class Pace:
             poses: Poses of the dock.
             model: How the base carries out commands.
             sees_behind: Whether a scan shows what is behind the robot.
+            slowly: Whether the robot may be somewhere else than it is taken to be, and must drive at its slowest.
 
         Raises:
             FailedToControl: The base cannot drive slowly enough to touch the dock.
         """
-        if desired.linear_x < 0.0 and not sees_behind:
-            desired = _slowed(desired, max(self._limits.v_linear_back, model.dead_zone.linear_x))
+        if slowly or (desired.linear_x < 0.0 and not sees_behind):
+            most = self._limits.v_linear_min if slowly else self._limits.v_linear_back
+            desired = _slowed(desired, max(most, model.dead_zone.linear_x))
         left = self._distance(robot, poses, model, desired.linear_x)
         most_at_dock = self._limits.v_linear_min + AT_DOCK
         model.learns, model.tried_first = left > NEAR, most_at_dock

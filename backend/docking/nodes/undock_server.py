@@ -36,7 +36,13 @@ class UndockAction(RobotAction[UndockSettings]):
         charging, assume_docked = settings.charging, settings.assume_docked
         if not memory.charges:
             charging = replace(charging, charging_source=ChargingSource.NONE)
-        objective = Undocking(settings.timeouts, memory, charging=charging, assume_docked=assume_docked)
         staging = memory.staging or settings.staging
+        objective = Undocking(
+            settings.timeouts,
+            memory,
+            charging=charging,
+            assume_docked=assume_docked,
+            slowest=staging.distance / settings.motion.v_linear_min,
+        )
         plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
         return Goal(plan, objective, started_at, watch_obstacles(settings))

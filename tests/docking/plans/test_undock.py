@@ -1,18 +1,21 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from docking.core.battery import BatteryReading
+from docking.core.battery import Battery, BatteryReading
 from docking.core.errors import DockedUnknown, ErrorCode, FailedToUndock, Stage
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
+from docking.core.observation import STANDSTILL, Observation, Odometry, Scan, Velocity
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.objective import Progress
+from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.outcome import Command, End, Outcome
 from docking.goal.undock import Undocking
-from docking.parameters import MotionLimits, UndockTimeouts
+from docking.parameters import ChargingSettings, ChargingSource, CollisionSettings, MotionLimits, UndockTimeouts
+from docking.parameters.collision import Outline
 from docking.plans.undock import UndockPlan
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
@@ -157,6 +160,82 @@ def test_a_battery_that_may_be_at_its_charger_does_not_contradict_the_memory(sta
     observation = Observation(1.0, battery, Odometry(Pose(), STANDSTILL, 1.0))
     assert not objective.is_reached(observation, battery, Progress(True, False, None))
     assert objective.is_reached(observation, battery, Progress(True, True, None))
+
+
+def lifted_goal(
+    source: ChargingSource, percentage: float = 0.5, status: int = 2, *, full: bool = False, watched: bool = False
+) -> tuple[Outcome, float, float]:
+    """Undock where odometry says that the robot has not moved since it was docked, and the battery discharges.
+
+    Args:
+        source: What tells that the battery charges.
+        percentage: State of charge.
+        status: Of the battery.
+        full: Whether the battery was full since the robot has docked.
+        watched: Whether a scan shows what is behind.
+
+    Returns:
+        The outcome, the fastest command backwards in m/s, and the way in m.
+    """
+    battery, memory, now, pose, fastest = Battery(), DockMemory(), 1.0, Pose(), 0.0
+    memory.note(True, pose, 0.5)
+    battery.update(BatteryReading(1, 0.9 if full else 0.1, percentage=1.0))
+    charging = ChargingSettings(charging_source=source)
+    objective = Undocking(UndockTimeouts(), memory, charging=charging, slowest=0.7 / MOTION.v_linear_min)
+    watch = ObstacleWatch(CollisionSettings(use_collision_detection=True), Outline().points) if watched else None
+    goal = Goal(UndockPlan(0.7, MOTION), objective, now, watch)
+    longest = goal.longest
+    angles = np.radians(np.arange(0.0, 360.0, 2.0))
+    while now < 1.0 + longest:
+        battery.update(BatteryReading(status, now, percentage=percentage, current=-1.5))
+        scan = Scan(3.0 * np.column_stack((np.cos(angles), np.sin(angles))), now) if watched else None
+        step = goal.step(Observation(now, battery.latest, Odometry(pose, STANDSTILL, now), scan=scan))
+        if isinstance(step, Outcome):
+            return step, fastest, -pose.x
+        fastest = max(fastest, -step.velocity.linear_x)
+        pose, now = Pose(pose.x + step.velocity.linear_x * PERIOD), now + PERIOD
+    raise AssertionError("it goes on")
+
+
+SOURCES = [ChargingSource.STATUS, ChargingSource.CURRENT, ChargingSource.POSE]
+
+
+@pytest.mark.parametrize("full", [False, True])
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("percentage", [0.2, 0.69, 0.71, 0.94, 0.96, math.nan])
+@pytest.mark.parametrize("status", [0, 2])
+def test_a_robot_that_may_have_been_lifted_off_its_dock_drives_slowly_or_not_at_all(
+    source: ChargingSource, percentage: float, status: int, full: bool
+) -> None:
+    outcome, fastest, _ = lifted_goal(source, percentage, status, full=full)
+    assert fastest <= MOTION.v_linear_min + 1e-9
+    assert outcome.error_code is ErrorCode.DOCKED_UNKNOWN or "it may have been lifted off" in " ".join(outcome.doubts)
+
+
+@pytest.mark.parametrize("source", [ChargingSource.STATUS, ChargingSource.CURRENT])
+def test_below_95_percent_a_battery_that_discharges_and_was_not_full_is_at_no_charger(source: ChargingSource) -> None:
+    outcome, fastest, way = lifted_goal(source)
+    assert (outcome.error_code, fastest, way) == (ErrorCode.DOCKED_UNKNOWN, 0.0, 0.0)
+    assert "assume_docked" in outcome.error_msg
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_charger_that_waits_until_the_battery_is_lower_is_left_slowly(source: ChargingSource) -> None:
+    outcome, _, way = lifted_goal(source, 0.85, full=True)
+    assert outcome.end is End.SUCCEEDED
+    assert way == pytest.approx(0.7, abs=0.01)
+    assert "only odometry tells that the robot is on its dock" in outcome.doubts[0]
+    assert lifted_goal(source, 0.85, full=True, watched=True)[1] == pytest.approx(MOTION.v_linear_back)
+
+
+def test_a_battery_that_was_full_before_the_robot_docked_says_nothing() -> None:
+    memory = DockMemory()
+    memory.note(True, Pose(), 5.0)
+    memory.note(True, Pose(0.05), 9.0)
+    assert memory.since == 5.0
+    memory.note(False, Pose(1.0), 20.0)
+    memory.note(True, Pose(0.05), 30.0)
+    assert memory.since == 30.0
 
 
 def test_a_goal_that_fails_on_the_dock_leaves_it_known_that_the_robot_is_docked() -> None:
