@@ -7,13 +7,12 @@ from docking.goal.charging import current_in, describe_charging, is_full, tells_
 from docking.goal.dock_memory import DockMemory
 from docking.goal.objective import Deadline, Objective, Progress
 from docking.parameters import ChargingSettings, ChargingSource, UndockTimeouts
+from docking.parameters.timeouts import at_least
 
 PAUSES_ABOVE = 0.7
 """State of charge down to which a charger may wait after the battery was full."""
 OUT = 0.1
 """Current out of the battery, in A, with which nothing else supplies the robot."""
-MARGIN, START = 1.2, 2.0
-"""How much longer than the way at the lowest speed undocking may take: a factor, and s."""
 
 
 class Undocking(Objective):
@@ -49,7 +48,7 @@ class Undocking(Objective):
         """
         super().__init__(timeouts, memory, charging)
         self._undocking_timeout = timeouts.undocking_timeout
-        self._slowest = max(self._undocking_timeout, START + MARGIN * slowest)
+        self._slowest = at_least(self._undocking_timeout, slowest) if slowest else self._undocking_timeout
         self._assume_docked = assume_docked
         self._docked = False  # for certain
 

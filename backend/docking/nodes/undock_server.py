@@ -10,6 +10,7 @@ from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.undock import Undocking
 from docking.parameters import ChargingSource, UndockSettings
+from docking.parameters.timeouts import at_least
 from docking.plans.undock import UndockPlan
 from docking.ros.robot_action import RobotAction
 from docking.ros.sensors import Sensor
@@ -37,12 +38,14 @@ class UndockAction(RobotAction[UndockSettings]):
         if not memory.charges:
             charging = replace(charging, charging_source=ChargingSource.NONE)
         staging = memory.staging or settings.staging
+        way, motion = staging.distance, settings.motion
+        timeout = at_least(settings.timeouts.undocking_timeout, way / motion.v_linear_back)
         objective = Undocking(
-            settings.timeouts,
+            replace(settings.timeouts, undocking_timeout=timeout),
             memory,
             charging=charging,
             assume_docked=assume_docked,
-            slowest=staging.distance / settings.motion.v_linear_min,
+            slowest=way / motion.v_linear_min,
         )
-        plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
+        plan = UndockPlan(way, motion, forwards=staging.backward)
         return Goal(plan, objective, started_at, watch_obstacles(settings))

@@ -19,7 +19,7 @@ from docking.parameters.recovery import RecoverySettings
 from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.stall import StallSettings
-from docking.parameters.timeouts import DockTimeouts
+from docking.parameters.timeouts import SPEED, DockTimeouts, at_least
 from robot_io.transform import Transform
 
 TUTORIAL_PERIOD = 0.1
@@ -69,10 +69,29 @@ class DockSettings(ServerSettings):
 
     @property
     def goal_timeouts(self) -> DockTimeouts:
-        """The time limits of a goal with this controller."""
+        """The time limits of a goal with this controller: none is shorter than its way takes."""
+        timeouts, motion, dock = self.timeouts, self.motion, self.dock
         if self.controller == ControllerName.ROTATE:
-            return replace(self.timeouts, charge_stable_for=0.0)
-        return self.timeouts
+            return replace(timeouts, charge_stable_for=0.0)
+        if self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
+            return timeouts
+        return replace(
+            timeouts,
+            staging_timeout=timeouts.staging_timeout * max(1.0, SPEED / motion.v_linear_max),
+            dock_approach_timeout=at_least(timeouts.dock_approach_timeout, self._onto(dock)[0]),
+            retry_timeout=at_least(timeouts.retry_timeout, dock.distance / motion.v_linear_back),
+        )
+
+    def _onto(self, dock: Dock) -> tuple[float, str]:
+        """The seconds that the way from the staging pose onto a dock takes, and the way as a part of a sentence."""
+        motion, slow = self.motion, min(dock.distance, self.approach.slowdown_radius)
+        fast = dock.distance - slow
+        speed = motion.v_linear_back if dock.backward else motion.v_linear_max
+        where = (
+            f"{fast:.3g} m at {speed:.3g} m/s ({f'{BACKWARDS:g} of ' if dock.backward else ''}v_linear_max)"
+            f" and {slow:g} m at {motion.v_linear_min:g} m/s (v_linear_min)"
+        )
+        return fast / speed + slow / motion.v_linear_min, where
 
     @property
     def control_period(self) -> float:
@@ -214,18 +233,10 @@ class DockSettings(ServerSettings):
             return "rotate_to_dock is true, but dock_direction is not backward"
         if dock.backward and self.controller == ControllerName.INFRARED:
             return "dock_direction is backward, but infrared docks forwards only: its receivers look ahead"
-        motion, timeouts, distance = self.motion, self.timeouts, dock.distance
-        slow = min(distance, self.approach.slowdown_radius)
-        fast = distance - slow
-        speed = motion.v_linear_back if dock.backward else motion.v_linear_max
-        where = (
-            f"{fast:.3g} m at {speed:.3g} m/s ({f'{BACKWARDS:g} of ' if dock.backward else ''}v_linear_max)"
-            f" and {slow:g} m at {motion.v_linear_min:g} m/s (v_linear_min)"
-        )
-        approach = fast / speed + slow / motion.v_linear_min
+        timeouts, (approach, where) = self.timeouts, self._onto(dock)
         return find_shortage(
             "dock_approach_timeout", timeouts.dock_approach_timeout, approach, where
-        ) or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, distance)
+        ) or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, dock.distance)
 
 
 def _place_of(name: str, entry: DockEntry) -> DockPlace | None:

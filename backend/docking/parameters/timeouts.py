@@ -4,6 +4,21 @@ from dataclasses import dataclass
 
 from docking.core.parameter import number
 
+SPEED = 0.26
+"""In m/s: slower robots have in proportion longer for ways whose length is not known before."""
+MARGIN, START = 1.2, 2.0
+"""How long a known way may take at least: a factor, and s."""
+
+
+def at_least(limit: float, way: float) -> float:
+    """Return a time limit that is no shorter than a way needs.
+
+    Args:
+        limit: As it is set, in s.
+        way: Seconds that the way takes at the speed that is set.
+    """
+    return max(limit, START + MARGIN * way)
+
 
 @dataclass(frozen=True)
 class Timeouts:
@@ -54,7 +69,13 @@ class DockTimeouts(Timeouts):
     """Time limits and retries of a docking goal."""
 
     initial_perception_timeout: float = number(20.0, 0.1, 3600.0, "s", "Time limit for finding the dock.")
-    staging_timeout: float = number(60.0, 0.1, 3600.0, "s", "Time limit for driving to the staging pose.")
+    staging_timeout: float = number(
+        60.0,
+        0.1,
+        3600.0,
+        "s",
+        "Time limit for driving to the staging pose; with v_linear_max below 0.26 m/s in proportion longer.",
+    )
     dock_approach_timeout: float = number(
         30.0, 0.1, 3600.0, "s", "Time limit for driving from the staging pose to the dock."
     )
