@@ -140,8 +140,6 @@ class Goal:
         if self._objective.holds(self._stage):
             self._limits.count(dt if self._objective.flickers else 0.0)
             return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
-        if (failure := self._limits.exceeded(self._stage, finished=self._finished)) is not None:
-            return self._recover(self._objective.reword(failure), observation)
         if self._navigation is not None:
             return self._navigate(self._navigation, observation, dt)
         return self._follow_plan(observation, dt)
