@@ -16,7 +16,7 @@ from docking.core.observation import Observation
 from docking.estimation.motion_model import MotionModel
 from docking.goal.charger_doubt import ChargerDoubt
 from docking.goal.charging import FLICKERS, ChargeRecord, is_full, stands_docked, tells_charging
-from docking.goal.dock_memory import DockMemory
+from docking.goal.dock_memory import DockMemory, LastDocking
 from docking.goal.motion_watch import makes_sense
 from docking.goal.objective import Deadline, Objective, Progress
 from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, RecoverySettings, SearchSettings, Staging
@@ -111,7 +111,8 @@ class Docking(Objective):
         if battery is not None or not self.needs_battery:
             self._hear(observation.now, robot, battery, progress)
             if self._record.is_stable:
-                self.memory.docked_at(self._dock_name, robot, progress.turn)
+                docking = LastDocking(self._staging, robot, progress.turn, progress.camera)
+                self.memory.docked_at(self._dock_name, docking)
                 return True
         return False
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from docking.core.geometry import Pose
 from docking.goal.hits import Hits
@@ -14,6 +14,23 @@ TURNED = 0.35
 """The same in rad."""
 MOST = 1000
 """Docks that are remembered: goals may describe docks that have no name."""
+
+
+@dataclass(frozen=True, slots=True)
+class LastDocking:
+    """How the robot was docked at one dock the last time.
+
+    Attributes:
+        dock: The dock's parameters then.
+        place: base_link in odom; None where that is not known.
+        turn: How far the marker was taken to be turned on its dock, in rad.
+        camera: How far the camera was from where tf has it, in base_link; no way where nothing was measured.
+    """
+
+    dock: Staging
+    place: Pose | None = None
+    turn: float = 0.0
+    camera: Pose = field(default_factory=Pose)
 
 
 @dataclass
@@ -28,9 +45,8 @@ class DockMemory:
             the first one.
         dock_type: Of the same dock; empty where there is none.
         charges: Whether the same dock charges.
-        places: Where base_link stood when it was docked last, in odom, by the names of docks.
+        dockings: The last one at each dock, by its name.
         hits: Where the robot has run into something lately, in odom.
-        turns: How far a dock's marker was taken to be turned then, in rad, by the names of docks.
     """
 
     docked: bool | None = None
@@ -39,27 +55,30 @@ class DockMemory:
     staging: Staging | None = None
     dock_type: str = ""
     charges: bool = True
-    places: dict[str, Pose] = field(default_factory=dict)
-    turns: dict[str, float] = field(default_factory=dict)
+    dockings: dict[str, LastDocking] = field(default_factory=dict)
     hits: Hits = field(default_factory=Hits)
 
-    def docked_at(self, dock: str, place: Pose | None, turn: float) -> None:
-        """Remember where the robot was docked, and how far the marker seemed to be turned.
+    def docked_at(self, name: str, docking: LastDocking) -> None:
+        """Remember how the robot was docked.
 
         Args:
-            dock: The name of the dock.
-            place: base_link in odom; None if unknown.
-            turn: Of the marker, in rad.
+            name: Of the dock.
+            docking: How. Without a place, the place before it stays.
         """
-        self.turns.pop(dock, None)  # the last ones are at the end
-        self.turns[dock] = turn
-        if place is not None:
-            self.places.pop(dock, None)
-            self.places[dock] = place
-        while len(self.turns) > MOST:
-            forgotten = next(iter(self.turns))
-            self.turns.pop(forgotten)
-            self.places.pop(forgotten, None)
+        before = self.dockings.pop(name, docking)  # the last ones are at the end
+        self.dockings[name] = replace(docking, place=docking.place or before.place)
+        if len(self.dockings) > MOST:
+            self.dockings.pop(next(iter(self.dockings)))
+
+    def last_at(self, name: str, dock: Staging) -> LastDocking:
+        """How the robot was docked the last time; with other parameters, only where.
+
+        Args:
+            name: Of the dock.
+            dock: Its parameters now.
+        """
+        last = self.dockings.get(name, LastDocking(dock))
+        return last if last.dock == dock else LastDocking(dock, last.place)
 
     def note(self, docked: bool, at: Pose | None, now: float = math.inf) -> None:
         """Remember how a goal has ended, where, and when by the clock of observations."""

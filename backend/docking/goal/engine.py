@@ -127,7 +127,8 @@ class Goal:
     @property
     def _progress(self) -> Progress:
         poses = self._plan.poses
-        return Progress(self._stage is self._plan.stages[-1], self._finished, poses.filtered_dock, poses.turn)
+        at_last = self._stage is self._plan.stages[-1]
+        return Progress(at_last, self._finished, poses.filtered_dock, poses.turn, poses.camera)
 
     def _wait_for_battery(self, observation: Observation, dt: float) -> Command | Outcome:
         if lost := self._battery.describe_loss(observation.now):

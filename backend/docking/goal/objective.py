@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from docking.core.battery import BatteryReading
 from docking.core.errors import DockingError, Stage
@@ -38,12 +38,14 @@ class Progress:
         finished: Whether that is done, too.
         docked: Where base_link is when docked, in odom; None where that is not known.
         turn: How far the dock's marker is taken to be turned, in rad.
+        camera: How far the camera is from where tf has it, in base_link; no way where nothing was measured.
     """
 
     arrived: bool
     finished: bool
     docked: Pose | None
     turn: float = 0.0
+    camera: Pose = field(default_factory=Pose)
 
 
 class Objective(ABC):

@@ -1,7 +1,7 @@
 """The interface of plans: the stages of docking with one kind of sensor, and the behavior of each."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -25,6 +25,7 @@ class KnownPoses:
         note: A remark about unusual detections, as a sentence; empty without one.
         explores: Whether the robot drives about to find the dock: that has a time limit of its own.
         turn: How far the marker is taken to be turned on its dock, in rad.
+        camera: How far the camera is from where tf has it, in base_link; no way where nothing was measured.
         uncertainty: How far the docked pose may be off without anyone knowing, in m: the robot drives slowly sooner.
         pushes: Whether the robot is to push against the dock, where its wheels may stand.
         doubt: Why the robot must stand still, as what is seen does not move as it drives; empty if it may drive.
@@ -38,6 +39,7 @@ class KnownPoses:
     note: str = ""
     explores: bool = False
     turn: float = 0.0
+    camera: Pose = field(default_factory=Pose)
     pushes: bool = False
     uncertainty: float = 0.0
     doubt: str = ""

@@ -57,11 +57,11 @@ class DockAction(RobotAction[DockSettings]):
         return needs | {Sensor.SCAN} if watched else needs
 
     def make_goal(self, settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-        """A docking goal that knows where the robot docked last."""
+        """A docking goal that knows how the robot was docked last."""
         obstacles = watch_obstacles(settings, backward=settings.dock.backward)
-        last, turn = memory.places.get(settings.dock_name), memory.turns.get(settings.dock_name, 0.0)
-        last_docked = None if last is None else settings.dock.base_link(last)
-        settings = replace(settings, last_docked=last_docked, last_turn=turn)
+        last = memory.last_at(settings.dock_name, settings.dock)
+        place = None if last.place is None else settings.dock.base_link(last.place)
+        settings = replace(settings, last_docked=place, last_turn=last.turn, last_camera=last.camera)
         return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
 
     def uses_frames(self, settings: DockSettings) -> bool:

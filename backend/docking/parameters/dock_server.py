@@ -1,6 +1,6 @@
 """The parameters of the docking action server."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 from docking.core.errors import DockNotValid
@@ -66,6 +66,7 @@ class DockSettings(ServerSettings):
     dock_name: str = ""
     last_docked: Pose | None = None  # where the robot was docked the last time, looking into the dock, in odom
     last_turn: float = 0.0  # how far the dock's marker was taken to be turned then, in rad
+    last_camera: Pose = field(default_factory=Pose)  # how far the camera was from where tf has it then, in base_link
 
     @property
     def goal_timeouts(self) -> DockTimeouts:

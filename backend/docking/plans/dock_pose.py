@@ -71,8 +71,10 @@ class DockPosePlan(SightedPlan):
         self._turn = 0  # which one of them is tried
         self._waits = self._charged = False
         self._dock_charges = settings.charging.charges
-        self._camera = CameraCorrection()
+        self._camera = CameraCorrection(settings.last_camera)
         self._missed = False
+        if self._camera.reason:
+            self.doubts.note("camera", self._camera.reason)
 
     @property
     def poses(self) -> KnownPoses:
@@ -85,6 +87,7 @@ class DockPosePlan(SightedPlan):
             self._note,
             self.explores,
             self._turns[self._turn],
+            self._camera.kept,
             self.pushes,
             doubt=self.marker.motion.doubt,
             proven=self.marker.motion.proven or not self._sees(self._observed_at),
@@ -212,11 +215,11 @@ class DockPosePlan(SightedPlan):
     def _conclude(self) -> Behavior:
         """Correct what the miss came from, where that shows."""
         try:
-            sentence = self._camera.conclude()
+            corrects = self._camera.conclude()
         except NothingLeftToTry as failure:
             return Fail(failure)
-        if sentence:
-            self.doubts.note("camera", sentence)
+        if corrects:
+            self.doubts.note("camera", self._camera.reason)
             self._turn = 0
         return Sequence()
 

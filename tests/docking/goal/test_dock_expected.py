@@ -104,7 +104,9 @@ def test_of_two_markers_the_one_is_taken_where_the_robot_docked_last() -> None:
 def test_it_is_remembered_where_the_robot_docked() -> None:
     drive = Drive(AHEAD)
     assert drive.run() == Outcome(End.SUCCEEDED)
-    assert drive.memory.places[""].distance_to(drive.simulation.odometry.pose) < 0.01
+    place = drive.memory.dockings[""].place
+    assert place is not None
+    assert place.distance_to(drive.simulation.odometry.pose) < 0.01
 
 
 def test_the_first_marker_that_is_seen_is_followed_although_another_one_appears() -> None:

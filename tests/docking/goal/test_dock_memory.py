@@ -1,6 +1,8 @@
+import pytest
+
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.dock_memory import MOST, MOVED, TURNED, DockMemory
+from docking.goal.dock_memory import MOST, MOVED, TURNED, DockMemory, LastDocking
 from docking.goal.objective import Progress
 from docking.nodes.dock_server import docking_objective
 from docking.parameters import Dock, DockDirection, DockSettings, Staging
@@ -74,8 +76,26 @@ def test_a_robot_may_have_moved_by_01_m_and_035_rad() -> None:
 def test_docks_that_goals_describe_do_not_fill_the_memory() -> None:
     memory = DockMemory()
     for number in range(MOST + 5):
-        memory.docked_at(f"({number}, 0) in map", Pose(number), 0.1)
-        memory.docked_at("home", Pose(), 0.0)
-    assert len(memory.places) <= len(memory.turns) <= MOST
-    assert memory.places["home"] == Pose()
-    assert memory.places[f"({MOST + 4}, 0) in map"] == Pose(MOST + 4)
+        memory.docked_at(f"({number}, 0) in map", LastDocking(Dock(), Pose(number), 0.1))
+        memory.docked_at("home", LastDocking(Dock(), Pose()))
+    assert len(memory.dockings) == MOST
+    assert memory.last_at("home", Dock()).place == Pose()
+    assert memory.last_at(f"({MOST + 4}, 0) in map", Dock()).place == Pose(MOST + 4)
+    assert memory.last_at("(0, 0) in map", Dock()) == LastDocking(Dock())
+
+
+@pytest.mark.parametrize(
+    "changed", [Dock(external_detection_translation_y=0.03), Dock(external_detection_rotation_yaw=0.06)]
+)
+def test_what_was_learned_with_other_parameters_of_the_dock_is_forgotten_but_not_the_place(changed: Dock) -> None:
+    memory, learned = DockMemory(), LastDocking(Dock(), Pose(1.0), turn=0.06, camera=Pose(y=0.03))
+    memory.docked_at("home", learned)
+    assert memory.last_at("home", Dock()) == learned
+    assert memory.last_at("home", changed) == LastDocking(changed, Pose(1.0))
+
+
+def test_a_place_that_is_not_known_is_that_of_the_time_before() -> None:
+    memory = DockMemory()
+    memory.docked_at("home", LastDocking(Dock(), Pose(1.0), camera=Pose(y=0.03)))
+    memory.docked_at("home", LastDocking(Dock()))
+    assert memory.last_at("home", Dock()) == LastDocking(Dock(), Pose(1.0))
