@@ -270,6 +270,10 @@ TURNED = (
     " v_linear_min. The next goal begins with the turn at which it charged; these goals are the first ones."
 )
 WHEEL = "The axis of the dock is not known well enough, and the robot touches the dock next to its contacts."
+WEAK = (
+    "`infrared` looks for the edge of the light on short ways to and fro, which such a base drives slowly: the time is"
+    " over (staging_timeout)."
+)
 PUSHED = "A robot that is pushed within the last 3 cm misses the contacts: no controller sees that in time."
 FLICKERS = "A charge that comes and goes forever is no charge, and the error says so."
 CAMERA = "The dock seems to turn as the robot comes near: it gives up before contact."
@@ -325,6 +329,8 @@ CASES = (
         BOTH,
         _set("robot", linear_acceleration=0.2, angular_acceleration=1.0),
     ),
+    Case("base brakes at 0.1 m/s²", BOTH, _set("robot", linear_braking=0.1)),
+    Case("base accelerates and brakes at 0.1 m/s²", BOTH, _set("robot", linear_acceleration=0.1), why=WEAK),
     Case("base clamps at 0.15 m/s, 0.5 rad/s", BOTH, _set("robot", linear_max=0.15, angular_max=0.5)),
     Case("dead zone 0.05 m/s, 0.1 rad/s", BOTH, _set("robot", linear_dead_zone=0.05, angular_dead_zone=0.1)),
     Case("omnidirectional base", (DOCK_POSE,), OMNI, parameters=_omni),
@@ -376,6 +382,9 @@ CASES = (
     Case("no marker, pose off by 8 cm, up to 4°", (DOCK_POSE,), _off(0.08), located=True),
     Case("no marker, localization jumps 5 to 20 cm", (DOCK_POSE,), _off(0.01, 0.02, jump=0.2), located=True),
     Case("a lip that takes 1.5 s of pushing", BOTH, _set("dock", lip=1.5), final_push=0.06),
+    Case("camera 5 cm farther back than said", (DOCK_POSE,), _set("marker", camera_error_x=-0.05)),
+    Case("camera 5 cm farther ahead than said", (DOCK_POSE,), _set("marker", camera_error_x=0.05)),
+    Case("bumper 8 cm longer than said", (DOCK_POSE,), _set("robot", bumper=0.08)),
     Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0)), why=CAMERA),
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0)), why=CAMERA),
     Case("camera 3 cm aside", (DOCK_POSE,), _aside(0.03), why=ASIDE),

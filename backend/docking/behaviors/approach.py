@@ -102,7 +102,7 @@ class Approach:
         if held is not None:
             self._stalled = 0.0
             return held
-        velocity = self._drive(odometry.pose, docked, left)
+        velocity = self._drive(odometry.pose, docked, left, self._motion.with_braking(observation.braking))
         return self._slide(velocity, off, left, dt, too_far=too_far) if slides else velocity
 
     def _can_slide(self, off: Pose, left: float) -> bool:
@@ -176,8 +176,7 @@ class Approach:
             off = off.compose(Pose(STRIDE * math.cos(0.5 * turn), STRIDE * math.sin(0.5 * turn), turn))
         return off
 
-    def _drive(self, robot: Pose, docked: Pose, left: float) -> Velocity:
-        motion = self._motion
+    def _drive(self, robot: Pose, docked: Pose, left: float, motion: MotionLimits) -> Velocity:
         steering = steer(robot, docked.compose(Pose(PROJECTION)), self._settings.gains)
         slowest = motion.v_linear_min
         fast = max(0.0, left - max(self._settings.slowdown_radius, self._until))

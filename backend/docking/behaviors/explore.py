@@ -81,7 +81,7 @@ class Explore:
             self._target = next(self._places, None)
             self._search = self._make_search()
             return STANDSTILL
-        return drive_to(robot, target, self._motion, forwards=True)
+        return drive_to(robot, target, self._motion.with_braking(observation.braking), forwards=True)
 
 
 def is_blocked(scan: Scan, robot: Pose, target: Pose) -> bool:

@@ -47,6 +47,6 @@ class LookAround:
             return Done()
         error = normalize_angle(self._middle + self._sides[0] - heading)
         if abs(error) > CLOSE:
-            return turn(error, self._motion)
+            return turn(error, self._motion.with_braking(observation.braking))
         self._sides.pop(0)
         return STANDSTILL

@@ -58,7 +58,9 @@ class TurnBy:
         if self._heading is None:
             self._heading = heading + self._angle
         error = normalize_angle(self._heading - heading)
-        return Done() if abs(error) <= CLOSE * abs(self._angle) else turn(error, self._motion)
+        if abs(error) <= CLOSE * abs(self._angle):
+            return Done()
+        return turn(error, self._motion.with_braking(observation.braking))
 
 
 class PressOn:

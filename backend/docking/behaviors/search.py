@@ -66,12 +66,12 @@ class Search:
         if odometry is None:
             return STANDSTILL
         if self._sees(observation.now):
-            return self._look(odometry.pose)
+            return self._look(odometry.pose, self._motion.with_braking(observation.braking))
         heading = odometry.pose.theta
         if self._towards is not None:
             error = normalize_angle(self._towards - heading)
             if abs(error) > math.radians(3.0):
-                return turn(error, self._motion)
+                return turn(error, self._motion.with_braking(observation.braking))
             self._towards = None
         if self._last is not None:
             self._turned += normalize_angle(heading - self._last)
@@ -82,9 +82,9 @@ class Search:
             self._leftwards = self._been_right = True
         return Velocity(0.0, self._speed if self._leftwards else -self._speed)
 
-    def _look(self, robot: Pose) -> Velocity:
+    def _look(self, robot: Pose, motion: MotionLimits) -> Velocity:
         """Turn until the dock is in the middle of the view."""
         bearing = self._bearing(robot)
         if bearing is None or abs(normalize_angle(bearing)) < CENTERED:
             return STANDSTILL
-        return turn(normalize_angle(bearing), self._motion)
+        return turn(normalize_angle(bearing), motion)

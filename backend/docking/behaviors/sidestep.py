@@ -9,6 +9,7 @@ from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.estimation.beacon_filter import BeaconFilter, Crossing
 from docking.goal.behavior import Done, Failed, Step
 from docking.parameters import MotionLimits
+from docking.parameters.limits import braked
 
 BEARING = 0.45
 """Where the beacon is kept: this part of the way from the center receiver's view to the other one's outer edge."""
@@ -75,7 +76,7 @@ class Sidestep:
             return STANDSTILL
         self._choose_way()
         bearing, distance = beacon.bearing(odometry.pose), beacon.distance(odometry.pose)
-        velocity = self._drive(bearing, distance)
+        velocity = self._drive(bearing, distance, self._motion.with_braking(observation.braking))
         if velocity.linear_x > 0.0 and distance < TOO_NEAR * beacon.receivers.infrared_distance_min:
             return Failed(
                 InfraredLost("the robot came close to the dock without finding the edge of the beacon's light")
@@ -120,7 +121,7 @@ class Sidestep:
         elif not self._outwards and self._beacon.lit and beyond < -BEYOND:
             self._outwards = True
 
-    def _drive(self, bearing: float, distance: float) -> Velocity:
+    def _drive(self, bearing: float, distance: float, motion: MotionLimits) -> Velocity:
         receivers = self._beacon.receivers
         nearest, farthest = receivers.infrared_distance_min, receivers.infrared_distance_max
         if self._forwards is None:
@@ -132,11 +133,16 @@ class Sidestep:
         wanted = self._side * kept * (1.0 if self._forwards else -1.0)
         error = normalize_angle(bearing - wanted)
         if self._turning and abs(error) > 0.2 * TURN_FIRST:
-            return turn(error, self._motion)
+            return turn(error, motion)
         self._turning = False
-        speed = self._motion.v_linear_max * (1.0 if self._forwards is self._outwards else -1.0)
+        speed = motion.v_linear_max
+        if self._forwards is self._outwards:  # towards the dock: it must come to a standstill where it turns back
+            room = distance - TOO_NEAR * nearest
+            speed = max(motion.v_linear_min, min(speed, braked(max(0.0, room), motion.a_linear_max)))
+        else:
+            speed = -speed
         keeping = speed * math.sin(bearing) / max(distance, TOUCHING)  # as the beacon goes by
-        return Velocity(speed, bounded(STEERING * error + keeping, self._motion.v_angular_max))
+        return Velocity(speed, bounded(STEERING * error + keeping, motion.v_angular_max))
 
 
 def _agree(one: Crossing, other: Crossing) -> bool:

@@ -52,13 +52,14 @@ class ToStaging:
         if docked is None or odometry is None:
             return STANDSTILL
         robot, staging = odometry.pose, self._dock.staging(docked)
+        motion = self._motion.with_braking(observation.braking)
         if self._driving:
             if robot.distance_to(staging) > REACHED:
-                return drive_to(robot, staging, self._motion)
+                return drive_to(robot, staging, motion)
             self._driving = False
         off = robot.relative_to(staging)
         if abs(off.theta) > STRAIGHT:
-            return turn(normalize_angle(-off.theta), self._motion)
+            return turn(normalize_angle(-off.theta), motion)
         if abs(off.y) > LATERAL or abs(off.x) > AHEAD:
             self._driving = True
             return STANDSTILL

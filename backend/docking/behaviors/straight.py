@@ -40,7 +40,7 @@ class BackOut:
         left = self._distance + moved.x
         if left <= 0.005:
             return Done()
-        motion = self._motion
+        motion = self._motion.with_braking(observation.braking)
         speed = min(motion.v_linear_back, math.sqrt(motion.a_linear_max * left), 2.0 * left + 0.01)
         # To the left of the line, a robot that drives backwards gets back to it when it is turned to the left.
         turn = STEERING * (math.atan(2.0 * moved.y) - normalize_angle(moved.theta))
@@ -67,4 +67,4 @@ class GoTo:
             return STANDSTILL
         if odometry.pose.distance_to(self._place) <= REACHED:
             return Done()
-        return drive_to(odometry.pose, self._place, self._motion)
+        return drive_to(odometry.pose, self._place, self._motion.with_braking(observation.braking))

@@ -47,7 +47,7 @@ class FullTurn:
         if self._last is not None:
             self._left -= normalize_angle(heading - self._last)
         self._last = heading
-        return Done() if self._left < COMPLETE else turn(self._left, self._motion)
+        return Done() if self._left < COMPLETE else turn(self._left, self._motion.with_braking(observation.braking))
 
 
 class TurnToDock:
@@ -69,4 +69,4 @@ class TurnToDock:
         if docked is None or odometry is None:
             return STANDSTILL
         error = normalize_angle(docked.theta - odometry.pose.theta)
-        return Done() if abs(error) < STRAIGHT else turn(error, self._motion)
+        return Done() if abs(error) < STRAIGHT else turn(error, self._motion.with_braking(observation.braking))

@@ -43,6 +43,22 @@ STANDSTILL = Velocity()
 
 
 @dataclass(frozen=True, slots=True)
+class Deceleration:
+    """How fast the base can slow down, as far as it was seen.
+
+    Attributes:
+        linear_x: In m/s².
+        angular_z: In rad/s².
+    """
+
+    linear_x: float = math.inf
+    angular_z: float = math.inf
+
+
+UNLIMITED = Deceleration()
+
+
+@dataclass(frozen=True, slots=True)
 class Odometry:
     """Where the robot is by its own reckoning (nav_msgs/Odometry).
 
@@ -134,6 +150,7 @@ class Observation:
         localized_at: When the localization that says so was heard last.
         localization_error: Its standard deviation, in m; NaN where it does not say.
         joints: The joints that tell whether the wheels stall, by name.
+        braking: How fast the base slows down at most, where it is weaker than commanded.
     """
 
     now: float
@@ -147,3 +164,4 @@ class Observation:
     localized_at: float = -math.inf
     localization_error: float = math.nan
     joints: Mapping[str, Joint] = field(default_factory=dict)
+    braking: Deceleration = UNLIMITED

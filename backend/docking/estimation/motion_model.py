@@ -9,7 +9,8 @@ from bisect import bisect_right
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, Velocity
+from docking.core.observation import STANDSTILL, Deceleration, Velocity
+from docking.estimation.braking import Braking
 
 LAGS = tuple(0.05 * number for number in range(13))
 """Candidates for the lag, in s: the time from a command until odometry shows the motion."""
@@ -37,6 +38,8 @@ STEADY = 0.1
 """How much a command may change and still be taken for the same, as a part of it."""
 AT_REST = 0.02
 """In m/s: a base that is slower has come to a standstill."""
+TURNED = 0.05
+"""In rad/s; the same of a base that turns."""
 OBEYED = (0.3, 1.5)
 """The part of a steady command that is measured where the base moves by it, and is not about to stop from more."""
 OBEYED_FOR = 0.3
@@ -100,6 +103,8 @@ class MotionModel:
         tried_first: A speed, in m/s, that is commanded before a higher one while the dead zone is learned.
         stands: Whether the base, commanded to drive, did not for longer than it may take to begin, and has not since.
         known_since: Since when there was no pause, in s.
+        braking: How fast the base slows down, forward or backward.
+        turn_braking: The same of turns.
     """
 
     def __init__(self, memory: float = 2.0) -> None:
@@ -118,6 +123,7 @@ class MotionModel:
         self.stands = False
         self.learns = True
         self.tried_first = math.inf
+        self.braking, self.turn_braking = Braking(AT_REST, 0.1), Braking(TURNED, 0.4)
         self._changed_at = -math.inf
         self._times: list[float] = []
         self._commands: list[Motion] = []
@@ -162,6 +168,9 @@ class MotionModel:
             del self._times[:gone], self._commands[:gone], self._measured[:gone]
         self._learn_lag()
         self._learn_dead_zone(now)
+        velocity = self.velocity
+        self.braking.look(now, velocity.linear_x, self.commanded.linear_x)
+        self.turn_braking.look(now, velocity.angular_z, self.commanded.angular_z)
 
     def commands(self, begin: float, end: float) -> Motion:
         """The motion that was commanded between two moments."""
@@ -192,6 +201,11 @@ class MotionModel:
         seconds = min(WINDOW, now - self._times[0])
         moved = self.measured(now - seconds, now)
         return Velocity(moved.way / seconds, moved.turn / seconds)
+
+    @property
+    def deceleration(self) -> Deceleration:
+        """How fast the base slows down at most, where it is weaker than commanded."""
+        return Deceleration(self.braking.limit, self.turn_braking.limit)
 
     @property
     def last(self) -> Pose | None:

@@ -48,7 +48,7 @@ class Docking(Objective):
         *,
         charging: ChargingSettings | None = None,
         docking_threshold: float = 0.05,
-        slowdown_radius: float = 0.06,
+        slowdown_radius: float = 0.11,
         recovery: RecoverySettings | None = None,
         staging: Staging | None = None,
         dock_type: str = "",

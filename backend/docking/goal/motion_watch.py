@@ -20,7 +20,7 @@ LEAST_MOTION = 0.3
 """Least share of the commanded motion: many bases drive slower than commanded, and wheels slip."""
 MOST_MOTION = 1.35
 """Largest multiple of the commanded motion, forward and backward."""
-WEAKEST = 0.1
+WEAKEST = 0.05
 """In m/s²; a base whose velocity changes more slowly towards the command is blocked."""
 LEAST_WAY = 0.04
 """In m; a shorter way missing, or too much, says nothing."""
@@ -190,23 +190,26 @@ class MotionWatch:
         )
 
     def ahead(self, observation: Observation) -> Observation:
-        """The same when a command that is given now takes effect: the robot is where it will be then."""
+        """The same when a command that is given now takes effect: the robot is where it will be then.
+
+        It says how fast the base slows down, too.
+        """
         odometry = observation.odometry
         if odometry is None:
             return observation
-        return replace(
-            observation, odometry=replace(odometry, pose=self.model.ahead(odometry.pose), velocity=self.model.velocity)
-        )
+        there = replace(odometry, pose=self.model.ahead(odometry.pose), velocity=self.model.velocity)
+        return replace(observation, odometry=there, braking=self.model.deceleration)
 
     def _compare(self, now: float) -> None:
         begin = now - self._blocked_after
         if begin < max(self._begins_at, self.model.known_since):
             return
         measured = self.model.measured(begin, now)
-        speeds_up = self._speeds_up(begin, now)
+        speeds_up, rolled_on = self._speeds_up(begin, now), self._has_rolled_on(begin, now)
         for lag in LAGS:
             commanded = self.model.commands(begin - lag, now - lag)
-            drives = speeds_up or _fits(commanded.way, commanded.to_and_fro, measured.way, LEAST_WAY)
+            to_and_fro = math.inf if rolled_on else commanded.to_and_fro
+            drives = speeds_up or _fits(commanded.way, to_and_fro, measured.way, LEAST_WAY)
             if drives and _fits(commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN):
                 return
         commanded = self.model.commands(begin, now)
@@ -233,10 +236,17 @@ class MotionWatch:
         wanted, change = self.model.commands(begin + half, now).way - before, after - before
         return wanted * change > 0.0 and abs(change) > WEAKEST * half**2
 
+    def _has_rolled_on(self, begin: float, now: float) -> bool:
+        """Whether a weak base came too far since it took long to slow down, and comes no farther than commanded now."""
+        half = 0.5 * (now - begin)
+        before, after = self.model.measured(begin, begin + half).way, self.model.measured(begin + half, now).way
+        commanded = self.model.commands(begin + half - LAGS[-1], now)
+        return abs(after) < abs(before) and abs(after) <= MOST_MOTION * commanded.to_and_fro + 0.5 * LEAST_WAY
+
 
 def _fits(commanded: float, to_and_fro: float, measured: float, least: float) -> bool:
     """Whether one of the two, way or turn, was carried out."""
-    if commanded < 0.0:
+    if commanded < 0.0 or commanded == 0.0 > measured:
         commanded, measured = -commanded, -measured
     missing, more = LEAST_MOTION * commanded - measured, measured - MOST_MOTION * to_and_fro
     return (missing <= 0.0 or commanded - measured <= least) and more <= least

@@ -19,7 +19,13 @@ NEAR = 0.2
 AT_DOCK = 0.02
 """How much faster than v_linear_min, in m/s, a base with a dead zone may touch its dock."""
 GENTLE = 0.15
-"""In m/s²; weak bases, too, slow down so much on the way to the dock."""
+"""How fast the robot slows down on the way to the dock, in m/s²."""
+CAUTIOUS = 0.08
+"""The same of a base that was not seen to slow down by `SHOWN`."""
+SHOWN = 0.2
+"""In m/s²."""
+OF_LIMIT = 0.8
+"""The part of its highest deceleration that a weak base slows down with there."""
 ROUNDING = 1e-6
 LONGEST_STEP = 0.2
 """In s; after a longer pause the robot does not change its velocity by more than in this time."""
@@ -98,11 +104,12 @@ class Pace:
         begins = self._begins(desired, poses, model) or unproven
         slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
         first = slowest if begins or model.stands else math.inf
+        gentle = _gentle(model)
 
         def most_at(linear: float) -> float:
             """The highest speed, in m/s, on a way that begins with this velocity."""
             dock, hit = self._nearest(robot, poses, model, linear), self._hits.distance(robot, model.unseen.way, linear)
-            return min(first, self._near_dock(dock, sure), self._near_dock(hit + self._radius, slowest))
+            return min(first, self._near_dock(dock, sure, gentle), self._near_dock(hit + self._radius, slowest, gentle))
 
         velocity = self._limiter.limit(_slowed(desired, most_at(desired.linear_x)), dt, model.dead_zone)
         if abs(velocity.linear_x) > most_at(velocity.linear_x) + ROUNDING:
@@ -135,9 +142,9 @@ class Pace:
         nearest = min((self._distance(robot, one, model, linear) for one in self._recent), default=math.inf)
         return max(0.0, nearest - poses.late * abs(model.velocity.linear_x))
 
-    def _near_dock(self, left: float, slowest: float) -> float:
-        """The highest speed, in m/s, where the dock may be so near, in m."""
-        return slowest + braked(max(0.0, left - self._radius), min(GENTLE / RESERVE, self._limits.a_linear_max))
+    def _near_dock(self, left: float, slowest: float, gentle: float) -> float:
+        """The highest speed, in m/s, where the dock may be so near, in m, and the robot slows down by so much."""
+        return slowest + braked(max(0.0, left - self._radius), min(gentle / RESERVE, self._limits.a_linear_max))
 
     def _distance(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
         """How near to the dock the robot may have come, in m, on its way there; infinite where it is on no such way.
@@ -158,6 +165,14 @@ class Pace:
         coming = model.unseen.way
         left = max(0.0, -off.x - poses.uncertainty - max(0.0, math.copysign(coming, coming * linear)))
         return math.hypot(left, max(0.0, abs(off.y) - SIDE))
+
+
+def _gentle(model: MotionModel) -> float:
+    """How fast the base can slow down for sure, in m/s²."""
+    braking = model.braking
+    if braking.limit < math.inf:
+        return min(GENTLE, OF_LIMIT * braking.limit)
+    return GENTLE if braking.shown >= SHOWN else CAUTIOUS
 
 
 def _slowed(velocity: Velocity, most: float) -> Velocity:

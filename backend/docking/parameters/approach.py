@@ -58,15 +58,21 @@ class ApproachSettings:
 
     gains: Gains = group(Gains)
     slowdown_radius: float = number(
-        0.06, 0.0, 1.0, "m", "The last part of the approach, which is driven at v_linear_min."
+        0.11,
+        0.0,
+        1.0,
+        "m",
+        "The last part of the approach, which is driven at v_linear_min: the first contact may come earlier than the "
+        "docked pose says, as with a bumper that is longer than the drawing.",
     )
     docking_threshold: float = threshold_field()
     docking_overshoot: float = number(
-        0.015,
+        0.045,
         0.0,
         0.2,
         "m",
-        "Distance beyond the docked pose that is driven without a contact, before the robot is taken to be docked.",
+        "Distance beyond the docked pose that is driven without a contact, before the robot is taken to be docked: the "
+        "camera may be farther ahead than tf says.",
     )
     final_push: float = push_field()
     docking_lateral_tolerance: float = number(

@@ -2,8 +2,9 @@
 
 import enum
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from docking.core.observation import UNLIMITED, Deceleration
 from docking.core.parameter import choice, number
 
 BACKWARDS = 0.6
@@ -72,3 +73,13 @@ class MotionLimits:
     def v_linear_back(self) -> float:
         """Maximum linear velocity backwards where nothing sees behind the robot, in m/s."""
         return max(self.v_linear_min, BACKWARDS * self.v_linear_max)
+
+    def with_braking(self, braking: Deceleration) -> "MotionLimits":
+        """The limits for a base that slows down no faster than this."""
+        if braking == UNLIMITED:
+            return self
+        return replace(
+            self,
+            a_linear_max=min(self.a_linear_max, braking.linear_x),
+            a_angular_max=min(self.a_angular_max, braking.angular_z),
+        )

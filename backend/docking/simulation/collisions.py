@@ -83,13 +83,13 @@ class Collisions:
         self._lip.hold(robot, now, driven=driven)
         solids: tuple[Solid, ...] = (*self._dock.boxes, *obstacles, *self._room)
         for solid in solids:
-            obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
+            obstruction = solid.obstruct(*robot.body, robot.radius)
             if obstruction is not None:
                 robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
                 blocked = True
         if blocked and self._room:
             _correct(robot, solids)
-        self.contact = self._dock.in_contact(robot.x, robot.y, robot.theta)
+        self.contact = self._dock.in_contact(*robot.body, robot.theta)
         if not self.contact:
             self._contact_since = None
         elif self._contact_since is None:
@@ -101,7 +101,7 @@ class Collisions:
         self._note_touch(robot, speed, now, driven=driven)
 
     def _note_touch(self, robot: Robot, speed: float, now: float, *, driven: bool) -> None:
-        distance = self._dock.clearance(robot.x, robot.y) - robot.radius
+        distance = self._dock.clearance(*robot.body) - robot.radius
         touches = self.contact or distance < 1e-9
         if touches and not self._at_dock and driven:
             self.touches.append(Touch(now, speed, self.contact))
@@ -146,7 +146,8 @@ class Lip:
             driven: Whether it drove there; else it was set down.
         """
         edge = DOCKED.x - LIP
-        if self._seconds == 0.0 or abs(robot.y - self._dock.nearest(robot.y)) > LIP or robot.x <= edge:
+        x, y = robot.body
+        if self._seconds == 0.0 or abs(y - self._dock.nearest(y)) > LIP or x <= edge:
             self._over, self._pushes_since = False, None
             return
         if self._over or not driven:
@@ -154,17 +155,17 @@ class Lip:
             return
         self._pushes_since = now if self._pushes_since is None else self._pushes_since
         if now - self._pushes_since < self._seconds:
-            robot.block(edge, robot.y, -1.0, 0.0)
+            robot.block(edge, y, -1.0, 0.0)
 
 
 def _correct(robot: Robot, solids: Sequence[Solid]) -> None:
     """What keeps the robot out of one thing may have put it into another: it is moved out of all."""
     for _ in range(CORRECTIONS):
-        within = _find(robot.x, robot.y, robot.radius, solids)
+        within = _find(*robot.body, robot.radius, solids)
         if within is None:
             return
-        robot.x, robot.y = within.x, within.y
-    robot.x, robot.y = next((x, y) for x, y in _around(robot.x, robot.y) if _find(x, y, robot.radius, solids) is None)
+        robot.move_body(within.x, within.y)
+    robot.move_body(*next((x, y) for x, y in _around(*robot.body) if _find(x, y, robot.radius, solids) is None))
 
 
 def _find(x: float, y: float, radius: float, solids: Sequence[Solid]) -> Obstruction | None:

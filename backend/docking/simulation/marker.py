@@ -54,6 +54,9 @@ class MarkerSettings:
         "rad",
         "Direction in which the camera looks, from the robot's edge; 0: ahead, 3.1416: behind.",
     )
+    camera_error_x: float = number(
+        0.0, -0.5, 0.5, "m", "How much farther ahead the camera is mounted than the robot's software takes it to be."
+    )
     camera_error_y: float = number(
         0.0, -0.5, 0.5, "m", "How far to the left of where the robot's software takes it to be the camera is mounted."
     )
@@ -189,8 +192,8 @@ class MarkerCamera:
         if self._is_mirrored(now) and abs(side) < FLAT:
             # Seen from the side by this angle, it seems to be seen from the other side.
             seen = Pose(seen.x, seen.y, normalize_angle(seen.theta - 2.0 * side))
-        if settings.camera_error_y != 0.0:
-            seen = Pose(y=-settings.camera_error_y).compose(seen)
+        if settings.camera_error_x != 0.0 or settings.camera_error_y != 0.0:
+            seen = Pose(-settings.camera_error_x, -settings.camera_error_y).compose(seen)
         if settings.mount_error != EXACT:
             seen = settings.mount_error.inverse().compose(seen)
         return self._mistaken(robot, seen, max(outliers, settings.outliers))

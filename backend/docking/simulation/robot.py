@@ -18,7 +18,7 @@ class RobotSettings:
     """Properties of the robot.
 
     Attributes:
-        radius: Of its round body, whose centre is base_link, in m.
+        radius: Of its round body, in m.
         wheel_separation: Between the two wheels, in m.
         slip_noise: Grows with the root of the way.
         stall_time: Seconds that a motor bears a wheel that is stuck, until both motors are switched off. They
@@ -31,6 +31,15 @@ class RobotSettings:
     angular_max: float = number(1.2, 0.0, 10.0, "rad/s", "Maximum angular velocity, in both directions.")
     linear_acceleration: float = number(1.0, 0.0, 20.0, "m/s²", "Maximum linear acceleration.")
     angular_acceleration: float = number(4.0, 0.0, 50.0, "rad/s²", "Maximum angular acceleration.")
+    linear_braking: float = number(
+        0.0, 0.0, 20.0, "m/s²", "Maximum linear deceleration; 0: as much as linear_acceleration."
+    )
+    angular_braking: float = number(
+        0.0, 0.0, 50.0, "rad/s²", "Maximum angular deceleration; 0: as much as angular_acceleration."
+    )
+    bumper: float = number(
+        0.0, 0.0, 0.3, "m", "How much farther ahead the robot's body reaches than its software knows."
+    )
     cmd_vel_timeout: float = number(
         0.5,
         0.0,
@@ -147,6 +156,17 @@ class Robot:
         self.stalled = False
         self._stalled_for = 0.0
 
+    @property
+    def body(self) -> tuple[float, float]:
+        """The centre of the body in world: base_link, unless the body reaches farther ahead than is known."""
+        ahead = self._settings.bumper
+        return self.x + ahead * math.cos(self.theta), self.y + ahead * math.sin(self.theta)
+
+    def move_body(self, x: float, y: float) -> None:
+        """Move the robot sideways, so that the centre of its body is at a place in world."""
+        ahead = self._settings.bumper
+        self.x, self.y = x - ahead * math.cos(self.theta), y - ahead * math.sin(self.theta)
+
     def command(self, velocity: Velocity) -> None:
         """Set the commanded velocity, as from cmd_vel: clamped to the limits, and ignored if it is not finite."""
         if not velocity.finite:
@@ -178,8 +198,10 @@ class Robot:
             self.stalled = False
             self._stalled_for = 0.0
         self._linear_target = linear
-        self.linear = _approach(self.linear, linear, settings.linear_acceleration * dt)
-        self.angular = _approach(self.angular, angular, settings.angular_acceleration * dt)
+        braking = settings.linear_braking or settings.linear_acceleration
+        self.linear = _approach(self.linear, linear, settings.linear_acceleration * dt, braking * dt)
+        braking = settings.angular_braking or settings.angular_acceleration
+        self.angular = _approach(self.angular, angular, settings.angular_acceleration * dt, braking * dt)
         if settings.omnidirectional:
             self._slide(dt, halted=halted or stuck)
         if self.linear == 0.0 == self.angular:
@@ -200,7 +222,8 @@ class Robot:
         """Drive sideways."""
         settings = self._settings
         target = 0.0 if halted else min(settings.linear_max, max(-settings.linear_max, self._command.linear_y))
-        self.lateral = _approach(self.lateral, target, settings.linear_acceleration * dt)
+        braking = settings.linear_braking or settings.linear_acceleration
+        self.lateral = _approach(self.lateral, target, settings.linear_acceleration * dt, braking * dt)
         self.side = self.lateral * dt
         way = self._on_ground(self.side)
         self.x -= way * math.sin(self.theta)
@@ -210,12 +233,12 @@ class Robot:
         """Something solid stands in the way: the body slides along it, the wheels stall.
 
         Args:
-            x: Where base_link is kept, in world.
+            x: Where the centre of the body is kept, in world.
             y: The same.
             normal_x: The direction away from the obstacle, of length 1.
             normal_y: The same.
         """
-        self.x, self.y = x, y
+        self.move_body(x, y)
         across = math.cos(self.theta) * normal_x + math.sin(self.theta) * normal_y
         if across * self.linear < 0.0:
             kept = 1.0 - across * across
@@ -270,10 +293,20 @@ class Robot:
         return ground
 
 
-def _approach(value: float, target: float, most: float) -> float:
-    change = target - value
-    if change > most:
-        return value + most
-    if change < -most:
-        return value - most
-    return target
+def _approach(value: float, target: float, faster: float, slower: float) -> float:
+    """The next value on the way to a target.
+
+    Args:
+        value: The last one.
+        target: Where it goes.
+        faster: The highest change away from 0.
+        slower: The highest change towards 0.
+    """
+    if value * (target - value) >= 0.0:
+        return value + min(faster, max(-faster, target - value))
+    if abs(target - value) <= slower and value * target >= 0.0:
+        return target
+    if abs(value) > slower:
+        return value - math.copysign(slower, value)
+    # It gets to 0 within the step, and on to the other side for the rest of it.
+    return math.copysign(min(abs(target), faster * (1.0 - abs(value) / slower)), -value)

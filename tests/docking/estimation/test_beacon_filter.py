@@ -188,7 +188,8 @@ def test_no_reading_makes_it_something_else_than_numbers(
 
 
 def test_a_beacon_right_at_the_receivers_is_no_division_by_zero() -> None:
-    step = Sidestep(BeaconFilter(RECEIVERS), MotionLimits(), 1, 2.0)._drive(RECEIVERS.infrared_receiver_angle, 0.0)
+    sidestep = Sidestep(BeaconFilter(RECEIVERS), MotionLimits(), 1, 2.0)
+    step = sidestep._drive(RECEIVERS.infrared_receiver_angle, 0.0, MotionLimits())
     assert isinstance(step, Velocity)
     assert step.finite
 

@@ -334,3 +334,20 @@ def test_a_robot_that_was_carried_during_a_long_pause_did_not_jump() -> None:
     motion = watch()
     pose = drive(motion, Velocity(0.2), Velocity(0.2), 3.0)
     assert motion.sees(Observation(9.0, odometry=Odometry(pose.compose(Pose(1.0, 0.5, 1.0)), STANDSTILL, 9.0)))
+
+
+@pytest.mark.parametrize("speed", [0.26, 0.15, -0.2])
+@pytest.mark.parametrize("braking", [0.08, 0.1, 0.2])
+def test_a_base_that_rolls_on_is_not_blocked(speed: float, braking: float) -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(speed), Velocity(speed), 3.0)
+    for step in range(120):
+        rolls = math.copysign(max(0.0, abs(speed) - braking * step * PERIOD), speed)
+        pose = drive(motion, STANDSTILL, Velocity(rolls), PERIOD, start=3.0 + step * PERIOD, pose=pose)
+
+
+def test_a_base_that_never_slows_down_is_blocked() -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(0.2), Velocity(0.2), 3.0)
+    with pytest.raises(Blocked):
+        drive(motion, STANDSTILL, Velocity(0.2), 3.0, start=3.0, pose=pose)

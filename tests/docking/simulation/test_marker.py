@@ -153,6 +153,12 @@ def test_a_camera_that_is_mounted_wrong_sees_the_marker_elsewhere() -> None:
     assert seen.y == pytest.approx(-0.06, abs=1e-3)
 
 
+def test_a_camera_that_is_farther_ahead_sees_the_marker_nearer() -> None:
+    seen = camera(replace(SURE, camera_error_x=0.05)).look(Pose(-1.0))
+    assert seen is not None
+    assert seen.x == pytest.approx(0.95)
+
+
 @pytest.mark.parametrize(("y", "seen"), [(0.0, False), (0.09, False), (0.11, True)])
 def test_what_stands_in_between_hides_the_marker(y: float, seen: bool) -> None:
     assert (camera().look(Pose(-1.2), 0.0, [Obstacle(-0.5, y, 0.1)]) is not None) is seen

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -8,6 +9,8 @@ from hypothesis import strategies as st
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
 from docking.simulation.robot import Robot, RobotSettings
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 DT = 0.02
 ORIGIN = Pose()
@@ -82,6 +85,27 @@ def test_no_command_makes_it_leave_its_limits(commands: list[tuple[float, float,
             assert abs(robot.angular) <= settings.angular_max
             assert abs(robot.linear - before.linear_x) <= settings.linear_acceleration * DT + 1e-12
             assert abs(robot.angular - before.angular_z) <= settings.angular_acceleration * DT + 1e-12
+
+
+def test_it_brakes_less_than_it_accelerates() -> None:
+    robot = make_robot(replace(EXACT, linear_braking=0.1, angular_braking=0.5))
+    drive(robot, 0.5, Velocity(0.2, 1.0))
+    assert robot.velocity == Velocity(0.2, 1.0)
+    drive(robot, 1.0, STANDSTILL)
+    assert (robot.linear, robot.angular) == (pytest.approx(0.1), pytest.approx(0.5))
+    drive(robot, 1.1, Velocity(-0.2, 0.0))
+    assert robot.linear == pytest.approx(-0.1, abs=0.03), "and it speeds up again on the other side"
+
+
+def test_a_longer_bumper_touches_the_dock_earlier() -> None:
+    simulation = Simulation(Settings(start=Pose(-0.6), robot=replace(EXACT, bumper=0.08)))
+    while not simulation.touches:
+        simulation.run(0.05, Velocity(0.04))
+    assert simulation.robot.x == pytest.approx(-0.3, abs=0.003)
+    assert simulation.contact
+    for _ in range(40):
+        simulation.run(0.05, Velocity(0.04))
+    assert simulation.robot.x == pytest.approx(-0.27, abs=1e-6), "and the dock stops it"
 
 
 @pytest.mark.parametrize("velocity", [Velocity(math.nan, 0.1), Velocity(0.1, math.inf)])
