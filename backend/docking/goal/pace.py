@@ -144,7 +144,8 @@ class Pace:
 
     def _near_dock(self, left: float, slowest: float, gentle: float) -> float:
         """The highest speed, in m/s, where the dock may be so near, in m, and the robot slows down by so much."""
-        return slowest + braked(max(0.0, left - self._radius), min(gentle / RESERVE, self._limits.a_linear_max))
+        way = max(0.0, left - self._radius)
+        return math.hypot(slowest, braked(way, min(gentle / RESERVE, self._limits.a_linear_max)))
 
     def _distance(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
         """How near to the dock the robot may have come, in m, on its way there; infinite where it is on no such way.
