@@ -32,7 +32,7 @@ def press_again(number: int, settings: RecoverySettings, motion: MotionLimits, o
     return Sequence(
         lambda: BackOut(settings.correction_distance, slowly),
         lambda: TurnBy(angle, motion),
-        lambda: PressOn(settings.correction_distance + overshoot, motion),
+        lambda: PressOn(settings.correction_distance, overshoot, motion),
     )
 
 
@@ -66,14 +66,16 @@ class TurnBy:
 class PressOn:
     """Straight on, slowly, until the wheels stop at the dock."""
 
-    def __init__(self, distance: float, motion: MotionLimits) -> None:
+    def __init__(self, distance: float, overshoot: float, motion: MotionLimits) -> None:
         """Begin a little before the dock.
 
         Args:
-            distance: How far to drive at most, in m.
+            distance: To where the robot was on the contacts, in m.
+            overshoot: How much farther it may drive, in m.
             motion: Limits of the robot's motion.
         """
         self._distance = distance
+        self._overshoot = overshoot
         self._velocity = Velocity(motion.v_linear_min)
         self._start: Pose | None = None
         self._stalled = 0.0
@@ -87,4 +89,4 @@ class PressOn:
         moved = odometry.pose.relative_to(self._start).x
         stopped = odometry.velocity.linear_x < 0.25 * self._velocity.linear_x and moved > 0.5 * self._distance
         self._stalled = self._stalled + dt if stopped else 0.0
-        return Done() if moved >= self._distance or self._stalled > STALLED else self._velocity
+        return Done() if moved >= self._distance + self._overshoot or self._stalled > STALLED else self._velocity

@@ -205,6 +205,15 @@ def test_a_cancel_ends_the_moves_at_once(stage: Stage) -> None:
     assert run.stages[-1] is stage
 
 
+@pytest.mark.parametrize("distance", [0.02, 0.03125, 0.08])
+def test_a_press_ends_at_the_contacts_however_far_it_may_go_on(distance: float) -> None:
+    tries = parameters(max_corrections=1, correction_distance=distance)
+    tries = replace(tries, approach=replace(tries.approach, docking_overshoot=0.1))
+    outcome = Run(tries, (Fault.DEAD_CHARGER,)).end()
+    assert outcome.error_code is ErrorCode.FAILED_TO_CHARGE
+    assert "blocked" not in f"{outcome.error_msg} {outcome.doubts}"
+
+
 @settings(max_examples=8, derandomize=True, deadline=None)
 @given(
     count=st.integers(0, 3),
