@@ -48,7 +48,7 @@ class Docking(Objective):
         *,
         charging: ChargingSettings | None = None,
         docking_threshold: float = 0.05,
-        slowdown_radius: float = 0.11,
+        slowdown_radius: float = 0.1,
         recovery: RecoverySettings | None = None,
         staging: Staging | None = None,
         dock_type: str = "",
@@ -127,8 +127,8 @@ class Docking(Objective):
             self._record.hear(now, battery, charges=charges)
         elif (read := (battery.received_at, battery.status)) != self._read:
             self._read = read
-            says = tells_charging(battery, self._charging, self._motion.velocity)
-            charges = self._charger.believes(robot, self._motion.velocity, progress.docked, charges=says)
+            says = tells_charging(battery, self._charging, self._motion.history.velocity)
+            charges = self._charger.believes(robot, self._motion.history.velocity, progress.docked, charges=says)
             full = not charges and self._is_full(robot, battery, progress)
             self.doubt = _describe_full(battery) if full else self._charger.reason or self.doubt
             self._record.hear(battery.received_at, battery, charges=charges or full)

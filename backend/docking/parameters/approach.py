@@ -58,7 +58,7 @@ class ApproachSettings:
 
     gains: Gains = group(Gains)
     slowdown_radius: float = number(
-        0.11,
+        0.1,
         0.0,
         1.0,
         "m",

@@ -70,8 +70,8 @@ def test_the_defaults_work_with_each_controller(controller: ControllerName) -> N
         (
             DockSettings(controller=ControllerName.DOCK_POSE, timeouts=DockTimeouts(dock_approach_timeout=3.0)),
             (
-                "dock_approach_timeout (3 s) is too short: 0.59 m at 0.26 m/s (v_linear_max) and 0.11 m at 0.04 m/s"
-                " (v_linear_min) takes 5.0 s"
+                "dock_approach_timeout (3 s) is too short: 0.6 m at 0.26 m/s (v_linear_max) and 0.1 m at 0.04 m/s"
+                " (v_linear_min) takes 4.8 s"
             ),
         ),
         (

@@ -154,8 +154,8 @@ def test_a_robot_that_docked_backwards_undocks_forwards() -> None:
                 timeouts=DockTimeouts(dock_approach_timeout=5.0),
             ),
             (
-                "dock_approach_timeout (5 s) is too short: 0.59 m at 0.156 m/s (0.6 of v_linear_max)"
-                " and 0.11 m at 0.04 m/s (v_linear_min) takes 6.5 s"
+                "dock_approach_timeout (5 s) is too short: 0.6 m at 0.156 m/s (0.6 of v_linear_max)"
+                " and 0.1 m at 0.04 m/s (v_linear_min) takes 6.3 s"
             ),
         ),
     ],
