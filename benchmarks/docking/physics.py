@@ -115,12 +115,15 @@ class RollingRobot(Robot):
         mujoco.mj_forward(self._model, self._data)
         self._set_linear = self._set_angular = 0.0
 
-    def step(self, dt: float, *, halted: bool = False, stuck: bool = False, worn: float = 0.0) -> None:
+    def step(
+        self, dt: float, *, halted: bool = False, stuck: bool = False, worn: float = 0.0, goes_on: bool = False
+    ) -> None:
         """Drive on; see `Robot`. The faults of `stuck` and `worn` wheels are not for this one."""
         assert not stuck
         assert not worn
         driver, model, data = self._driver, self._model, self._data
-        linear, angular = self._target(dt, halted)
+        self._command_age += dt
+        linear, angular = (0.0, 0.0) if halted or self._is_left_alone(goes_on) else self._target()
         self._set_linear = _ramp(self._set_linear, linear, driver.linear_acceleration * dt)
         self._set_angular = _ramp(self._set_angular, angular, driver.angular_acceleration * dt)
         half = 0.5 * driver.wheel_separation
