@@ -10,25 +10,11 @@ import numpy.typing as npt
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import MarkerDetection, Observation
+from docking.estimation.detection_noise import DetectionNoise, most
 from docking.estimation.flat_marker import FlatMarker
 from docking.estimation.marker_selection import MarkerSelection
 from docking.estimation.poses import difference, median_pose, squared_distance
 from docking.estimation.seen_motion import SeenMotion
-
-POSITION_NOISE = 0.01
-"""Standard deviation of a detection, in m, until it has been measured."""
-DISTANCE_NOISE = 0.5
-"""How much more it is for each m that the marker is away, as a fraction."""
-ANGLE_NOISE = math.radians(1.5)
-"""Standard deviation of a detection, in rad, until it has been measured."""
-NOISE_LIMITS = (0.5, 8.0)
-"""Bounds of the measured noise, as multiples of the three above."""
-TRUST = 5
-"""How many measurements of the noise the assumption counts as."""
-MEASURED = 60
-"""Detections from which the noise is measured: their median, since a third may be wrong."""
-MEDIAN_2, MEDIAN_1 = 1.386, 0.455
-"""Median of the sum of two squared standard normal variables, and of one."""
 
 DRIFT = 0.01
 """How far odometry is off after 1 m, in m."""
@@ -122,10 +108,7 @@ class DockEstimate:
         self._recent: deque[Pose] = deque(maxlen=RECENT)  # how far from the estimate, turned into odom
         self._left_out: deque[Pose] = deque(maxlen=DISPUTING)  # since the last detection that agreed, as `_recent`
         self._periods: deque[float] = deque(maxlen=7)
-        self._position_noise: deque[float] = deque(maxlen=MEASURED)
-        self._angle_noise: deque[float] = deque(maxlen=MEASURED)
-        # Variances of position and angle, as multiples of the usual ones: measured; the largest since the beginning.
-        self._scales = self._assumed = (1.0, 1.0)
+        self._noise = DetectionNoise()
 
     @property
     def pose(self) -> Pose | None:
@@ -145,7 +128,7 @@ class DockEstimate:
         """Whether the last detections were left out, but agree with each other."""
         if len(self._left_out) < DISPUTING or self._state is None:
             return False
-        position, angle = self._noise(math.hypot(*self._state[:2].tolist()))
+        position, angle = self._noise.variances(math.hypot(*self._state[:2].tolist()))
         first, *others = self._left_out
         return all(squared_distance(difference(one, first), (2.0 * position, 2.0 * angle)) < GATE for one in others)
 
@@ -225,8 +208,7 @@ class DockEstimate:
     def _start_again(self) -> None:
         """The headings of earlier detections were wrong, and so are the estimate and the noise."""
         self._let_go()
-        self._position_noise.clear()
-        self._angle_noise.clear()
+        self._noise.forget()
 
     # The robot moves.
 
@@ -254,11 +236,6 @@ class DockEstimate:
 
     # The marker is seen.
 
-    def _noise(self, distance: float) -> tuple[float, float]:
-        """Variances of a coordinate and of the angle."""
-        usual = POSITION_NOISE * (1.0 + DISTANCE_NOISE * distance)
-        return usual**2 * self._scales[0], ANGLE_NOISE**2 * self._scales[1]
-
     def _begin(self, seen: Pose, robot: Pose, stamp: float) -> None:
         """Collect detections, until enough of them agree."""
         self._beginning.append((stamp, seen))
@@ -266,10 +243,8 @@ class DockEstimate:
         if len(known) < BEGINNING and (len(known) < FEWEST or stamp - first < BEGINNING_TIME):
             return
         middle = median_pose(known)
-        self._scales = (NOISE_LIMITS[1] ** 2,) * 2
-        noise = self._noise(robot.distance_to(middle))
+        noise = most(robot.distance_to(middle))
         agreeing = [one for one in known if squared_distance(difference(one, middle), noise) < 0.5 * GATE]
-        self._scales = (1.0, 1.0)
         if 2 * len(agreeing) <= len(known):
             return
         middle = median_pose(agreeing)
@@ -283,9 +258,9 @@ class DockEstimate:
         if self._state is not None:
             self._errors = (float(self._state[YAW]), float(self._state[SCALE]))
         self._state = np.array((seen.x, seen.y, seen.theta, *self._errors))
-        position, angle = (1.6 * noise / agreed for noise in self._noise(robot.distance_to(marker)))
+        position, angle = (1.6 * noise / agreed for noise in self._noise.variances(robot.distance_to(marker)))
         self._covariance = np.diag((position, position, angle, YAW_BIAS**2, TURN_SCALE**2))
-        self._assumed = self._scales
+        self._noise.begin()
         self._recent.clear()
         self._left_out.clear()
         self.count = agreed
@@ -296,7 +271,7 @@ class DockEstimate:
         distance = math.hypot(seen.x, seen.y)
         off = difference(seen, Pose(*state[:3].tolist()))
         innovation = np.array((off.x, off.y, off.theta))
-        position, angle = self._noise(distance)
+        position, angle = self._noise.variances(distance)
         noise = np.array((position, position, angle))
         spread = p.diagonal()[:3] + noise
         share = np.sqrt(noise / spread)  # the part of the difference that is due to noise
@@ -331,22 +306,7 @@ class DockEstimate:
         return error if agreeing >= AGREEING else None
 
     def _learn_noise(self, off: Pose, distance: float) -> None:
-        usual = POSITION_NOISE * (1.0 + DISTANCE_NOISE * distance)
-        self._position_noise.append((off.x**2 + off.y**2) / usual**2 / MEDIAN_2)
-        self._angle_noise.append((off.theta / ANGLE_NOISE) ** 2 / MEDIAN_1)
-        low, high = NOISE_LIMITS[0] ** 2, NOISE_LIMITS[1] ** 2
-        number = len(self._position_noise)
-        position, angle = (
-            min(high, max(low, (TRUST + number * median(measured)) / (TRUST + number)))
-            for measured in (self._position_noise, self._angle_noise)
-        )
-        self._scales = (position, angle)
-        self._doubt()
-
-    def _doubt(self) -> None:
-        """Be less certain where detections are noisier than was assumed: the earlier ones were as noisy."""
-        growth = [max(1.0, now / assumed) for now, assumed in zip(self._scales, self._assumed, strict=True)]
-        self._assumed = (self._assumed[0] * growth[0], self._assumed[1] * growth[1])
+        growth = self._noise.learn(off, distance)
         if self._state is not None and max(growth) > 1.0:
             factors = np.sqrt((growth[0], growth[0], growth[1], 1.0, 1.0))
             self._covariance *= np.outer(factors, factors)

@@ -153,7 +153,7 @@ class MotionWatch:
         if not self._has_velocity and age > DOUBTED_FOR:
             return False
         if not self._repeats and age > REPEATED:
-            reported, before = odometry.velocity, self.model.velocity_at(first.stamp)
+            reported, before = odometry.velocity, self.model.history.velocity_at(first.stamp)
             unseen = self.model.expected(first.stamp, now)
             self._repeats = (
                 (not self._has_velocity or abs(reported.linear_x) > MOVING.linear_x)
@@ -174,7 +174,7 @@ class MotionWatch:
             since: Seconds since the last look.
             pose: The pose by odometry.
         """
-        last = self.model.last
+        last = self.model.history.last
         if last is None:
             return ""
         moved, may = pose.relative_to(last), self.model.possible(now)
@@ -197,22 +197,22 @@ class MotionWatch:
         odometry = observation.odometry
         if odometry is None:
             return observation
-        there = replace(odometry, pose=self.model.ahead(odometry.pose), velocity=self.model.velocity)
+        there = replace(odometry, pose=self.model.ahead(odometry.pose), velocity=self.model.history.velocity)
         return replace(observation, odometry=there, braking=self.model.deceleration)
 
     def _compare(self, now: float) -> None:
         begin = now - self._blocked_after
-        if begin < max(self._begins_at, self.model.known_since):
+        if begin < max(self._begins_at, self.model.history.known_since):
             return
-        measured = self.model.measured(begin, now)
+        measured = self.model.history.measured(begin, now)
         speeds_up, rolled_on = self._speeds_up(begin, now), self._has_rolled_on(begin, now)
         for lag in LAGS:
-            commanded = self.model.commands(begin - lag, now - lag)
+            commanded = self.model.history.commands(begin - lag, now - lag)
             to_and_fro = math.inf if rolled_on else commanded.to_and_fro
             drives = speeds_up or _fits(commanded.way, to_and_fro, measured.way, LEAST_WAY)
             if drives and _fits(commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN):
                 return
-        commanded = self.model.commands(begin, now)
+        commanded = self.model.history.commands(begin, now)
         still = self._first is not None and self._first.stamp <= begin
         tried = self.model.dead_zone.linear_x
         slow = (
@@ -232,15 +232,21 @@ class MotionWatch:
     def _speeds_up(self, begin: float, now: float) -> bool:
         """Whether the base is still on its way to the commanded velocity, as a weak one that reverses."""
         half = 0.5 * (now - begin)
-        before, after = self.model.measured(begin, begin + half).way, self.model.measured(begin + half, now).way
-        wanted, change = self.model.commands(begin + half, now).way - before, after - before
+        before, after = (
+            self.model.history.measured(begin, begin + half).way,
+            self.model.history.measured(begin + half, now).way,
+        )
+        wanted, change = self.model.history.commands(begin + half, now).way - before, after - before
         return wanted * change > 0.0 and abs(change) > WEAKEST * half**2
 
     def _has_rolled_on(self, begin: float, now: float) -> bool:
         """Whether a weak base came too far since it took long to slow down, and comes no farther than commanded now."""
         half = 0.5 * (now - begin)
-        before, after = self.model.measured(begin, begin + half).way, self.model.measured(begin + half, now).way
-        commanded = self.model.commands(begin + half - LAGS[-1], now)
+        before, after = (
+            self.model.history.measured(begin, begin + half).way,
+            self.model.history.measured(begin + half, now).way,
+        )
+        commanded = self.model.history.commands(begin + half - LAGS[-1], now)
         return abs(after) < abs(before) and abs(after) <= MOST_MOTION * commanded.to_and_fro + 0.5 * LEAST_WAY
 
 

@@ -129,7 +129,7 @@ class Pace:
         """
         if desired.linear_x == 0.0 or poses.filtered_dock is None:
             self._beginning = False
-        elif self._stands and abs(model.velocity.linear_x) < AT_REST and not self._beginning:
+        elif self._stands and abs(model.history.velocity.linear_x) < AT_REST and not self._beginning:
             self._beginning = model.moves_at > self._limits.v_linear_min + ROUNDING
             if self._beginning and model.learns:
                 model.relearn()
@@ -140,7 +140,7 @@ class Pace:
     def _nearest(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
         """The same as `_distance`, wherever the dock was believed to be, and however late it is seen."""
         nearest = min((self._distance(robot, one, model, linear) for one in self._recent), default=math.inf)
-        return max(0.0, nearest - poses.late * abs(model.velocity.linear_x))
+        return max(0.0, nearest - poses.late * abs(model.history.velocity.linear_x))
 
     def _near_dock(self, left: float, slowest: float, gentle: float) -> float:
         """The highest speed, in m/s, where the dock may be so near, in m, and the robot slows down by so much."""

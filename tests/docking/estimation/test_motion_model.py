@@ -42,7 +42,7 @@ def learn(
 
 def test_nothing_is_known_at_first() -> None:
     model = MotionModel()
-    assert (model.lag, model.dead_zone, model.velocity) == (USUAL_LAG, STANDSTILL, STANDSTILL)
+    assert (model.lag, model.dead_zone, model.history.velocity) == (USUAL_LAG, STANDSTILL, STANDSTILL)
     assert model.ahead(Pose(1.0, 2.0, 3.0)) == Pose(1.0, 2.0, 3.0)
 
 
@@ -88,4 +88,4 @@ def test_what_it_keeps_is_bounded() -> None:
     model.commanded = Velocity(1.0, 0.0)
     for number in range(20_000):
         model.look(0.01 * number, Pose())
-    assert 2.0 + LAGS[-1] <= model.commands(0.0, 200.0).way <= 2.0 * (2.0 + LAGS[-1]) + 0.01
+    assert 2.0 + LAGS[-1] <= model.history.commands(0.0, 200.0).way <= 2.0 * (2.0 + LAGS[-1]) + 0.01
