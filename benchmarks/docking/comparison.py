@@ -4,14 +4,15 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from benchmarks.docking.cases import CASES, DOCK_POSE
+from benchmarks.docking.cases import CASES, DOCK_POSE, Case
 from benchmarks.docking.graceful import GracefulLaw
 from benchmarks.docking.page import Row
 from benchmarks.docking.rows import Job, Key, Table, fastest, share
 from benchmarks.docking.table import spread
 from benchmarks.docking.trial import Trial, run_trial
 
-LAWS: Mapping[str, GracefulLaw | None] = {"ours": None, "nav2's law": GracefulLaw()}
+OURS = "ours"
+LAWS: Mapping[str, GracefulLaw | None] = {OURS: None, "nav2's law": GracefulLaw()}
 FAULTS = {
     case.name: case
     for case in CASES
@@ -46,9 +47,9 @@ def figures_of(_key: Key, trials: Sequence[Trial]) -> Row:
     }
 
 
-def with_laws(names: Mapping[str, object]) -> tuple[Key, ...]:
-    """Two rows for each name, one for each law."""
-    return tuple((name, law) for name in names for law in LAWS)
+def with_laws(cases: Mapping[str, Case]) -> tuple[Key, ...]:
+    """Two rows for each case, one for each law; nav2's law needs a marker."""
+    return tuple((name, law) for name, case in cases.items() for law in LAWS if law == OURS or not case.located)
 
 
 COMPARISON = Table("laws", ("case", "law"), with_laws(FAULTS), _run, figures_of)

@@ -55,6 +55,9 @@ WORLDS: dict[str, tuple[Base, Case]] = {
         Case("pushed on", (DOCK_POSE,), final_push=0.03),
     ),
     "5 kg, another robot stands on the dock": (Base(other_robot=True), Case("occupied", (DOCK_POSE,), why=OCCUPIED)),
+    "5 kg, camera freezes": (Base(), CASES_BY_NAME["camera freezes"]),
+    "5 kg, camera freezes for 1 to 5 s": (Base(), CASES_BY_NAME["camera freezes for 1 to 5 s"]),
+    "5 kg, no marker, pose off by 4 cm, up to 4°": (Base(), CASES_BY_NAME["no marker, pose off by 4 cm, up to 4°"]),
     "25 kg, weak control of the wheels": (
         Base(mass=25.0, torque=1.0, gain=0.5),
         Case("weak", (DOCK_POSE,), why=WEAK_WHEELS),
