@@ -10,8 +10,8 @@ import sqlalchemy as sa
 from playwright.sync_api import Locator, Page, expect
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.storage.migrate import migrate
 from dock_gateway.storage.rows import goal_row
+from dock_gateway.storage.schema import create_tables
 from dock_gateway.storage.tables import goals, prepare_for
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
@@ -43,7 +43,7 @@ def fill(path: Path) -> None:
     prepare_for("sqlite")
     engine = sa.create_engine(f"sqlite:///{path}")
     with engine.begin() as connection:
-        migrate(connection)
+        create_tables(connection)
         connection.execute(sa.insert(goals), [goal_row(make_goal(number)) for number in range(2 * len(ENDS))])
     engine.dispose()
 

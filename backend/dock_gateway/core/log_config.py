@@ -20,7 +20,7 @@ CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u20
 RECORD = re.compile(r"^(?=\[[A-Z]+\] \[)", re.MULTILINE)
 HUMAN = "[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s"
 # Libraries whose lines below a warning are of no interest, not even with `debug`.
-NOISY = ("alembic.runtime.plugins", "asyncio", "httpcore", "httpx2", "urllib3", "websockets")
+NOISY = ("asyncio", "httpcore", "httpx2", "urllib3", "websockets")
 
 
 def printable(text: str) -> str:

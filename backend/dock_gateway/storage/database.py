@@ -9,7 +9,7 @@ from typing import TypeVar, TypeVarTuple
 import sqlalchemy as sa
 import sqlalchemy.exc as sa_errors
 
-from dock_gateway.storage.migrate import migrate
+from dock_gateway.storage.schema import create_tables
 
 CONNECT_TIMEOUT = 2.0  # seconds
 WRITE_TIMEOUT = 10.0  # seconds per transaction of goals and events
@@ -35,7 +35,7 @@ class Database(ABC):
     """A database. The functions passed to it may still run after the caller has given up, and must then do no harm.
 
     Attributes:
-        prepared: Whether it is open and its tables are up to date.
+        prepared: Whether it is open and has its tables.
         incident: The last loss of its data, as long as it must be reported.
         lost: Whether its data is gone, because it is not the same database as before. The writer writes what is known
             again, and resets this.
@@ -50,9 +50,9 @@ class Database(ABC):
         self.lost = False
 
     async def prepare(self) -> None:
-        """Create or upgrade the tables; several processes may do so at the same time."""
+        """Create the tables; several processes may do so at the same time."""
         if not self.prepared:
-            await self.write(migrate)
+            await self.write(create_tables)
             self.prepared = True
 
     @abstractmethod

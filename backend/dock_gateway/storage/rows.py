@@ -10,7 +10,7 @@ import orjson
 
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.event import Event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Verb
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 
 Row = dict[str, Any]
 
@@ -21,14 +21,7 @@ BATCH_EVENTS = 1000
 MAX_CODE = 200
 
 _TIMES = ("created_at", "updated_at", "finished_at")
-# Fields that lines of older versions lack.
-_NEW = {"stage": None, "retries": None, "verb": None}
 _MESSAGES = ("goal", "feedback", "result")
-# The verbs of goals that an earlier version stored without, by their types. Other actions are stored as an empty text.
-_EARLIER_VERBS: dict[str, Verb] = {
-    "action_tutorials_interfaces/action/ConnectToChargingDock": "dock",
-    "action_tutorials_interfaces/action/DisconnectFromChargingDock": "undock",
-}
 
 
 @dataclass(frozen=True)
@@ -85,7 +78,7 @@ def goal_row(goal: Goal) -> Row:
         "goal_id": goal.goal_id,
         "action_name": goal.action_name,
         "action_type": goal.action_type,
-        "verb": goal.verb or "",
+        "verb": goal.verb,
         "origin": goal.origin,
         "status": goal.status.value,
         "stalled": goal.stalled,
@@ -106,14 +99,13 @@ def goal_row(goal: Goal) -> Row:
 
 def goal_of(row: Mapping[Any, Any]) -> Goal:
     """Convert a table row to a goal."""
-    verb = row["verb"]
     goal = Goal(
         goal_id=row["goal_id"],
         action_name=row["action_name"],
         action_type=row["action_type"],
         created_at=row["created_at"],
         origin=row["origin"],
-        verb=_EARLIER_VERBS.get(row["action_type"]) if verb is None else verb or None,
+        verb=row["verb"] or None,
         status=GoalStatus(row["status"]),
         goal=row["goal"],
         feedback=row["feedback"],
@@ -155,7 +147,7 @@ def event_of(row: Mapping[Any, Any]) -> Event:
         row["droppable"],
         id=row["id"],
         robot=row["robot"],
-        key=row.get("key"),  # missing in spools of earlier versions
+        key=row["key"],
     )
 
 
@@ -198,7 +190,7 @@ def entry_of(line: bytes) -> Goal | Event | Key:
         if kind == "goal":
             times = {name: row[name] and datetime.fromisoformat(row[name]) for name in _TIMES}
             messages = {name: row[name] if row[name] is None else row[name].encode() for name in _MESSAGES}
-            return goal_of(_NEW | row | times | messages)
+            return goal_of(row | times | messages)
         if kind == "event":
             return event_of(row | {"data": row["data"].encode()})
         return Key(**row | {"expires_at": datetime.fromisoformat(row["expires_at"])})

@@ -23,8 +23,8 @@ from typing import Any
 import sqlalchemy as sa
 
 from dock_gateway.storage.database import CONNECT_TIMEOUT, READERS, Database, Incident, T, Ts
-from dock_gateway.storage.files import LOG_FILES, aside, beside, identity, is_damage, locked, rename, set_aside
-from dock_gateway.storage.migrate import EarlyTablesError, migrate
+from dock_gateway.storage.files import LOG_FILES, aside, beside, identity, is_damage, locked, set_aside
+from dock_gateway.storage.schema import create_tables
 from dock_gateway.storage.tables import prepare_for
 
 log = logging.getLogger(__name__)
@@ -144,7 +144,7 @@ class SqliteDatabase(Database):
     # ------------------------------------------------------------------ the file
 
     async def prepare(self) -> None:
-        """Open the file, or a new one if it is gone or damaged, and create or upgrade its tables.
+        """Open the file, or a new one if it is gone or damaged, and create its tables.
 
         Several processes may do so at the same time.
         """
@@ -164,10 +164,9 @@ class SqliteDatabase(Database):
             self._make_way()
             self._disconnect()
             self._make_tables()
-        except EarlyTablesError as early:
+        except RuntimeError:  # the tables of another version; the file may be renamed meanwhile
             self._disconnect()
-            self._set_aside(early)
-            self._make_tables()
+            raise
         self._opened = self._identities()
         if self._opened[0] != self._connected:
             raise NotOpenError(f"{self._path} was replaced while it was opened")
@@ -192,21 +191,6 @@ class SqliteDatabase(Database):
                 self._kept = None
                 self._lose(f"{self._path} was {what} while the gateway was running. Its contents are lost.")
             self._damage, self._opened = None, []
-
-    def _set_aside(self, early: EarlyTablesError) -> None:
-        """Rename a file of before the first release, unless another gateway has done so."""
-        kept = beside(self._path, f".{early.revision}")
-        with locked(self._path.parent):
-            if identity(self._path) != self._connected:
-                return
-            if kept.exists():
-                raise OSError(f"tables from before the first release cannot be renamed to {kept}: there is such a file")
-            rename(self._path, kept)
-        self._kept = kept
-        self._lose(
-            f"{self._path} has tables from before the first release (revision {early.revision}), which are not "
-            f"upgraded. It is kept as {kept}, and a new history was started. Move that file to clear this alert."
-        )
 
     def _lose(self, detail: str) -> None:
         log.error("%s", detail)
@@ -234,7 +218,7 @@ class SqliteDatabase(Database):
         while True:
             try:
                 with self._begin() as connection:
-                    migrate(connection)
+                    create_tables(connection)
             except sa.exc.OperationalError as error:
                 # SQLite does not wait for a process that is creating the file; so wait here.
                 if _code(error) != sqlite3.SQLITE_BUSY or time.monotonic() > deadline:

@@ -150,6 +150,10 @@ horizons = sa.Table(
 )
 
 
+# One row: the revision of these tables. Alembic calls it so, and can upgrade them after the first release.
+revisions = sa.Table("alembic_version", metadata, sa.Column("version_num", sa.String(32), primary_key=True))
+
+
 def prepare_for(dialect: str) -> None:
     """Set the conditions of the partial indexes for `sqlite` or `postgresql`; the other need not be loaded."""
     parts = {

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 import sqlalchemy as sa
 
 from dock_gateway.storage.database import Database
-from dock_gateway.storage.migrate import migrate
 from dock_gateway.storage.rows import entry_of, line_of
+from dock_gateway.storage.schema import create_tables
 from dock_gateway.storage.tables import BEGINNING, horizons, metadata, prepare_for
 from tests.dock_gateway.simulation.virtual import START_NS
 
@@ -22,7 +22,7 @@ class Disk:
             "sqlite://", poolclass=sa.pool.StaticPool, connect_args={"check_same_thread": False}
         )
         with self.engine.begin() as connection:
-            migrate(connection)
+            create_tables(connection)
 
     def empty(self) -> None:
         with self.engine.begin() as connection:

@@ -2,11 +2,9 @@
 
 import asyncio
 import logging
-import zlib
 from datetime import UTC, datetime
 from pathlib import Path
 
-import orjson
 import pytest
 
 from dock_gateway.core.goal import Goal, GoalError
@@ -64,16 +62,6 @@ async def test_the_spool_of_the_living_is_left_alone(tmp_path: Path) -> None:
     assert other.count == 0
     assert files(tmp_path) == []
     await other.close()
-
-
-def test_a_line_of_a_version_that_knew_neither_stages_nor_verbs() -> None:
-    _, _, body = line_of(make_goal(1, stage="RETRY", verb="dock")).partition(b" ")
-    line = orjson.loads(body)
-    del line["goal"]["stage"], line["goal"]["retries"], line["goal"]["verb"]
-    old = orjson.dumps(line)
-    goal = entry_of(b"%08x %s\n" % (zlib.crc32(old), old))
-    assert isinstance(goal, Goal)
-    assert (goal.goal_id, goal.stage, goal.retries, goal.verb) == ("goal-0001", None, None, None)
 
 
 async def test_a_disk_that_takes_nothing(tmp_path: Path) -> None:
