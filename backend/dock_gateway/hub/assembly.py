@@ -24,6 +24,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.hub.collector import HubCollector
 from dock_gateway.hub.labels import SiteLabels
+from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.overview import Overview
 from dock_gateway.hub.sites import Sites
 from dock_gateway.hub.stop_requests import StopEntry
@@ -83,7 +84,7 @@ async def _open(
     caller = Caller(broker)
     await caller.open()
     stack.push_async_callback(caller.close)
-    store = closed_by(stack, HubStore(history.mirror, fanout))
+    store = closed_by(stack, HubStore(Mirror(history), fanout))
     sites = closed_by(stack, Sites(broker, caller, signer, history, store))
     stops = closed_by(stack, Stops(sites, history.documents("stop", StopEntry)))
     sites.pending_stop = stops.pending

@@ -17,6 +17,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import cancel
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.goal_documents import Happening, ends_of, finish_goal, read_goal, read_goal_id, read_time, size_of
+from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.pace import Pace
 from dock_gateway.hub.reading import Reading, id_before, read_event_id
 from dock_gateway.hub.renaming import read_alerts, read_approvals, read_names, read_robots
@@ -25,7 +26,6 @@ from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import News
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
-from dock_gateway.storage.mirror import SqlMirror
 
 log = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ class Follower:
         mirror: Knows how far the site was read.
     """
 
-    def __init__(self, client: SiteClient, view: SiteView, keeper: Keeper, history: History, mirror: SqlMirror) -> None:
+    def __init__(self, client: SiteClient, view: SiteView, keeper: Keeper, history: History, mirror: Mirror) -> None:
         self._client = client
         self._site = client.address.site
         self._view = view

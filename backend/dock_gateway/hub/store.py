@@ -19,7 +19,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.goal_documents import Happening
-from dock_gateway.storage.mirror import MirrorBatch, RefusedError, SqlMirror
+from dock_gateway.hub.mirror import Mirror, MirrorBatch, RefusedError
 
 log = logging.getLogger(__name__)
 
@@ -65,7 +65,7 @@ class HubStore:
         fanout: Receives the events that are new.
     """
 
-    def __init__(self, mirror: SqlMirror, fanout: Fanout) -> None:
+    def __init__(self, mirror: Mirror, fanout: Fanout) -> None:
         self._mirror = mirror
         self._fanout = fanout
         self._waiting: asyncio.Queue[tuple[News, asyncio.Future[None]]] = asyncio.Queue()

@@ -23,7 +23,6 @@ from dock_gateway.storage.entries import SqlEntries
 from dock_gateway.storage.event_reader import EventReader
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.merge import merge_all
-from dock_gateway.storage.mirror import SqlMirror
 from dock_gateway.storage.notes import SqlNotes
 from dock_gateway.storage.protocol import (
     KEY_LIFETIME,
@@ -64,7 +63,8 @@ class SqlHistory:
     Attributes:
         database: Runs transactions, each on a thread.
         writer: Writes what waits in memory.
-        mirror: What a hub has of its sites.
+        reader: Reads from the database.
+        immediate: Writes what a request waits for.
     """
 
     def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
@@ -76,12 +76,11 @@ class SqlHistory:
         self._keys: dict[str, Key] = {}
         self._newest = ""
         self.shared = self.database.shared
-        self._reader = Reader(self.database, self.writer)
-        self._immediate = writer = ImmediateWriter(self.database, self.writer)
-        self.notes = SqlNotes(self._reader, writer)
-        self.audit = SqlAudit(self._reader, writer)
-        self.mirror = SqlMirror(self._reader, writer)
-        self._events = EventReader(self._reader, self._waiting)
+        self.reader = Reader(self.database, self.writer)
+        self.immediate = ImmediateWriter(self.database, self.writer)
+        self.notes = SqlNotes(self.reader, self.immediate)
+        self.audit = SqlAudit(self.reader, self.immediate)
+        self._events = EventReader(self.reader, self._waiting)
         self.retention = Retention(self.database, limits)
         self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
@@ -97,8 +96,8 @@ class SqlHistory:
         self._tasks = [asyncio.create_task(each) for each in work]
         await self._sealer.open()  # first: what is stored later comes with a turn, and all else has to be in `_newest`
         with suppress(Unavailable):
-            self._keys = {key.key: key for key in await self._reader.read(queries.newest_keys, MAX_KEYS)}
-            self._newest = await self._reader.read(queries.newest)
+            self._keys = {key.key: key for key in await self.reader.read(queries.newest_keys, MAX_KEYS)}
+            self._newest = await self.reader.read(queries.newest)
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
 
@@ -107,7 +106,7 @@ class SqlHistory:
         while True:
             await asyncio.sleep(LOOK_INTERVAL)
             with suppress(Unavailable):
-                await self._reader.read(lambda _: None)
+                await self.reader.read(lambda _: None)
             self._sealer.ask()
 
     def _write_again(self) -> None:
@@ -130,7 +129,7 @@ class SqlHistory:
 
     def documents(self, kind: str, model: type[EntryT]) -> SqlEntries[EntryT]:
         """Return the entries of a kind."""
-        return SqlEntries(self._reader, self._immediate, kind, model)
+        return SqlEntries(self.reader, self.immediate, kind, model)
 
     # ------------------------------------------------------------------ write
 
@@ -227,55 +226,55 @@ class SqlHistory:
 
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Return goals, newest first."""
-        self._reader.require_everything()
+        self.reader.require_everything()
         read = partial(queries.page_with_waiting, limit=limit, before=before)
-        return await self._reader.read(read, wanted, dict(self._waiting.goals))
+        return await self.reader.read(read, wanted, dict(self._waiting.goals))
 
     async def action_names(self) -> set[str]:
         """Return the names of the actions that have goals."""
-        self._reader.require_everything()
+        self.reader.require_everything()
         waiting = {goal.action_name for goal in self._waiting.goals.values()}
-        return waiting | await self._reader.read(queries.action_names)
+        return waiting | await self.reader.read(queries.action_names)
 
     async def get(self, goal_id: str) -> Goal | None:
         """Return a goal, or None if there is no such goal."""
         waiting = self._waiting.goals.get(goal_id)
         waiting_now = {} if waiting is None else {goal_id: waiting}
         try:
-            stored = await self._reader.read(queries.goals_by_id, [goal_id])
+            stored = await self.reader.read(queries.goals_by_id, [goal_id])
         except Unavailable:
             if waiting is None:
                 raise
             return merge_all({}, waiting_now)[goal_id]
         goal = {**stored, **merge_all(stored, waiting_now)}.get(goal_id)
         if goal is None:
-            self._reader.require_everything()
+            self.reader.require_everything()
         return goal
 
     async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
         """Return the stored goals among these ids, by id."""
         waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
-        stored = await self._reader.read(queries.goals_by_id, list(goal_ids))
+        stored = await self.reader.read(queries.goals_by_id, list(goal_ids))
         found = {**stored, **merge_all(stored, waiting)}
         if len(found) < len(goal_ids):
-            self._reader.require_everything()
+            self.reader.require_everything()
         return found
 
     async def by_key(self, idempotency_key: str) -> Goal | None:
         """Return the goal sent with this key."""
         key = self._held(idempotency_key)
         if key is None:
-            key = await self._reader.read(queries.key_of, idempotency_key, timeout=KEY_TIMEOUT)
+            key = await self.reader.read(queries.key_of, idempotency_key, timeout=KEY_TIMEOUT)
         return None if key is None else await self.get(key.goal_id)
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
         """Return the goals without a final status, oldest first."""
         if complete:
-            self._reader.require_everything()
+            self.reader.require_everything()
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
         try:
-            stored = await self._reader.read(queries.unfinished_or, list(waiting))
+            stored = await self.reader.read(queries.unfinished_or, list(waiting))
         except Unavailable:
             if complete:
                 raise
@@ -304,8 +303,8 @@ class SqlHistory:
 
     async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
         """Return how the wanted goals ended, for each span of the time when they were created."""
-        self._reader.require_everything()
-        rows = await self._reader.read_much(statistics.read_rows, wanted, spans, by_action)
+        self.reader.require_everything()
+        rows = await self.reader.read_much(statistics.read_rows, wanted, spans, by_action)
         return await asyncio.to_thread(statistics.tally_rows, rows)
 
     # ------------------------------------------------------------------ the rest

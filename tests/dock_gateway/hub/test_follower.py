@@ -15,6 +15,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.hub import follower
 from dock_gateway.hub.follower import Follower
+from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
 from dock_gateway.sites.tunnel.caller import Address
@@ -93,9 +94,9 @@ class Hub:
     def __init__(self, history: SqlHistory, site: FakeSite) -> None:
         self.history = history
         self.told: list[Event] = []
-        self.store = HubStore(history.mirror, Fanout(queue_limit=10, keep=self.told.append))
+        self.store = HubStore(Mirror(history), Fanout(queue_limit=10, keep=self.told.append))
         self.view = SiteView("berlin")
-        self.follower = Follower(site, self.view, self.store, history, history.mirror)  # type: ignore[arg-type]
+        self.follower = Follower(site, self.view, self.store, history, Mirror(history))  # type: ignore[arg-type]
 
     def keys(self) -> list[str]:
         return [(event.key or "").removeprefix("berlin:") for event in self.told]

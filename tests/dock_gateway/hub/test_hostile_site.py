@@ -25,6 +25,7 @@ from dock_gateway.hub import follower, pace
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.follower import Follower
 from dock_gateway.hub.goal_documents import Happening, ends_of, read_goal
+from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.site_view import MAX_BYTES, SiteView
 from dock_gateway.hub.store import HubStore, News
 from dock_gateway.sites.tunnel.caller import Address
@@ -60,7 +61,7 @@ async def hub_of(folder: Path, url: str = "", most: int = MOST) -> AsyncIterator
     async with open_at(url or f"sqlite:///{folder / 'hub.db'}", folder, goal_bytes=most) as history:
         await until(lambda: history.stats().database_reachable)
         history.retention.per_site = True
-        store = HubStore(history.mirror, Fanout(queue_limit=10))
+        store = HubStore(Mirror(history), Fanout(queue_limit=10))
         try:
             await store.keep(honest_news())
             yield history, store
@@ -72,7 +73,7 @@ async def of_honest(history: SqlHistory) -> tuple[list[dict[str, Any]], list[Eve
     """What the hub has of the honest site."""
     goals = await history.page(GoalFilter(namespace="/berlin"), limit=100)
     events = [event for goal_id in HONEST for event in await history.events_of(goal_id, kinds="sz", limit=100)]
-    return [decoded(goal.document()) for goal in goals], events, await history.mirror.cursor("berlin")
+    return [decoded(goal.document()) for goal in goals], events, await Mirror(history).cursor("berlin")
 
 
 # What a hostile site tells.
@@ -195,7 +196,7 @@ async def test_a_site_that_tells_without_end_does_not_hold_up_another(
     async with hub_of(tmp_path, most=10**9) as (history, store):
         evil = Follower(
             HostileSite(itertools.chain([snapshot()], endless)),  # type: ignore[arg-type]
-            SiteView("evil"), store, history, history.mirror,
+            SiteView("evil"), store, history, Mirror(history),
         )  # fmt: skip
         await until(lambda: evil._view.cursor is not None)
         kept = 0.0

@@ -14,8 +14,8 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.goal_documents import Happening, ends_of
+from dock_gateway.hub.mirror import Mirror, MirrorBatch
 from dock_gateway.hub.store import HubStore, News
-from dock_gateway.storage.mirror import MirrorBatch
 from dock_gateway.storage.sql import SqlHistory
 from tests.support.history import open_at
 from tests.support.waiting import until
@@ -44,7 +44,7 @@ async def opened(url: str, folder: Path) -> AsyncIterator[tuple[SqlHistory, HubS
     async with open_at(url, folder) as history:
         await until(lambda: history.stats().database_reachable)
         told: list[Event] = []
-        store = HubStore(history.mirror, Fanout(queue_limit=10, keep=told.append))
+        store = HubStore(Mirror(history), Fanout(queue_limit=10, keep=told.append))
         try:
             yield history, store, told
         finally:
@@ -64,9 +64,9 @@ async def test_each_event_is_stored_once_and_told_once(database_url: str, tmp_pa
         goal = await history.get(FIRST)
         assert goal is not None
         assert (goal.status, goal.last_event_id) == (GoalStatus.SUCCEEDED, told[-1].id)
-        assert await history.mirror.cursor("berlin") == "0-z-2"
-        await history.mirror.forget("berlin")
-        assert await history.mirror.cursor("berlin") is None
+        assert await Mirror(history).cursor("berlin") == "0-z-2"
+        await Mirror(history).forget("berlin")
+        assert await Mirror(history).cursor("berlin") is None
 
 
 async def test_a_goal_of_another_site_is_refused_and_the_others_are_kept(database_url: str, tmp_path: Path) -> None:
@@ -79,14 +79,14 @@ async def test_a_goal_of_another_site_is_refused_and_the_others_are_kept(databas
         await store.keep(ended(SECOND))
         assert {event.goal_id for event in told} == {FIRST, SECOND, THIRD}
         assert (await history.known([FIRST]))[FIRST].action_name == "/berlin/dock"
-        assert await history.mirror.cursor("oslo") == "0-z-9"
+        assert await Mirror(history).cursor("oslo") == "0-z-9"
 
 
 async def test_what_was_written_although_no_answer_came_is_told_all_the_same(tmp_path: Path) -> None:
     class Forgetful:
         def __init__(self, history: SqlHistory) -> None:
-            self.known_keys = history.mirror.known_keys
-            self._take = history.mirror.take
+            self.known_keys = Mirror(history).known_keys
+            self._take = Mirror(history).take
             self.failures = 1
 
         async def take(self, batch: MirrorBatch) -> set[str]:

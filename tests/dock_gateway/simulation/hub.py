@@ -10,6 +10,7 @@ from unittest.mock import patch
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.http.parts import Parts
 from dock_gateway.hub.follower import Follower
+from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.site_client import SiteClient
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
@@ -66,7 +67,7 @@ class Hub(Process):
         self.chance.say(self.name, "ready")
 
     async def _follow(self, caller: Caller, history: SqlHistory) -> None:
-        store, view = HubStore(history.mirror, self.fanout), self.view
+        store, view = HubStore(Mirror(history), self.fanout), self.view
         signer: Any = SimpleNamespace(sign=lambda *_, **__: "")
         follower, at = None, None
         while True:
@@ -77,5 +78,5 @@ class Hub(Process):
                     follower = None
                 if address is not None:
                     client = SiteClient(caller, signer, address, time.time)
-                    follower = Follower(client, view, store, history, history.mirror)
+                    follower = Follower(client, view, store, history, Mirror(history))
             await asyncio.sleep(self.chance.random.uniform(0.0, HELLO))

@@ -11,9 +11,8 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal
 from dock_gateway.storage import queries
 from dock_gateway.storage.database import brief, is_about_data
-from dock_gateway.storage.immediate import ImmediateWriter
-from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.rows import Batch
+from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.tables import documents, events
 
 CURSOR = "site_cursor"
@@ -38,17 +37,16 @@ class MirrorBatch:
     cursors: dict[str, str] = field(default_factory=dict)
 
 
-class SqlMirror:
+class Mirror:
     """The mirror of the sites in a database, written by one hub.
 
     Args:
-        reader: Reads from the database.
-        writer: Writes to it.
+        history: The database that they are in.
     """
 
-    def __init__(self, reader: Reader, writer: ImmediateWriter) -> None:
-        self._reader = reader
-        self._writer = writer
+    def __init__(self, history: SqlHistory) -> None:
+        self._reader = history.reader
+        self._writer = history.immediate
 
     async def cursor(self, site: str) -> str | None:
         """Return the id of the last event of a site that is stored; None if it was never read.
