@@ -1,11 +1,10 @@
 """Storage of goals, their events and idempotency keys: SQLite by default, PostgreSQL by URL, or memory."""
 
-import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from dock_gateway.core.filters import GoalFilter
-from dock_gateway.settings import Settings, data_file
+from dock_gateway.settings import Settings
 from dock_gateway.storage.database import Incident
 from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.protocol import (
@@ -46,8 +45,6 @@ __all__ = [
     "open_history",
 ]
 
-log = logging.getLogger(__name__)
-
 
 @asynccontextmanager
 async def open_history(settings: Settings) -> AsyncIterator[History]:
@@ -55,7 +52,6 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
     if settings.database_url == "memory:":
         yield MemoryHistory(settings.max_goals)
         return
-    _tell_of_early_files(settings)
     history = SqlHistory(
         settings.database,
         Spool(settings.spool_folder),
@@ -74,12 +70,3 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
         yield history
     finally:
         await history.close()
-
-
-def _tell_of_early_files(settings: Settings) -> None:
-    """Log which files of versions before the first release, shared by all gateways of a user, are not used."""
-    database = None if settings.database_url else data_file("history.db")
-    spool = data_file("spool") if settings.spool_path is None else None
-    for path in (database, spool):
-        if path is not None and path.exists():
-            log.warning("%s is from a version before the first release and is not used; move it away", path)

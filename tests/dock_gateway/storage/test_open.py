@@ -23,19 +23,6 @@ async def test_in_the_data_directory_of_the_user(tmp_path: Path, monkeypatch: py
         assert await history.get("goal-0001") is None
 
 
-async def test_files_of_before_the_first_release_are_left_alone_and_named(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    folder = tmp_path / "data" / "dock-gateway"
-    (folder / "spool").mkdir(parents=True)
-    (folder / "history.db").write_bytes(b"goals of before")
-    async with open_history(Settings()) as history:
-        assert history.stats().last_error is None
-    assert (folder / "history.db").read_bytes() == b"goals of before"
-    for name in ("history.db", "spool"):
-        assert f"{folder / name} is from a version before the first release and is not used" in caplog.text
-
-
 async def test_where_the_settings_say(tmp_path: Path) -> None:
     path = tmp_path / "a b%20c?" / "history.db"
     async with open_history(Settings(database_url=f"sqlite:///{path}", spool_path=tmp_path / "spool")) as history:
