@@ -29,7 +29,7 @@ from tests.chaos.outages import DOMAIN, NETWORK
 from tests.support.gateway import IMPATIENT, RunningGateway, running_gateway
 from tests.support.observer import EVERYTHING, Observer, ros_observer
 from tests.support.processes import BIN, Process, ros_environment
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 ALLOWED = 0.15
 """How far a robot may go on after a death, in m, and then it has to stop."""
@@ -108,8 +108,10 @@ class Gateway:
         self.running: RunningGateway = self._stack.enter_context(running_gateway(DOMAIN, "env", *network, **IMPATIENT))
 
     def dock(self, robot: Robot) -> None:
-        at = {"robot": robot.name}
-        wait_until(lambda: self.running.http.post("/dock", params=at).status_code == 202, "a goal that is accepted")
+        deadline = time.monotonic() + PATIENCE
+        while (answer := self.running.http.post("/dock", params={"robot": robot.name})).status_code != 202:
+            assert time.monotonic() < deadline, answer.text
+            time.sleep(0.1)
 
 
 def bury(process: Process) -> None:
