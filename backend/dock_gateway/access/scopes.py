@@ -1,7 +1,6 @@
-"""Whether what a request or a command is about lies within its user's grant."""
+"""Whether what a request or a command is about lies within its user's grant, and within this gateway's share."""
 
-from collections.abc import Awaitable, Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.errors import NotAllowed, not_covered
@@ -11,14 +10,21 @@ from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.http.operation import Scope
+from dock_gateway.http.operation import ABOUT_ROBOTS, Scope
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import read_goal_id
+from dock_gateway.http.subject import Names, Subject, read_subject
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 
-# The query and path parameters of a request, or the fields of a command.
-Names = Mapping[str, Any]
+# How a grant covers what has a name on the ROS graph, and what a refusal calls that.
+_ON_GRAPH: dict[Scope, tuple[Callable[[Grant, str], bool], str]] = {
+    Scope.TOPIC: (Grant.covers_topic, "the topic"),
+    Scope.PUBLISHING: (Grant.covers_publishing, "publishing on the topic"),
+    Scope.SERVICE: (Grant.covers_service, "calls of the service"),
+    Scope.NODE: (Grant.covers_parameters, "setting parameters of the node"),
+    Scope.PLACE: (Grant.covers_place, "the"),
+}
 
 
 async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names, what: str) -> None:
@@ -30,156 +36,73 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
         NotFound: There is no such goal or alert, or it is beyond the grant, which is the same to who asks.
         ServedElsewhere: It is about a robot that another gateway serves.
     """
-    await _require_granted(parts, grant.own, scope, names, what)
-    if grant.share is not None:
-        await _require_served(parts, grant.own, scope, names)
+    subject = read_subject(scope, names, parts[Settings])
+    of_topics = scope in (Scope.TOPIC, Scope.PUBLISHING)  # a grant may be limited to some topics alone
+    if of_topics or (grant.limited and scope not in (Scope.ANY, Scope.LISTED)):
+        await _require_granted(parts, grant.own, subject, what)
+    if grant.share is not None and scope in ABOUT_ROBOTS:
+        await _require_served(parts, grant.own, subject)
 
 
-async def _require_granted(parts: Parts, grant: Grant, scope: Scope, names: Names, what: str) -> None:
-    if scope is Scope.TOPIC:
-        covered = grant.covers_topic(topic := _topic(parts, names))
-        about = f"the topic {topic[:100]}"
-    elif scope is Scope.PUBLISHING:  # a grant may be limited to some topics alone
-        covered = grant.covers_publishing(topic := _topic(parts, names))
-        about = f"publishing on the topic {topic[:100]}"
-    elif not grant.limited or scope in (Scope.ANY, Scope.LISTED):
-        return
-    elif scope is Scope.EVERY:
-        raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_covered")
-    else:
-        covered, about = await _CHECKS[scope](parts, grant, names)
+async def _require_granted(parts: Parts, grant: Grant, subject: Subject, what: str) -> None:
+    match subject.scope:
+        case Scope.EVERY:
+            raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_covered")
+        case Scope.ALERT:
+            parts[Alerts].get(subject.identity, grant)
+        case Scope.APPROVAL:
+            parts[Approvals].get(subject.identity, grant)
+        case scope if scope in _ON_GRAPH:
+            covers, about = _ON_GRAPH[scope]
+            noun = f"{about} {subject.kind}" if scope is Scope.PLACE else about
+            _require(covers(grant, subject.name), f"{noun} {subject.name[:100]}")
+        case Scope.ROBOTS if _robot(parts, subject) == ALL_ROBOTS:  # a limit to `/` is one robot: that without a name
+            _require(grant.covers_every_robot, "every robot; name one of yours with `robot`")
+        case Scope.ROBOT | Scope.ROBOTS:
+            _require(grant.covers_robot(_robot(parts, subject)), _describe_robot(parts, subject))
+        case _:
+            await _require_action(parts, grant, subject)
+
+
+async def _require_action(parts: Parts, grant: Grant, subject: Subject) -> None:
+    """Refuse what is about an action beyond a grant: one that is named, that docks or undocks, or that a goal is on."""
+    name = subject.action
+    if subject.scope is Scope.NEW_GOAL and name is not None and subject.robot is not None:
+        _require(grant.covers_robot(_robot(parts, subject)), _describe_robot(parts, subject))
+    if name is not None:
+        _require(grant.covers_action(name), f"the action {name[:100]}")
+    elif subject.scope is not Scope.GOAL:
+        name = parts[DockingActions].name("undock" if subject.scope is Scope.UNDOCK else "dock", _robot(parts, subject))
+        _require(grant.covers_action(name), _describe_robot(parts, subject))
+    if subject.scope is Scope.GOAL:  # an unknown goal and another's: the same answer
+        await parts[Goals].get(read_goal_id(str(subject.identity)), grant)
+
+
+async def _require_served(parts: Parts, grant: Grant, subject: Subject) -> None:
+    """Refuse what is about robots beyond this gateway's share. What only reads the ROS graph is not."""
+    share = parts[Share]
+    if subject.scope is Scope.GOAL:
+        goal = await parts[Goals].get(read_goal_id(str(subject.identity)), grant)
+        share.require(goal.action_name, f"goals of the action {goal.action_name}")
+    elif subject.kind:
+        share.require(subject.name, f"the {subject.kind} {subject.name[:100]}")
+    elif (name := subject.action) is not None:
+        if subject.robot is not None:
+            _robot(parts, subject)  # refused if it is not valid
+        share.require(name, f"the action {name[:100]}")
+    elif subject.scope is not Scope.ROBOTS or _robot(parts, subject) != ALL_ROBOTS:  # else all of the share
+        share.require_robot(_robot(parts, subject))
+
+
+def _require(covered: bool, about: str) -> None:
     if not covered:
         raise not_covered(about)
 
 
-async def _require_served(parts: Parts, grant: Grant, scope: Scope, names: Names) -> None:
-    """Refuse what is about robots beyond this gateway's share. What only reads the ROS graph is not."""
-    share = parts[Share]
-    match scope:
-        case Scope.ROBOTS if _all_or_one(names) == ALL_ROBOTS:
-            return  # all of the share
-        case Scope.ROBOT | Scope.ROBOTS | Scope.DOCK | Scope.UNDOCK:
-            share.require_robot(_namespace(parts, names))
-        case Scope.NEW_GOAL if names.get("action") is None:
-            share.require_robot(_namespace(parts, names))
-        case Scope.NEW_GOAL:
-            namespace = None if names.get("robot") is None else _namespace(parts, names)
-            name = parts[Settings].resolve(str(names["action"]), namespace)
-            share.require(name, f"the action {name[:100]}")
-        case Scope.ACTION:
-            share.require(name := f"/{names['name']}", f"the action {name[:100]}")
-        case Scope.GOAL:
-            goal = await parts[Goals].get(read_goal_id(str(names.get("goal_id"))), grant)
-            share.require(goal.action_name, f"goals of the action {goal.action_name}")
-        case Scope.SERVICE | Scope.NODE | Scope.PUBLISHING:
-            field = {Scope.SERVICE: "service", Scope.NODE: "node", Scope.PUBLISHING: "topic"}[scope]
-            name = _topic(parts, names) if scope is Scope.PUBLISHING else _graph_name(parts, names, field)
-            share.require(name, f"the {field} {name[:100]}")
+def _robot(parts: Parts, subject: Subject) -> str:
+    return parts[Robots].default_namespace if subject.robot is None else read_namespace(str(subject.robot))
 
 
-async def _robot(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    robot = _namespace(parts, names)
-    return grant.covers_robot(robot), _describe_robot(robot, names)
-
-
-async def _robots(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    if _all_or_one(names) == ALL_ROBOTS:  # a limit to `/` is only the robot without a namespace
-        return grant.covers_every_robot, "every robot; name one of yours with `robot`"
-    return await _robot(parts, grant, names)
-
-
-async def _dock(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    robot = _namespace(parts, names)
-    return grant.covers_action(parts[DockingActions].of(robot).dock), _describe_robot(robot, names)
-
-
-async def _undock(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    robot = _namespace(parts, names)
-    return grant.covers_action(parts[DockingActions].of(robot).undock), _describe_robot(robot, names)
-
-
-async def _action(_: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    name = f"/{names['name']}"
-    return grant.covers_action(name), f"the action {name[:100]}"
-
-
-async def _goal(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    if "name" in names and not grant.covers_action(name := f"/{names['name']}"):
-        return False, f"the action {name[:100]}"
-    # An unknown goal and another's: the same answer.
-    await parts[Goals].get(read_goal_id(str(names.get("goal_id"))), grant)
-    return True, ""
-
-
-async def _command_goal(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    if names.get("action") is None:
-        return await _dock(parts, grant, names)
-    namespace = None if names.get("robot") is None else _namespace(parts, names)
-    if namespace is not None and not grant.covers_robot(namespace):
-        return False, _describe_robot(namespace, names)
-    name = parts[Settings].resolve(str(names["action"]), namespace)
-    return grant.covers_action(name), f"the action {name[:100]}"
-
-
-async def _alert(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    parts[Alerts].get(names["alert_id"], grant)
-    return True, ""
-
-
-async def _approval(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    parts[Approvals].get(names["approval_id"], grant)
-    return True, ""
-
-
-async def _place(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    kind = "node" if "node" in names else "service"
-    name = _graph_name(parts, names, kind)
-    return grant.covers_place(name), f"the {kind} {name[:100]}"
-
-
-async def _service(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    name = _graph_name(parts, names, "service")
-    return grant.covers_service(name), f"calls of the service {name[:100]}"
-
-
-async def _node(parts: Parts, grant: Grant, names: Names) -> tuple[bool, str]:
-    name = _graph_name(parts, names, "node")
-    return grant.covers_parameters(name), f"setting parameters of the node {name[:100]}"
-
-
-_CHECKS: dict[Scope, Callable[[Parts, Grant, Names], Awaitable[tuple[bool, str]]]] = {
-    Scope.ROBOT: _robot,
-    Scope.ROBOTS: _robots,
-    Scope.DOCK: _dock,
-    Scope.UNDOCK: _undock,
-    Scope.ACTION: _action,
-    Scope.GOAL: _goal,
-    Scope.NEW_GOAL: _command_goal,
-    Scope.ALERT: _alert,
-    Scope.APPROVAL: _approval,
-    Scope.PLACE: _place,
-    Scope.SERVICE: _service,
-    Scope.NODE: _node,
-}
-
-
-def _namespace(parts: Parts, names: Names) -> str:
-    robot = names.get("robot")
-    return parts[Robots].default_namespace if robot is None else read_namespace(str(robot))
-
-
-def _all_or_one(names: Names) -> str:
-    robot = names.get("robot")
-    return ALL_ROBOTS if robot is None else read_namespace(str(robot))
-
-
-def _describe_robot(robot: str, names: Names) -> str:
-    return f"the robot {robot}" + ("; name one of yours with `robot`" if names.get("robot") is None else "")
-
-
-def _topic(parts: Parts, names: Names) -> str:
-    return f"/{names['name']}" if "name" in names else _graph_name(parts, names, "topic")
-
-
-def _graph_name(parts: Parts, names: Names, field: str) -> str:
-    return parts[Settings].resolve(str(names.get(field, "")), "")
+def _describe_robot(parts: Parts, subject: Subject) -> str:
+    hint = "; name one of yours with `robot`" if subject.robot is None else ""
+    return f"the robot {_robot(parts, subject)}{hint}"

@@ -1,25 +1,24 @@
-"""The subject of an audit entry: the robot, the action and the goal of a request or a command."""
+"""What an audit entry says of a subject: the robot, the action and the goal of a request or a command."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from starlette.requests import HTTPConnection
-from starlette.types import Scope
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.audit import MAX_ROBOTS
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace
-from dock_gateway.http.operation import READS
-from dock_gateway.http.operation import Scope as Subject
+from dock_gateway.http.operation import READS, Scope, find_operation
 from dock_gateway.http.requests import GOAL_ID, read_goal_id
+from dock_gateway.http.subject import read_subject
 from dock_gateway.settings import Settings
 
-# Parameters of paths that have a column of their own: `name` is that of an action.
-COLUMNS = frozenset({"goal_id", "name"})
-# Those that are names on the ROS graph, without their leading slash.
-GRAPH_NAMES = frozenset({"service", "node", "topic"})
-ON_GRAPH = frozenset({Subject.SERVICE, Subject.NODE, Subject.PUBLISHING})
+# Parameters of paths that a subject has, or its columns.
+KNOWN = frozenset({"goal_id", "name", "service", "node", "topic"})
+# What is about one robot: the configured one, if no name says more.
+OF_A_ROBOT = frozenset({Scope.ROBOT, Scope.ROBOTS, Scope.DOCK, Scope.UNDOCK, Scope.NEW_GOAL, Scope.GOAL})
 # What only the request says.
 FIELDS = ("robot", "action_name", "goal_id", "subject")
 
@@ -27,7 +26,7 @@ Fields = dict[str, str | None]
 
 
 class Subjects:
-    """Finds what a request is about.
+    """Says what a request is about.
 
     Args:
         settings: Resolve names.
@@ -46,39 +45,35 @@ class Subjects:
         self._action_of = action_of
         self._robots = robots
 
-    def of_request(self, scope: Scope) -> Fields:
+    def of_request(self, scope: ConnectionScope) -> Fields:
         """Return what the path and the query say."""
         connection = HTTPConnection(scope)
         path, query = connection.path_params, connection.query_params
         if scope["method"] in READS:
             return {"goal_id": path.get("goal_id"), "subject": str(query) or None}
-        others = [
-            f"/{value}" if name in GRAPH_NAMES else str(value) for name, value in path.items() if name not in COLUMNS
-        ]
-        robots = [parent_of(f"/{value}") for name, value in path.items() if name in GRAPH_NAMES]
+        operation = find_operation(scope["route"])
+        names = dict(path)
         if any(field.name == "robot" for field in scope["route"].dependant.query_params):
-            robots = query.getlist("robot") or [self._settings.namespace]
-        return {
-            "robot": robots_text(robots),
-            "action_name": f"/{path['name']}" if "name" in path else None,
-            "goal_id": path.get("goal_id"),
-            "subject": ", ".join(others) or None,
-        }
+            names["robot"] = tuple(query.getlist("robot")) or None
+        fields = self.of_names(names, Scope.ANY if operation is None else operation.scope)
+        others = ", ".join(str(value) for name, value in path.items() if name not in KNOWN)
+        return fields | {"subject": fields["subject"] or others or None}
 
-    def of_command(self, command: Mapping[str, Any], scope: Subject) -> Fields:
-        """Return what the fields of a command say."""
-        if scope in ON_GRAPH:
-            name = next(str(command[each]) for each in GRAPH_NAMES if each in command)
-            return {"robot": robots_text([parent_of(name)]), "subject": name}
-        names = ("robot", "action", "goal_id")
-        robot, action, goal_id = (each if isinstance(each := command.get(name), str) else None for name in names)
-        if isinstance(robots := command.get("robot"), tuple):  # as a stop has them
-            return {"robot": robots_text(robots), "action_name": None, "goal_id": None}
-        if action is not None:
-            action = self._settings.resolve(action, robot)
-        elif goal_id is None:
-            robot = self._settings.namespace if robot is None else robot
-        return {"robot": robots_text([] if robot is None else [robot]), "action_name": action, "goal_id": goal_id}
+    def of_names(self, names: Mapping[str, Any], scope: Scope) -> Fields:
+        """Return what names say: those of a request, or the fields of a command."""
+        subject = read_subject(scope, names, self._settings)
+        goal_id = subject.identity if scope is Scope.GOAL and isinstance(subject.identity, str) else None
+        robots = subject.robot if isinstance(subject.robot, tuple) else (subject.robot,)
+        if subject.name:
+            robots = (parent_of(subject.name),)
+        elif subject.action is None and goal_id is None and scope in OF_A_ROBOT:
+            robots = tuple(each if isinstance(each, str) else self._settings.namespace for each in robots)
+        return {
+            "robot": robots_text(each for each in robots if isinstance(each, str)),
+            "action_name": subject.action,
+            "goal_id": goal_id,
+            "subject": subject.name or None,
+        }
 
     def completed(self, known: Mapping[str, str | None]) -> Fields:
         """Return all fields, with what follows from them: the action of a running goal, the robot of an action."""

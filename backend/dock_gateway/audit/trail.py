@@ -79,7 +79,7 @@ class Trail:
         if self._command is None:
             said = subjects.of_request(self._scope)
         else:
-            said = subjects.of_command(self._command, Subject.ANY if self._operation is None else self._operation.scope)
+            said = subjects.of_names(self._command, Subject.ANY if self._operation is None else self._operation.scope)
         fields = subjects.completed({**said, **self.fields})
         if what == STOP and status < 400:
             fields["robot"] = subjects.stopped(fields["robot"])

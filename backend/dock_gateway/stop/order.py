@@ -195,11 +195,6 @@ def _read(principal: Principal, request: object) -> Mapping[str, Any]:
     return {"robot": order.robots, "order": order}
 
 
-def _read_release(_: Principal, request: object) -> Mapping[str, Any]:
-    fields = request if isinstance(request, Mapping) else {}
-    return fields if fields.get("robot") is not None else {**fields, "robot": ALL_ROBOTS}
-
-
 # Declared once: each door's function that stops robots, or releases a stop, carries it.
 stops_robots = operation(Role.VIEWER, Scope.ANY, reads_body=True, read=_read)
-releases_stop = operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST, read=_read_release)
+releases_stop = operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST)

@@ -8,12 +8,14 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
+from dock_gateway.access.carry_out import carry_out
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.scopes import require_covered
 from dock_gateway.app import create_app
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
-from dock_gateway.core.errors import NotAllowed, NotFound, ServedElsewhere
+from dock_gateway.core.errors import MalformedRequest, NotAllowed, NotFound, ServedElsewhere
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.share import Share
 from dock_gateway.doors.rest import stop_routes
@@ -25,6 +27,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.storage.memory import MemoryHistory
+from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import OPERATIONS
 from tests.dock_gateway.access.test_authorization import REQUESTS, path_of
 from tests.support.audit import audit_parts
@@ -262,3 +265,8 @@ async def test_who_may_not_see_a_robot_does_not_learn_who_serves_it(parts: Other
         await require_covered(parts, share.narrow(ROBOT1), Scope.GOAL, {"goal_id": GOAL}, "it")
     with pytest.raises(NotAllowed):
         await require_covered(parts, share.narrow(ROBOT1), Scope.DOCK, {"robot": "/robot2"}, "it")
+
+
+async def test_a_release_that_cannot_be_read_releases_nothing(parts: Other) -> None:
+    with pytest.raises(MalformedRequest):
+        await carry_out(parts, ANYBODY, COMMANDS["release_stop"], MalformedRequest("not JSON"), {"type": "websocket"})

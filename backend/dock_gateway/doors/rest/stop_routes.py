@@ -109,12 +109,9 @@ async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
 @carries_out(operations.release_stop)
-async def release_stop(
-    request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
-) -> Response:
+async def release_stop(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Response:
     """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
 
     This moves no robot.
     """
-    audited(request, robot=robots_text([robot or ALL_ROBOTS]))
     return json_response(await operations.release_stop(parts, principal, robot))
