@@ -16,7 +16,7 @@ from dock_gateway.storage.schema import REVISION, create_tables
 from dock_gateway.storage.sql import open_database
 from dock_gateway.storage.tables import revisions
 from tests.support.history import make_goal, open_at, written
-from tests.support.waiting import until
+from tests.support.waiting import PATIENCE, until
 
 T = TypeVar("T")
 
@@ -105,7 +105,7 @@ async def test_replicas_start_at_the_same_time(database_url: str, tmp_path: Path
         process = await asyncio.create_subprocess_exec(
             *PROGRAM, "claim", database_url, str(tmp_path), "key", name, stdout=subprocess.PIPE
         )
-        output, _ = await asyncio.wait_for(process.communicate(), 30)
+        output, _ = await asyncio.wait_for(process.communicate(), PATIENCE)
         return output.decode().split()
 
     answers = await asyncio.gather(*(claim(f"g{number}") for number in range(3)))
