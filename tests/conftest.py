@@ -1,5 +1,6 @@
 """Fixtures for every test that needs ROS."""
 
+import itertools
 import os
 import signal
 from collections.abc import Iterator
@@ -7,12 +8,10 @@ from pathlib import Path
 
 import pytest
 from hypothesis import Phase, settings
-from xdist.remote import Producer
 
 from tests.support import shapes
 from tests.support.domain import ros_domain
 from tests.support.observer import Observer, ros_observer
-from tests.support.turns import Turns
 
 # Nodes in the test process, too, stay on this machine.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
@@ -36,15 +35,14 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """First come the files that take turns (`Turns`), then those that wait for robots, then those that only compute."""
-    first = {"chaos": 0, "browser": 0, "system": 1}
-    items.sort(key=lambda item: first.get(item.path.parent.name, 2))
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Turns:
-    """Which worker runs which file."""
-    return Turns(config, log)
+    """Browsers and floods need the processor, robots that drive need time: their files take turns."""
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+    busy, waiting = itertools.count(0, 2), itertools.count(1, 2)
+    turns = {"chaos": busy, "browser": busy, "system": waiting}
+    places = {path: next(turns[path.parent.name]) if path.parent.name in turns else len(files) for path in files}
+    items[:] = [item for path in sorted(files, key=lambda path: places[path]) for item in files[path]]
 
 
 @pytest.fixture(autouse=True)
