@@ -40,7 +40,7 @@ def replay(recording: Path, *arguments: str) -> tuple[int, str]:
 def replay_all(recordings: list[Path]) -> tuple[list[int], str]:
     """Return the exit codes of many replays, and their words."""
     command = [sys.executable, "-m", "tests.support.replays", *map(str, recordings)]
-    timeout = 60 + 10 * len(recordings)
+    timeout = 60 + 20 * len(recordings)
     done = subprocess.run(command, cwd=FOLDER, capture_output=True, text=True, check=True, timeout=timeout)
     *words, codes = done.stdout.splitlines()
     return json.loads(codes), "\n".join([*words, done.stderr])

@@ -79,7 +79,8 @@ class Worker:
                 pickle.dump((function, args, kwargs), process.stdin, pickle.HIGHEST_PROTOCOL)
                 process.stdin.flush()
                 result, error = pickle.load(process.stdout)  # noqa: S301 - of our own process
-            except (EOFError, OSError, pickle.UnpicklingError) as broken:
+            # ValueError: `kill` closes the pipes while this thread reads.
+            except (EOFError, OSError, ValueError, pickle.UnpicklingError) as broken:
                 self.kill()
                 raise RuntimeError("the process for large messages has ended") from broken
             finally:

@@ -100,6 +100,18 @@ async def test_closing_does_not_wait_for_the_process(work: Work) -> None:
         os.kill(pid, 0)
 
 
+@pytest.mark.parametrize("error", [EOFError(), ValueError("the buffer of a closed file"), OSError()])
+async def test_however_reading_breaks_when_the_process_is_killed_it_has_ended(
+    work: Work, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    def load(_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(core_work.pickle, "load", load)
+    with pytest.raises(RuntimeError, match="has ended"):
+        await work(MOST, where)
+
+
 async def test_the_lane_is_for_one_at_a_time_and_rests_after_each(lane: Lane, monkeypatch: pytest.MonkeyPatch) -> None:
     did: list[str] = []
     monkeypatch.setattr(core_work.time, "sleep", lambda rest: did.append("rest" if rest > 0 else "no rest"))

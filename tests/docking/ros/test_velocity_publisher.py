@@ -54,7 +54,7 @@ def look(publisher: VelocityPublisher) -> None:
 @pytest.mark.ros
 def test_it_follows_its_subscribers(nodes: tuple[Node, Node], domain: int, observer: Observer) -> None:
     both = [VelocityPublisher(node, frame="r1/base_link") for node in nodes]
-    assert [node.count_publishers("cmd_vel") for node in nodes] == [2, 2]
+    wait_until(lambda: [node.count_publishers("cmd_vel") for node in nodes] == [2, 2], "both, and nobody of before")
     stamped = observer.record(TwistStamped, "cmd_vel")
 
     def published() -> bool:
