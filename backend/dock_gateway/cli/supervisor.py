@@ -16,8 +16,8 @@ import httpx2
 from dock_gateway.client.connection import tls_context
 from robot_io.children import end_with_parent
 
-# Seconds that the parts have to end by themselves.
-END_TIMEOUT = 2.3
+# Seconds that the parts have to end by themselves. A docking server stays for up to 2 s, until its robot stands.
+END_TIMEOUT = 3.0
 
 
 class Part:

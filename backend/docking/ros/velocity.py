@@ -181,7 +181,7 @@ class Drive:
         """Leave `cmd_vel`, once a robot that was driven a moment ago has been stopped; end the watchdog."""
         if self._velocity not in (None, STANDSTILL):
             self.stop()
-        deadline = time.monotonic() + RECENT
+        deadline = self._stopped_at + RECENT
         while self.halting and time.monotonic() < deadline:
             time.sleep(PERIOD)
         self._watchdog.close()
