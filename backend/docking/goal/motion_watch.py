@@ -204,15 +204,16 @@ class MotionWatch:
         begin = now - self._blocked_after
         if begin < max(self._begins_at, self.model.history.known_since):
             return
-        measured = self.model.history.measured(begin, now)
+        history = self.model.history
+        measured = history.measured(begin, now)
         speeds_up, rolled_on = self._speeds_up(begin, now), self._has_rolled_on(begin, now)
         for lag in LAGS:
-            commanded = self.model.history.commands(begin - lag, now - lag)
+            commanded = history.commands(begin - lag, now - lag)
             to_and_fro = math.inf if rolled_on else commanded.to_and_fro
             drives = speeds_up or _fits(commanded.way, to_and_fro, measured.way, LEAST_WAY)
             if drives and _fits(commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN):
                 return
-        commanded = self.model.history.commands(begin, now)
+        commanded = history.commands(begin, now)
         still = self._first is not None and self._first.stamp <= begin
         tried = self.model.dead_zone.linear_x
         slow = (
@@ -232,22 +233,20 @@ class MotionWatch:
     def _speeds_up(self, begin: float, now: float) -> bool:
         """Whether the base is still on its way to the commanded velocity, as a weak one that reverses."""
         half = 0.5 * (now - begin)
-        before, after = (
-            self.model.history.measured(begin, begin + half).way,
-            self.model.history.measured(begin + half, now).way,
-        )
+        before, after = self._halves(begin, now)
         wanted, change = self.model.history.commands(begin + half, now).way - before, after - before
         return wanted * change > 0.0 and abs(change) > WEAKEST * half**2
 
     def _has_rolled_on(self, begin: float, now: float) -> bool:
         """Whether a weak base came too far since it took long to slow down, and comes no farther than commanded now."""
-        half = 0.5 * (now - begin)
-        before, after = (
-            self.model.history.measured(begin, begin + half).way,
-            self.model.history.measured(begin + half, now).way,
-        )
-        commanded = self.model.history.commands(begin + half - LAGS[-1], now)
+        before, after = self._halves(begin, now)
+        commanded = self.model.history.commands(begin + 0.5 * (now - begin) - LAGS[-1], now)
         return abs(after) < abs(before) and abs(after) <= MOST_MOTION * commanded.to_and_fro + 0.5 * LEAST_WAY
+
+    def _halves(self, begin: float, now: float) -> tuple[float, float]:
+        """The measured way in the first and in the second half of a time, in m."""
+        history, middle = self.model.history, begin + 0.5 * (now - begin)
+        return history.measured(begin, middle).way, history.measured(middle, now).way
 
 
 def _fits(commanded: float, to_and_fro: float, measured: float, least: float) -> bool:

@@ -72,6 +72,16 @@ class RobotSettings:
     omnidirectional: bool = switch(False, "Whether the base also drives sideways (linear.y of cmd_vel).")
     stall_time: float = 0.5
 
+    @property
+    def linear_deceleration(self) -> float:
+        """Maximum linear deceleration, in m/s²."""
+        return self.linear_braking or self.linear_acceleration
+
+    @property
+    def angular_deceleration(self) -> float:
+        """Maximum angular deceleration, in rad/s²."""
+        return self.angular_braking or self.angular_acceleration
+
 
 class Robot:
     """A differential drive in the world.
@@ -198,10 +208,12 @@ class Robot:
             self.stalled = False
             self._stalled_for = 0.0
         self._linear_target = linear
-        braking = settings.linear_braking or settings.linear_acceleration
-        self.linear = _approach(self.linear, linear, settings.linear_acceleration * dt, braking * dt)
-        braking = settings.angular_braking or settings.angular_acceleration
-        self.angular = _approach(self.angular, angular, settings.angular_acceleration * dt, braking * dt)
+        self.linear = _approach(
+            self.linear, linear, settings.linear_acceleration * dt, settings.linear_deceleration * dt
+        )
+        self.angular = _approach(
+            self.angular, angular, settings.angular_acceleration * dt, settings.angular_deceleration * dt
+        )
         if settings.omnidirectional:
             self._slide(dt, halted=halted or stuck)
         if self.linear == 0.0 == self.angular:
@@ -222,8 +234,9 @@ class Robot:
         """Drive sideways."""
         settings = self._settings
         target = 0.0 if halted else min(settings.linear_max, max(-settings.linear_max, self._command.linear_y))
-        braking = settings.linear_braking or settings.linear_acceleration
-        self.lateral = _approach(self.lateral, target, settings.linear_acceleration * dt, braking * dt)
+        self.lateral = _approach(
+            self.lateral, target, settings.linear_acceleration * dt, settings.linear_deceleration * dt
+        )
         self.side = self.lateral * dt
         way = self._on_ground(self.side)
         self.x -= way * math.sin(self.theta)
