@@ -8,7 +8,8 @@ from http import HTTPStatus
 from typing import Any, Final, TypeVar
 
 from starlette.requests import HTTPConnection
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.subjects import Subjects
@@ -17,15 +18,14 @@ from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.request import PERMIT
-from dock_gateway.http.operation import READS, Audit, Operation, find_operation
-from dock_gateway.http.operation import Scope as Subject
+from dock_gateway.http.operation import READS, Audit, Operation, Scope, find_operation
 from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import address_of
 
 log = logging.getLogger(__name__)
 
 STOP = "stop"
-OF_GOALS = frozenset({Subject.NEW_GOAL, Subject.GOAL})
+OF_GOALS = frozenset({Scope.NEW_GOAL, Scope.GOAL})
 T = TypeVar("T")
 
 
@@ -45,7 +45,7 @@ class Trail:
 
     def __init__(
         self,
-        scope: Scope,
+        scope: ConnectionScope,
         what: str | None = None,
         command: Mapping[str, Any] | None = None,
         operation: Operation | None = None,
@@ -79,7 +79,7 @@ class Trail:
         if self._command is None:
             said = subjects.of_request(self._scope)
         else:
-            said = subjects.of_names(self._command, Subject.ANY if self._operation is None else self._operation.scope)
+            said = subjects.of_names(self._command, Scope.ANY if self._operation is None else self._operation.scope)
         fields = subjects.completed({**said, **self.fields})
         if what == STOP and status < 400:
             fields["robot"] = subjects.stopped(fields["robot"])
@@ -114,7 +114,7 @@ class AuditTrail:
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
@@ -147,7 +147,7 @@ def audited(connection: HTTPConnection, **fields: str | None) -> Trail:
 
 
 async def audited_command(
-    scope: Scope,
+    scope: ConnectionScope,
     op: str,
     operation: Operation | None,
     fields: Mapping[str, Any],
@@ -191,7 +191,7 @@ def _failure(error: BaseException) -> tuple[HTTPStatus, str]:
     return HTTPStatus.INTERNAL_SERVER_ERROR, "internal_error"
 
 
-def _name(scope: Scope, status: int) -> str | None:
+def _name(scope: ConnectionScope, status: int) -> str | None:
     """Return the name of the route, if the request is to be recorded."""
     route, method = scope.get("route"), scope["method"]
     operation = find_operation(route)

@@ -17,7 +17,6 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.hub.directory import Directory, Site, State
 from dock_gateway.hub.follower import Follower
-from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.site_client import READER, SiteClient
 from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
@@ -77,7 +76,6 @@ class Sites:
         self._keys = KeyAgreement()
         self._agreed: dict[str, tuple[Address, str]] = {}  # by site: its process, and the public key of that
         self._history = history
-        self._mirror = Mirror(history)
         self._entries = history.documents("site", SiteEntry)
         self._store = store
         self._directory = Directory(__version__, {})
@@ -229,7 +227,7 @@ class Sites:
     def _start_following(self, name: str, instance: str) -> None:
         log.info("the site %s is connected", name)
         client = self._client_of(name, instance)
-        follower = Follower(client, self.view(name), self._store, self._history, self._mirror)
+        follower = Follower(client, self.view(name), self._store, self._history, self._store.mirror)
         self._followers[name] = instance, follower
         for heard in self.on_connect:
             heard(name)
@@ -365,7 +363,7 @@ class Sites:
         self._directory.forget(name)
         self._stored.discard(name)
         await self._leave(name)
-        await self._mirror.forget(name)
+        await self._store.mirror.forget(name)
         self._forget_view(name)
 
     def _forget_view(self, name: str) -> None:

@@ -63,10 +63,13 @@ class HubStore:
     Args:
         mirror: Stores them.
         fanout: Receives the events that are new.
+
+    Attributes:
+        mirror: Knows how far each site was read, too.
     """
 
     def __init__(self, mirror: Mirror, fanout: Fanout) -> None:
-        self._mirror = mirror
+        self.mirror = mirror
         self._fanout = fanout
         self._waiting: asyncio.Queue[tuple[News, asyncio.Future[None]]] = asyncio.Queue()
         self._tasks = Tasks("storing what sites tell")
@@ -124,7 +127,7 @@ class HubStore:
             try:
                 if batch is None:
                     batch = await self._prepare(every)
-                new = await self._mirror.take(batch)
+                new = await self.mirror.take(batch)
             except Unavailable as error:
                 log.warning("%s; what sites tell waits", error.detail)
                 await asyncio.sleep(RETRY_INTERVAL)
@@ -141,7 +144,7 @@ class HubStore:
         for news in every:
             for happening in news.happenings:
                 happened.setdefault(_key(news.site, happening), happening)
-        for key in await self._mirror.known_keys(list(happened)):
+        for key in await self.mirror.known_keys(list(happened)):
             del happened[key]
         goals: dict[str, Goal] = {}
         for goal in (goal for news in every for goal in news.goals.values()):

@@ -6,6 +6,7 @@ Goals belong to the gateway: they survive a broken socket. The gateway never rep
 import asyncio
 import logging
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from fastapi import APIRouter, Depends, WebSocket
@@ -123,17 +124,15 @@ class CommandSession(SocketSession):
         after, max_rate = read_after(query), read_max_rate(query)
         if self.closed:
             raise Unavailable("the socket is closed", code="shutting_down")
-
-        async def run(_: Request) -> None:
-            await self._run_subscription(identity, query, after, max_rate)
-
+        run = partial(self._run_subscription, query, after, max_rate)
         task = asyncio.create_task(self.attempt(Request({}, "subscribe", identity), run))
         self._subscriptions[identity] = Subscription(task)
         task.add_done_callback(lambda _: self._subscriptions.pop(identity))
 
     async def _run_subscription(
-        self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
+        self, query: dict[str, str], after: str | None, max_rate: float | None, request: Request
     ) -> None:
+        identity = request.identity
         event_filter = await read_event_filter(self.parts, query, self.rights.grant)
         with subscribed(self.parts, self.rights.principal, event_filter) as subscriber:
             await self._answer("ack", identity, {"subscription": identity})
