@@ -8,10 +8,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from hypothesis import HealthCheck, Phase, given, settings
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import BatteryState
 
+from docking.core.geometry import Pose
+from docking.goal.dock_memory import DockMemory, LastDocking
+from docking.parameters import Dock
 from robot_io.recording import Sample, read
 from tests.support.domain import ros_domain
 from tests.support.gateway import running_gateway, running_program
@@ -136,6 +141,27 @@ def test_a_verdict_does_not_depend_on_the_load_of_the_machine(docking: Path) -> 
         codes, all_words = replay_all([docking] * REPLAYS)
     assert codes == [calm] * REPLAYS
     assert sorted(set(all_words.splitlines())) == sorted(set(words.splitlines()))
+
+
+def test_a_replay_begins_with_what_the_server_knew_from_earlier_goals(docking: Path, tmp_path: Path) -> None:
+    """Here: that the camera is 5 cm aside, though it is not."""
+    memory = DockMemory()
+    memory.docked_at("", LastDocking(Dock(), camera=Pose(0.0, 0.05)))
+    samples, told = [], 0
+    for sample in read(docking):
+        if sample.topic == "/diagnostics":
+            array = deserialize_message(sample.data, DiagnosticArray)
+            for value in [value for status in array.status for value in status.values if value.key == "memory"]:
+                assert json.loads(value.value)["dockings"] == {}, "it was the first goal"
+                value.value = memory.as_json(0.0)
+                sample = sample._replace(data=serialize_message(array))  # noqa: PLW2901
+                told += 1
+        samples.append(sample)
+    assert told == 1
+    other = tmp_path / "other.mcap"
+    other.write_bytes(as_file(samples))
+    (calm, _), (_, words) = replay(docking), replay(other)
+    assert "another velocity" in words or calm == 2, words  # 2: the machine was busy as the goal began
 
 
 def test_whatever_a_recording_has_the_replay_ends_with_an_exit_code_and_without_a_traceback(

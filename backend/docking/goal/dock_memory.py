@@ -1,12 +1,13 @@
 """Whether the robot is docked, as far as earlier goals can tell."""
 
+import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 from docking.core.geometry import Pose
 from docking.goal.hits import Hits
-from docking.parameters import Staging
+from docking.parameters import Dock, Staging
 
 MOVED = 0.1
 """In m; a robot that odometry has moved by more is somewhere else."""
@@ -14,6 +15,8 @@ TURNED = 0.35
 """The same in rad."""
 MOST = 1000
 """Docks that are remembered: goals may describe docks that have no name."""
+MOST_TOLD = 20
+"""Those of them that a recording knows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +30,7 @@ class LastDocking:
         camera: How far the camera was from where tf has it, in base_link; no way where nothing was measured.
     """
 
-    dock: Staging
+    dock: Dock | Staging
     place: Pose | None = None
     turn: float = 0.0
     camera: Pose = field(default_factory=Pose)
@@ -79,6 +82,15 @@ class DockMemory:
         """
         last = self.dockings.get(name, LastDocking(dock))
         return last if last.dock == dock else LastDocking(dock, last.place)
+
+    def shifted(self, by: float) -> "DockMemory":
+        """The same on a clock that is ahead by some seconds."""
+        return replace(self, since=self.since + by, hits=self.hits.shifted(by))
+
+    def as_json(self, now: float) -> str:
+        """What is remembered at this moment, on a clock that is at zero now: a replay begins with it."""
+        told = dict(list(self.dockings.items())[-MOST_TOLD:])
+        return json.dumps(asdict(replace(self.shifted(-now), dockings=told)))
 
     def note(self, docked: bool, at: Pose | None, now: float = math.inf) -> None:
         """Remember how a goal has ended, where, and when by the clock of observations."""

@@ -1,7 +1,7 @@
 """Where the robot has run into something, so that it comes there slowly the next time."""
 
 import math
-from collections import deque
+from dataclasses import dataclass, field, replace
 
 from docking.core.geometry import Pose
 
@@ -15,12 +15,15 @@ MOST = 20
 """Places that are remembered."""
 
 
+@dataclass
 class Hits:
-    """The places of a robot that was blocked; kept from goal to goal for a while."""
+    """The places of a robot that was blocked; kept from goal to goal for a while.
 
-    def __init__(self) -> None:
-        """Begin without one."""
-        self._places: deque[tuple[Pose, float]] = deque(maxlen=MOST)
+    Attributes:
+        places: base_link in odom, with the moment.
+    """
+
+    places: list[tuple[Pose, float]] = field(default_factory=list)
 
     def add(self, robot: Pose, now: float) -> None:
         """Remember a place.
@@ -29,12 +32,15 @@ class Hits:
             robot: base_link in odom, where the robot was blocked.
             now: The moment.
         """
-        self._places.append((robot, now))
+        self.places = [*self.places[1 - MOST :], (robot, now)]
 
     def forget(self, now: float) -> None:
         """Forget the places that are old, and those of another clock."""
-        while self._places and not 0.0 <= now - self._places[0][1] <= KEPT_FOR:
-            self._places.popleft()
+        self.places = [(place, at) for place, at in self.places if 0.0 <= now - at <= KEPT_FOR]
+
+    def shifted(self, by: float) -> "Hits":
+        """The same on a clock that is ahead by some seconds."""
+        return replace(self, places=[(place, at + by) for place, at in self.places])
 
     def distance(self, robot: Pose, way: float, linear: float) -> float:
         """How far the robot may drive as it likes, in m; infinite where it drives away from all places.
@@ -45,7 +51,7 @@ class Hits:
             linear: The velocity forward, in m/s.
         """
         nearest = math.inf
-        for place, _ in self._places:
+        for place, _ in self.places:
             off = place.relative_to(robot)
             if math.copysign(off.x, off.x * linear) > -PASSED:
                 nearest = min(nearest, math.hypot(off.x, off.y))

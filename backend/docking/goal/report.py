@@ -1,7 +1,7 @@
 """The status on /diagnostics: one report at a time, as REP-107 demands."""
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from docking.core.errors import ErrorCode, Stage
 from docking.goal.admission import Rejection
@@ -39,6 +39,7 @@ class Report:
         goal_id: The goal it is about as a canonical UUID; empty before the first goal.
         retries: Number of retries.
         doubts: What seemed wrong on the way of a goal that has ended, as sentences.
+        memory: What was known from earlier goals as this one began, as JSON; only in the first report on a goal.
     """
 
     stage: Stage = Stage.IDLE
@@ -47,6 +48,7 @@ class Report:
     goal_id: str = ""
     retries: int = 0
     doubts: str = ""
+    memory: str = field(default="", compare=False)
 
     @property
     def level(self) -> Level:
@@ -60,7 +62,7 @@ class Report:
 
     def values(self) -> dict[str, str]:
         """The key values, in their order."""
-        return {
+        values = {
             "stage": self.stage.value,
             "error_code": self.error_code.value,
             "error_msg": self.error_msg,
@@ -69,6 +71,7 @@ class Report:
             "retries": str(self.retries),
             "doubts": self.doubts,
         }
+        return values | {"memory": self.memory} if self.memory else values
 
 
 def report_on(event: Command | Outcome | Rejection, goal_id: str) -> Report:

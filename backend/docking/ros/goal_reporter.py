@@ -61,6 +61,7 @@ class GoalReporter:
         self._report = Report()
         self._stage = Stage.IDLE
         self._note = ""  # about unusual detections
+        self._memory = ""
 
     def reject(self, rejection: Rejection, goal_id: str, *, running: bool) -> None:
         """Report a rejection, but only once if a goal runs, which stays the subject."""
@@ -72,8 +73,13 @@ class GoalReporter:
             self._report = report
         self._publish(report)
 
-    def begin(self) -> None:
-        """A goal was accepted: see who drives along."""
+    def begin(self, memory: str) -> None:
+        """A goal was accepted: see who drives along.
+
+        Args:
+            memory: What is known from earlier goals, for its recording.
+        """
+        self._memory = memory
         self._stage = Stage.IDLE
         self._note = ""
         self._rivals.look()
@@ -92,7 +98,8 @@ class GoalReporter:
                 logger.warning(f"Goal {goal_id} {verb}: {report.error_msg} [{report.error_code.value}]")
             elif self._stage not in {report.stage, Stage.IDLE}:
                 logger.info(f"Goal {goal_id}: {report.message}")
-            self._publish(report)
+            self._publish(replace(report, memory=self._memory))
+            self._memory = ""
         self._stage = step.stage
 
     def end(self, outcome: Outcome, goal_id: str) -> None:

@@ -210,11 +210,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         settings = self._settings.at_dock(handle.request.desired_battery_state.location)
         now = control_time(self)
+        memory = self._active_goal.memory.as_json(now)
         goal = self._action.make_goal(settings, self._active_goal.memory, now)
         nearest = NearestDock(settings.choices, now) if settings.choices else None
         execution = Execution(handle, goal_id, goal, self._end, nearest)
         self._running = self._active_goal.running = execution
-        self._reporter.begin()
+        self._reporter.begin(memory)
         self._fed_back_at = -math.inf
         self._drive.begin()
         handle.execute(partial(self._execute, execution))

@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any, cast
 
+from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
+from pydantic import TypeAdapter, ValidationError
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
@@ -23,11 +25,13 @@ from unique_identifier_msgs.msg import UUID
 from docking.core.battery import Battery
 from docking.core.errors import ErrorCode
 from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.outcome import Command, Outcome
 from docking.replay.course import Course
 from docking.replay.recorded_goal import NS, RecordedGoal
 from docking.replay.stutter import stutter_before
+from docking.ros.active_goal import ActiveGoal
 from docking.ros.battery_subscriber import BatteryStateSubscriber
 from docking.ros.clock import ClockWatch
 from docking.ros.node import FEEDBACK_PERIOD, ActionNode
@@ -85,7 +89,9 @@ class Replay:
         watched = cast("RobotAction[Any]", _WatchedAction(action, self._hear, self._follow_goal))
         self._following: Goal | None = None
         running = cast("ClockWatch", _RunningClock())
-        self._server: ActionNode[Any] = ActionNode(watched, battery, clock_watch=running, context=context)
+        self._server: ActionNode[Any] = ActionNode(
+            watched, battery, active_goal=ActiveGoal(memory=_memory(goal)), clock_watch=running, context=context
+        )
         self._nodes: tuple[Node, ...] = (self._server, BatteryStateSubscriber(battery, context=context))
         if self._server.settings.navigates:
             raise ValueError("nav2 drives this robot to its staging pose, which cannot be replayed")
@@ -215,6 +221,17 @@ class Replay:
         """End the nodes."""
         for node in self._nodes:
             node.destroy_node()
+
+
+def _memory(goal: RecordedGoal) -> DockMemory:
+    """What the server knew from earlier goals, by its first report on this one; nothing where it did not tell."""
+    for sample in goal.samples:
+        for status in getattr(_read(sample, DiagnosticArray), "status", ()):
+            values = {each.key: each.value for each in status.values}
+            if values.get("goal_id") == goal.goal_id and "memory" in values:
+                with suppress(ValidationError):
+                    return TypeAdapter(DockMemory).validate_json(values["memory"]).shifted(goal.began_ns / NS)
+    return DockMemory()
 
 
 def _read(sample: Sample, kind: Any) -> Any:

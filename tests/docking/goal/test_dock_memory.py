@@ -1,8 +1,9 @@
 import pytest
+from pydantic import TypeAdapter
 
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.dock_memory import MOST, MOVED, TURNED, DockMemory, LastDocking
+from docking.goal.dock_memory import MOST, MOST_TOLD, MOVED, TURNED, DockMemory, LastDocking
 from docking.goal.objective import Progress
 from docking.nodes.dock_server import docking_objective
 from docking.parameters import Dock, DockDirection, DockSettings, Staging
@@ -99,3 +100,23 @@ def test_a_place_that_is_not_known_is_that_of_the_time_before() -> None:
     memory.docked_at("home", LastDocking(Dock(), Pose(1.0), camera=Pose(y=0.03)))
     memory.docked_at("home", LastDocking(Dock()))
     assert memory.last_at("home", Dock()) == LastDocking(Dock(), Pose(1.0))
+
+
+def test_what_is_remembered_is_told_for_a_replay_whose_clock_is_another_one() -> None:
+    memory = DockMemory()
+    memory.note(True, Pose(1.0, 2.0, 3.0), 7.0)
+    memory.heads_for(FRONT, "lab_dock", Pose(1.0, 2.0, 3.0))
+    memory.docked_at("lab", LastDocking(Dock(staging_x_offset=-0.8), Pose(1.0), 0.1, Pose(0.0, 0.03)))
+    memory.hits.add(Pose(4.0), 5.0)
+    read = TypeAdapter(DockMemory).validate_json(memory.as_json(10.0))
+    assert read.shifted(10.0) == memory
+    later = read.shifted(110.0)
+    assert (later.since, later.hits.places) == (107.0, [(Pose(4.0), 105.0)])
+
+
+def test_only_some_docks_are_told() -> None:
+    memory = DockMemory()
+    for number in range(MOST):
+        memory.docked_at(str(number), LastDocking(Dock()))
+    read = TypeAdapter(DockMemory).validate_json(memory.as_json(0.0))
+    assert list(read.dockings) == [str(number) for number in range(MOST - MOST_TOLD, MOST)]
