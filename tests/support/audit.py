@@ -14,8 +14,7 @@ from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
-from tests.support.history import open_at
+from tests.support.history import HistoryInMemory, open_at
 from tests.support.waiting import until
 
 NOON = datetime(2026, 11, 21, 12, tzinfo=UTC)
@@ -42,7 +41,7 @@ def audit_parts() -> dict[type, Any]:
     return {
         AuditLog: AuditList(),
         Subjects: Subjects(settings, lambda _: None, list),
-        Logins: Logins(MemoryHistory(1)),
+        Logins: Logins(HistoryInMemory()),
         Quotas: Quotas(settings),
     }
 

@@ -1,14 +1,40 @@
-"""Keyed entries in memory that several gateways of a test share."""
+"""Keyed entries in a dictionary, which several gateways of a test may share."""
 
 import asyncio
 from collections.abc import Callable, Mapping
+from typing import Generic
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.storage import Dependency, EntryT
-from dock_gateway.storage.entries import MemoryEntries
 
 
-class SharedStore(MemoryEntries[EntryT]):
+class EntriesInMemory(Generic[EntryT]):
+    """Stores entries, as `Entries` does."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, EntryT] = {}
+
+    async def read(self) -> dict[str, EntryT]:
+        return dict(self._known)
+
+    async def write(
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None = None,
+        dependency: Dependency | None = None,
+    ) -> None:
+        if dependency is not None:
+            dependency.check(await dependency.entries.read())
+        if check is not None:
+            check(self._known)
+        if entry is None:
+            self._known.pop(key, None)
+        else:
+            self._known[key] = entry
+
+
+class SharedStore(EntriesInMemory[EntryT]):
     """Does not answer, or slowly, where the test says so."""
 
     def __init__(self) -> None:

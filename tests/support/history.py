@@ -60,11 +60,18 @@ async def open_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: 
         await history.close()
 
 
+class HistoryInMemory(MemoryHistory):
+    """An opened history in memory, which needs no closing."""
+
+    def __init__(self) -> None:
+        super().__init__(5000)
+
+
 @asynccontextmanager
 async def open_place(url: str, folder: Path, **limits: int) -> AsyncIterator[History]:
     """A history in memory or in a database, closed in the end."""
     if url == "memory:":
-        yield MemoryHistory(1000)
+        yield HistoryInMemory()
         return
     async with open_at(url, folder, **limits) as history:
         yield history

@@ -17,8 +17,8 @@ from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
-from dock_gateway.storage import MemoryHistory
 from tests.support.calls import FakeCall
+from tests.support.history import HistoryInMemory
 
 A, B = "aaaaaaaa-0000-4000-8000-000000000000", "bbbbbbbb-0000-4000-8000-000000000000"
 S = GoalStatus
@@ -48,7 +48,7 @@ QUICK = GoalLimits(result_wait=0.05, ask_again_after=0.03, end_stamp_wait=0.01)
 class Scene:
     def __init__(self, limits: GoalLimits = QUICK, reasons: PendingFacts[GoalError] | None = None) -> None:
         self.fanout = Fanout(queue_limit=100)
-        self.history = MemoryHistory(100)
+        self.history = HistoryInMemory()
         self.returned: list[Goal] = []
         self.port = FakePort()
         port: Any = self.port

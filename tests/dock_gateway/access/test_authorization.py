@@ -20,8 +20,8 @@ from dock_gateway.http.operation import operation_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 from tests.support.shapes import check_answer
 
@@ -46,7 +46,7 @@ class Site:
     """A gateway with a token for each role, and nothing else."""
 
     def __init__(self, settings: Settings) -> None:
-        self.logins = Logins(MemoryHistory(10))
+        self.logins = Logins(HistoryInMemory())
         self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
         parts = Refusing(
             {

@@ -30,9 +30,8 @@ from dock_gateway.http.operation import operation_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
-from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import AuditList, audit_parts, make_entry
-from tests.support.history import make_goal
+from tests.support.history import HistoryInMemory, make_goal
 from tests.support.parts import Refusing
 from tests.support.provider import FakeProvider, oidc_settings
 from tests.support.waiting import until
@@ -57,7 +56,7 @@ class Site:
 
     def __init__(self, sso: SingleSignOn | None = None) -> None:
         self.settings = Settings(authentication=True, database_url="sqlite:////nowhere", body_timeout=1.0)
-        self.history = history = MemoryHistory(2000)
+        self.history = history = HistoryInMemory()
         self.logins = Logins(history, sso)
         self.audit = AuditList()
         self.secret = ""

@@ -17,8 +17,8 @@ from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 
 ALICE = hub_principal("alice", Grant(Role.SUPERVISOR, ("/robot1",)).narrowed(Role.OPERATOR, ("/robot*",)), "key")
@@ -27,7 +27,7 @@ ALICE = hub_principal("alice", Grant(Role.SUPERVISOR, ("/robot1",)).narrowed(Rol
 def through_the_hub(principal: Principal, *, authentication: bool = False) -> TestClient:
     """A client whose requests come as from the tunnel."""
     settings = Settings(authentication=authentication, database_url="sqlite:////nowhere")
-    parts = {Settings: settings, Logins: Logins(MemoryHistory(10)), Tickets: Tickets(), Quotas: Quotas(settings)}
+    parts = {Settings: settings, Logins: Logins(HistoryInMemory()), Tickets: Tickets(), Quotas: Quotas(settings)}
     app = create_app(settings, Refusing({**audit_parts(), **parts, Bridge: SimpleNamespace(alive=False)}))
 
     async def tunnel(scope: Scope, receive: Receive, send: Send) -> None:
@@ -83,7 +83,7 @@ def test_webhooks_need_an_admin_of_the_hub() -> None:
 
 def test_nobody_here_has_a_name_of_the_hub() -> None:
     async def refusals() -> None:
-        logins = Logins(MemoryHistory(10))
+        logins = Logins(HistoryInMemory())
         for name in ("hub:alice", "Hub:alice", "hub"):
             with pytest.raises(Conflict, match="are for a hub and its users"):
                 await logins.create_token(name, UNLIMITED)
@@ -95,7 +95,7 @@ def test_nobody_here_has_a_name_of_the_hub() -> None:
 
 
 def test_streams_are_watched_no_longer_than_they_last() -> None:
-    logins = Logins(MemoryHistory(10))
+    logins = Logins(HistoryInMemory())
     assert logins.is_valid(ALICE)
     with logins.watch(ALICE, lambda: None), logins.watch(ALICE, lambda: None):
         assert ALICE in logins._streams

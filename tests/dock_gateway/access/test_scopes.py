@@ -26,11 +26,11 @@ from dock_gateway.http.operation import Scope, operation_of
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import OPERATIONS
 from tests.dock_gateway.access.test_authorization import REQUESTS, path_of
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
@@ -61,7 +61,7 @@ class Other(Refusing):
     """A gateway with a robot `/robot2`, a goal and an alert of it. What else it is asked for shows a gap."""
 
     def __init__(self, default_namespace: str = "/robot2") -> None:
-        self.logins = Logins(MemoryHistory(10))
+        self.logins = Logins(HistoryInMemory())
         docking = DockingActions(DockingCatalog(Settings()), {})
         super().__init__(
             {

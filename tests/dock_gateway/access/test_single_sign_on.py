@@ -25,8 +25,7 @@ from dock_gateway.core.errors import GatewayError, NotAuthenticated, NotFound, U
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
-from dock_gateway.storage.memory import MemoryHistory
-from tests.support.history import open_at
+from tests.support.history import HistoryInMemory, open_at
 from tests.support.provider import AUDIENCE, CLIENT, ISSUER, Endless, FakeProvider, rsa_key, sign
 from tests.support.waiting import until
 
@@ -49,7 +48,7 @@ class Site:
 
     def __init__(self, fake: FakeProvider) -> None:
         self.fake = fake
-        self.history: History = MemoryHistory(10)
+        self.history: History = HistoryInMemory()
         self.now = 1_000_000.0
         self.timeout = 30.0
 

@@ -10,20 +10,19 @@ import orjson
 import pytest
 
 from dock_gateway.audit.log import LIMITS, AuditLimits, AuditLog
-from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
+from dock_gateway.core.audit import START, AuditEntry, AuditFilter, AuditRow, extend
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.storage import AuditSpool
-from dock_gateway.storage.memory import MemoryAudit
 from tests.support.audit import make_entry
 from tests.support.history import timed
 from tests.support.waiting import PATIENCE, until
 
 
-class Store(MemoryAudit):
-    """Can be away, and slow."""
+class Store:
+    """Keeps rows in a list; can be away, and slow."""
 
     def __init__(self) -> None:
-        super().__init__()
+        self._rows: list[AuditRow] = []
         self.away = False
         self.answering = asyncio.Event()
         self.answering.set()
@@ -36,7 +35,12 @@ class Store(MemoryAudit):
             raise Unavailable("away", code="history_unavailable")
         self.batches.append(len(entries))
         self.durable.append(durable)
-        return await super().append(entries)
+        added = list(extend(self._rows[-1].link if self._rows else START, entries))
+        self._rows += added
+        return added
+
+    async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:
+        return self._rows[::-1][:limit]
 
     async def stored(self) -> list[AuditEntry]:
         return [row.entry for row in (await self.page(AuditFilter(), limit=100_000))[::-1]]

@@ -33,9 +33,9 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.socket import OPERATIONS
 from tests.support.audit import AuditList, make_entry
+from tests.support.history import HistoryInMemory
 from tests.support.shapes import check_answer
 
 DOCKING = SimpleNamespace(catalog=DockingCatalog(Settings()))
@@ -47,7 +47,7 @@ class Site:
     """A gateway with a token for each role, which knows no robot."""
 
     def __init__(self, **settings: Any) -> None:
-        self.history = MemoryHistory(10)
+        self.history = HistoryInMemory()
         self.audit = AuditList()
         self.settings = Settings(database_url="sqlite:////nowhere", **settings)
         self.running: dict[str, str] = {GOAL: "/robot7/dock"}

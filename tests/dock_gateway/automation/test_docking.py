@@ -27,10 +27,10 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.dock_gateway.automation.examples import LOW_BATTERY, changed
 from tests.support.entries import SharedStore
+from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
 ROBOT = "/robot1"
@@ -94,7 +94,7 @@ class Site:
         self.robot = Robot()
         self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[Decision]()
         self.gateways: list[AutomaticDocking] = []
-        self.history = MemoryHistory(100)
+        self.history = HistoryInMemory()
         self.fanout = Fanout(queue_limit=10)
 
     def activity(self) -> Activity:

@@ -17,9 +17,9 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.shapes import check_answer
 
 BATTERY = {"name": "Low battery", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 60}}
@@ -35,7 +35,7 @@ class Client:
 
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
-        self.history = MemoryHistory(10)
+        self.history = HistoryInMemory()
         labels = {"/": (), "/robot1": ("hall 1",)}
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
         docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots

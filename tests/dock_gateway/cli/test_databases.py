@@ -10,7 +10,7 @@ from dock_gateway.access.tokens import SAID_EVERY
 from dock_gateway.cli import main
 from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.storage.database import display
-from dock_gateway.storage.memory import MemoryHistory
+from tests.support.history import HistoryInMemory
 
 DEFAULT, LOCAL, OTHER = "history-0.db", "history-0-localhost.db", "history-42.db"
 
@@ -102,7 +102,7 @@ async def test_the_gateway_s_log_says_where_its_tokens_are_once(
     """The answer says nothing of it."""
     clock = [0.0]
     monkeypatch.setattr("dock_gateway.access.tokens.time.monotonic", lambda: clock[0])
-    logins = Logins(MemoryHistory(10), where="sqlite:////here.db")
+    logins = Logins(HistoryInMemory(), where="sqlite:////here.db")
     for now in (0.0, 1.0, SAID_EVERY + 1.0):
         clock[0] = now
         for secret in ("dgw_unknown", "something else"):

@@ -18,8 +18,9 @@ from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.goals.hints import Join
 from dock_gateway.hub.directory import SILENT_AFTER, State
 from dock_gateway.hub.overview import Overview
-from dock_gateway.storage import Incident, MemoryHistory
+from dock_gateway.storage import Incident
 from tests.dock_gateway.fleet.test_alert_rules import CHARGING, NOON, WRONG, goal, robot
+from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
 DOCUMENT = Path(__file__).parents[3] / "docs/robots.md"
@@ -137,7 +138,7 @@ async def test_one_about_a_site_ends_when_the_site_is_back_or_gone(
         silent_for=lambda _: SILENT_AFTER,
     )
     goals: Any = None
-    shown = Overview(Fanout(queue_limit=10), sites, goals, MemoryHistory(10))
+    shown = Overview(Fanout(queue_limit=10), sites, goals, HistoryInMemory())
 
     def is_active() -> bool:
         return [each["kind"] for each in shown.documents()] == [kind.value]

@@ -14,9 +14,9 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.fleet.alert import AlertKind, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.storage import Acknowledgement
-from dock_gateway.storage.entries import MemoryEntries
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
+from tests.support.entries import EntriesInMemory
 
 LOW, WELL = [robot(percentage=0.1)], [robot(percentage=0.9)]
 ID = alert_id(AlertKind.LOW_BATTERY, "/robot1")
@@ -25,7 +25,7 @@ ID = alert_id(AlertKind.LOW_BATTERY, "/robot1")
 class Scene:
     def __init__(self) -> None:
         self.fanout = Fanout(queue_limit=10)
-        self.store = MemoryEntries[Acknowledgement]()
+        self.store = EntriesInMemory[Acknowledgement]()
         self.boards: list[AlertBoard] = []
         self.reader = self.fanout.subscribe(EventFilter(frozenset({"robots"})))
 

@@ -12,8 +12,8 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
-from dock_gateway.storage.entries import MemoryEntries
 from tests.support.audit import audit_parts
+from tests.support.entries import EntriesInMemory
 from tests.support.shapes import check_answer
 
 LEFT = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
@@ -24,7 +24,7 @@ class Client:
 
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
-        self.labels = Labels(MemoryEntries[RobotLabel](), lambda: ["/", "/robot1"])
+        self.labels = Labels(EntriesInMemory[RobotLabel](), lambda: ["/", "/robot1"])
         parts = Parts({**audit_parts(), Settings: settings, Labels: self.labels})
         self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 
@@ -93,6 +93,6 @@ def test_a_history_that_does_not_answer(client: Client, monkeypatch: pytest.Monk
         raise Unavailable("the history database does not answer", code="history_unavailable")
 
     client.put(json=LEFT)
-    monkeypatch.setattr(MemoryEntries, "write", fail)
+    monkeypatch.setattr(EntriesInMemory, "write", fail)
     assert client.put(503, json=LEFT | {"display_name": None})["code"] == "history_unavailable"
     assert client.labels.of("/robot1").display_name == "Left forklift"

@@ -19,7 +19,7 @@ from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
-from dock_gateway.storage import MemoryHistory
+from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
 A = "aaaaaaaa-0000-4000-8000-000000000000"
@@ -56,7 +56,7 @@ class Scene:
     def __init__(self) -> None:
         self.port = FakePort()
         fanout = Fanout(queue_limit=10)
-        self.tracker = GoalTracker(self.port, fanout, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
+        self.tracker = GoalTracker(self.port, fanout, HistoryInMemory(), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
         self.by: str | None = None
         interlock: Any = SimpleNamespace(

@@ -19,17 +19,17 @@ from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.settings import Settings
-from dock_gateway.storage import GoalFilter, MemoryHistory
-from tests.support.history import START_NS, make_goal
+from dock_gateway.storage import GoalFilter
+from tests.support.history import START_NS, HistoryInMemory, make_goal
 
 
 @pytest.fixture
-def history() -> MemoryHistory:
-    return MemoryHistory(5000)
+def history() -> HistoryInMemory:
+    return HistoryInMemory()
 
 
 @pytest.fixture
-def all_goals(history: MemoryHistory) -> Goals:
+def all_goals(history: HistoryInMemory) -> Goals:
     live: Any = SimpleNamespace(goal=lambda _: None)
     return Goals(live, DockingActions(DockingCatalog(Settings()), {}), history)
 
@@ -43,7 +43,7 @@ def table(data: bytes) -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize("count", [0, 1, 200, 201, 1000])
-async def test_all_goals_that_match(all_goals: Goals, history: MemoryHistory, count: int) -> None:
+async def test_all_goals_that_match(all_goals: Goals, history: HistoryInMemory, count: int) -> None:
     for number in range(count):
         history.record(make_goal(number, action="/robot1/dock"))
         history.record(make_goal(10_000 + number))
@@ -57,7 +57,7 @@ async def test_all_goals_that_match(all_goals: Goals, history: MemoryHistory, co
     assert all(goal["goal"] == {"order": 5} for goal in goals)
 
 
-async def a_goal(history: MemoryHistory, feedback: int) -> Goal:
+async def a_goal(history: HistoryInMemory, feedback: int) -> Goal:
     goal = make_goal(1, GoalStatus.EXECUTING)
     history.record_event(status_event(goal, START_NS))
     for number in range(feedback):
@@ -70,7 +70,7 @@ async def a_goal(history: MemoryHistory, feedback: int) -> Goal:
 
 
 @pytest.mark.parametrize("feedback", [0, 1, 499, 500, 1203])
-async def test_all_events_of_a_goal(history: MemoryHistory, feedback: int) -> None:
+async def test_all_events_of_a_goal(history: HistoryInMemory, feedback: int) -> None:
     goal = await a_goal(history, feedback)
     await history.notes.replace_tags(goal.goal_id, ["blocked"])
     exported = orjson.loads(await whole(exports.goal_as_json(history, goal)))
@@ -85,7 +85,7 @@ async def test_all_events_of_a_goal(history: MemoryHistory, feedback: int) -> No
         assert [int(text) for text in sequence if text] == event["feedback"]["sequence"]
 
 
-async def test_feedback_that_comes_during_an_export_is_left_out(history: MemoryHistory) -> None:
+async def test_feedback_that_comes_during_an_export_is_left_out(history: HistoryInMemory) -> None:
     """Its columns are not known any more."""
     goal = await a_goal(history, 3)
     chunks = exports.goal_as_csv(history, goal)

@@ -21,8 +21,9 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
-from dock_gateway.storage import GoalFilter, HistoryStats, MemoryHistory, fingerprint_of
+from dock_gateway.storage import GoalFilter, HistoryStats, fingerprint_of
 from tests.support.calls import FakeCall
+from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
@@ -75,11 +76,11 @@ class FakeWatch:
         pass
 
 
-class GatedHistory(MemoryHistory):
+class GatedHistory(HistoryInMemory):
     """Stores a goal when the test opens the gate, or fails to."""
 
     def __init__(self) -> None:
-        super().__init__(100)
+        super().__init__()
         self.gate: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.reachable = True
 

@@ -18,8 +18,8 @@ from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.settings import Settings
-from dock_gateway.storage import MemoryHistory
 from tests.support.calls import FakeCall
+from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
 A = "aaaaaaaa-0000-4000-8000-000000000000"
@@ -53,7 +53,7 @@ class FakePort:
 class Scene:
     def __init__(self, **settings: Any) -> None:
         self.port = FakePort()
-        self.tracker = GoalTracker(self.port, Fanout(queue_limit=10), MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
+        self.tracker = GoalTracker(self.port, Fanout(queue_limit=10), HistoryInMemory(), PendingFacts(0.01))  # type: ignore[arg-type]
         self.states: list[ServerState] = []
         self.watch = ServerWatch(
             self.tracker,

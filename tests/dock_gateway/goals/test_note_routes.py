@@ -15,9 +15,9 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
-from dock_gateway.storage import History, MemoryHistory
+from dock_gateway.storage import History
 from tests.support.audit import audit_parts
-from tests.support.history import make_goal
+from tests.support.history import HistoryInMemory, make_goal
 from tests.support.shapes import check_answer
 
 GOAL = "00000000-0000-4000-8000-000000000001"
@@ -29,7 +29,7 @@ class Client:
     """A gateway with one goal."""
 
     def __init__(self) -> None:
-        self.history = MemoryHistory(10)
+        self.history = HistoryInMemory()
         self.history.record(make_goal(1, goal_id=GOAL))
         settings = Settings(database_url="memory:")
         live: Any = SimpleNamespace(goal=lambda _: None)

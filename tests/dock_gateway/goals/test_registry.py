@@ -18,8 +18,7 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
-from dock_gateway.storage import MemoryHistory
-from tests.support.history import make_goal
+from tests.support.history import HistoryInMemory, make_goal
 
 
 class FakeBridge:
@@ -45,7 +44,7 @@ def make_registry(forget_after: float = FORGET_AFTER, **names: str) -> ActionReg
         settings,
         bridge,
         fanout,
-        MemoryHistory(10),
+        HistoryInMemory(),
         PendingFacts(0.05),
         interlock=interlock,
         forget_after=forget_after,

@@ -20,8 +20,9 @@ from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
-from dock_gateway.storage import GoalFilter, MemoryHistory
+from dock_gateway.storage import GoalFilter
 from tests.support.calls import FakeCall
+from tests.support.history import HistoryInMemory
 from tests.support.permits import acting, user
 from tests.support.tracking import A, B, S
 from tests.support.waiting import until
@@ -82,11 +83,11 @@ class FakeWatch:
             raise self.missing
 
 
-class SealingHistory(MemoryHistory):
+class SealingHistory(HistoryInMemory):
     """Notes the keys and the goals that are on disk before anything else happens."""
 
     def __init__(self) -> None:
-        super().__init__(100)
+        super().__init__()
         self.keys: list[str | None] = []
         self.sealed: list[tuple[str, int]] = []
 

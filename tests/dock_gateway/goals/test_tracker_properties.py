@@ -17,7 +17,7 @@ from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
-from dock_gateway.storage import MemoryHistory
+from tests.support.history import HistoryInMemory
 from tests.support.tracking import A, B, FakePort
 
 LIMITS = GoalLimits(result_wait=0.01, ask_again_after=0.005, end_stamp_wait=0.001, patience=0.01, lookup_retry=0.002)
@@ -39,7 +39,7 @@ class World:
 
     def __init__(self) -> None:
         self.told: list[Event] = []
-        self.history = MemoryHistory(100)
+        self.history = HistoryInMemory()
         self.start()
 
     def start(self) -> None:

@@ -23,9 +23,9 @@ from dock_gateway.hub import stop_routes
 from dock_gateway.hub.stops import Stops
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
 from tests.dock_gateway.hub.test_stops import BERLIN, OSLO, TIMES, FakeSite, FakeSites, Store
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 
 
 class Hub:
@@ -34,7 +34,7 @@ class Hub:
     def __init__(self, **how: Any) -> None:
         settings = Settings(**{"database_url": "memory:", **how})
         self.reach = FakeSites(BERLIN, OSLO)
-        self.logins = Logins(MemoryHistory(10))
+        self.logins = Logins(HistoryInMemory())
         self.parts = Parts({**audit_parts(), Settings: settings, Logins: self.logins, Quotas: Quotas(settings)})
         app = build_app(settings, (stop_routes.router,), self._open, Contents("A hub."))
         self.http = TestClient(app, "http://127.0.0.1:8000")

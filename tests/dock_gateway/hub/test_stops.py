@@ -18,7 +18,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome
 from dock_gateway.hub.stop_requests import WHOLE, StopEntry, outermost
 from dock_gateway.hub.stops import Stops, StopTimes
-from dock_gateway.storage.entries import MemoryEntries
+from tests.support.entries import EntriesInMemory
 from tests.support.waiting import until
 
 TIMES = StopTimes(answer_within=0.02, deadline=0.02, repeat_after=0.002)
@@ -88,7 +88,7 @@ class FakeSites:
         return self.sites[name]
 
 
-class Store(MemoryEntries[StopEntry]):
+class Store(EntriesInMemory[StopEntry]):
     """A database that may not answer."""
 
     down = False

@@ -20,8 +20,8 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History, HistoryStats
-from dock_gateway.storage.memory import MemoryHistory
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.shapes import check_answer
 
 STOP = {"latched": True, "since": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
@@ -34,7 +34,7 @@ NOBODY = (None, [], None, [], [], [])
 
 def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, ...]:
     settings = Settings(authentication=authentication, database_url="sqlite:////nowhere")
-    logins = Logins(MemoryHistory(10))
+    logins = Logins(HistoryInMemory())
     _, secret = asyncio.run(logins.create_token("one", grant or Grant(Role.VIEWER)))
     parts = Parts(
         {

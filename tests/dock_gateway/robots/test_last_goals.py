@@ -9,7 +9,8 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.robots.last_goals import READ, LastGoals, latest
-from dock_gateway.storage import GoalFilter, MemoryHistory
+from dock_gateway.storage import GoalFilter
+from tests.support.history import HistoryInMemory
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 DOCK, UNDOCK = "/dock", "/undock"
@@ -22,7 +23,7 @@ def ended(name: str, minute: int, status: GoalStatus = GoalStatus.SUCCEEDED, *, 
     return goal
 
 
-class AwayHistory(MemoryHistory):
+class AwayHistory(HistoryInMemory):
     """Does not answer until the test lets it."""
 
     away = True
@@ -35,7 +36,7 @@ class AwayHistory(MemoryHistory):
 
 @pytest.fixture
 def history() -> AwayHistory:
-    return AwayHistory(100)
+    return AwayHistory()
 
 
 @pytest.fixture

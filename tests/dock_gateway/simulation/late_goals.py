@@ -26,7 +26,7 @@ from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
-from dock_gateway.storage import MemoryHistory
+from tests.support.history import HistoryInMemory
 from tests.support.stopping import FakeTopic, FakeVelocity
 
 S = GoalStatus
@@ -269,7 +269,7 @@ class LateGoals:
 
     async def run(self) -> None:
         port, settings = self._port, Settings(accept_timeout=self._troubles.accept_timeout, cancel_timeout=1.0)
-        fanout, history = Fanout(queue_limit=10), MemoryHistory(100)
+        fanout, history = Fanout(queue_limit=10), HistoryInMemory()
         with patch.object(latching, "LatchWriter", Stored):
             file: Any = SimpleNamespace(read=dict, path=Path("/"))
             self.interlock = interlock = latching.Interlock(fanout, file)

@@ -22,10 +22,10 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
 from dock_gateway.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
-from dock_gateway.storage import GoalFilter, History, MemoryHistory, RobotLabel
+from dock_gateway.storage import GoalFilter, History, RobotLabel
 from dock_gateway.storage.statistics import Tally
 from tests.support.audit import audit_parts
-from tests.support.history import make_goal
+from tests.support.history import HistoryInMemory, make_goal
 from tests.support.shapes import check_answer
 
 BERLIN = ZoneInfo("Europe/Berlin")
@@ -38,7 +38,7 @@ class Client:
 
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
-        self.history = MemoryHistory(1000)
+        self.history = HistoryInMemory()
 
         robots: Any = SimpleNamespace(namespaces=lambda: ["/", "/robot1"])
         actions: Any = SimpleNamespace(goal=lambda _: None)

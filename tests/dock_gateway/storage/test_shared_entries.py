@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.storage import Acknowledgement, MemoryHistory
+from dock_gateway.storage import Acknowledgement
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.support.entries import SharedStore
-from tests.support.history import open_at
+from tests.support.history import HistoryInMemory, open_at
 from tests.support.waiting import until
 
 NOON = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
@@ -112,7 +112,7 @@ async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
 
 
 async def test_a_history_in_memory_keeps_them_too() -> None:
-    history = MemoryHistory(10)
+    history = HistoryInMemory()
     here, again = (
         SharedEntries(history.documents("acknowledgement", Acknowledgement)),
         SharedEntries(history.documents("acknowledgement", Acknowledgement)),

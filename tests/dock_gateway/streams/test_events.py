@@ -30,10 +30,10 @@ from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.events import EventStream, _sse_chunks, until_one_ends
 from dock_gateway.streams.gateway_present import GatewayPresent
 from dock_gateway.streams.present import Present
+from tests.support.history import HistoryInMemory
 from tests.support.tracking import A, S, Scene, scene
 
 __all__ = ["scene"]
@@ -156,7 +156,7 @@ class OneGoal(Parts):
         scene.tracker.apply(GoalMachine.move, self._goal, S.EXECUTING)
         part = SimpleNamespace(document=dict)
         robot = SimpleNamespace(namespace="/", battery=part, publisher=part)
-        self.logins = Logins(MemoryHistory(1))
+        self.logins = Logins(HistoryInMemory())
         server = ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
         super().__init__(
             {

@@ -23,11 +23,11 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams import socket as socket_module
 from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import CommandSession
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.stopping import fake_fleet
 from tests.support.tracking import A
 from tests.support.waiting import until
@@ -74,7 +74,7 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
     settings = Settings(subscriber_timeout=1.0)
-    parts = Parts({Settings: settings, Quotas: Quotas(settings), Logins: Logins(MemoryHistory(1))})
+    parts = Parts({Settings: settings, Quotas: Quotas(settings), Logins: Logins(HistoryInMemory())})
     session = CommandSession(cast("WebSocket", websocket), parts, ANYBODY)
     session.most = 2
     await session.read()
@@ -99,7 +99,7 @@ class Lookups(Parts):
                 Settings: settings,
                 Fanout: self.fanout,
                 Quotas: Quotas(settings),
-                Logins: Logins(MemoryHistory(1)),
+                Logins: Logins(HistoryInMemory()),
                 Goals: SimpleNamespace(get=self._goal),
                 Robots: SimpleNamespace(find=lambda _: "/"),
                 Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
@@ -174,7 +174,7 @@ async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups:
 async def test_stops_are_never_refused(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
-        fleet.parts.add(Logins, Logins(MemoryHistory(1)))
+        fleet.parts.add(Logins, Logins(HistoryInMemory()))
         fleet.parts.add(Quotas, Quotas(Settings()))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
@@ -190,7 +190,7 @@ async def test_stops_are_never_refused(tmp_path: Path) -> None:
 async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
-        fleet.parts.add(Logins, Logins(MemoryHistory(1)))
+        fleet.parts.add(Logins, Logins(HistoryInMemory()))
         fleet.parts.add(Quotas, Quotas(Settings()))
         websocket = FakeWebSocket()
         session = CommandSession(cast("WebSocket", websocket), fleet.parts, ANYBODY)

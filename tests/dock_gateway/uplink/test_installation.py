@@ -2,16 +2,16 @@
 
 import pytest
 
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.uplink.installation import read_installation
 from dock_gateway.uplink.link import HubLink
+from tests.support.history import HistoryInMemory
 
 
 async def test_an_installation_is_made_once() -> None:
-    history = MemoryHistory(10)
+    history = HistoryInMemory()
     first = await read_installation(history)
     assert await read_installation(history) == first
-    assert await read_installation(MemoryHistory(10)) != first
+    assert await read_installation(HistoryInMemory()) != first
 
 
 def test_each_reason_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:

@@ -18,17 +18,17 @@ from dock_gateway.sites.identity import AGREEMENT, Signer
 from dock_gateway.sites.messages import Welcome
 from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.subscription import Received
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.uplink.link import HubLink, HubState
 from dock_gateway.uplink.uplink import Uplink
 from tests.dock_gateway.hub.test_hub import Hub, hub_at
+from tests.support.history import HistoryInMemory
 from tests.support.nats import NatsServer, nats_server
 from tests.support.small_site import APP, broker_of
 from tests.support.waiting import until
 
 
 @asynccontextmanager
-async def site_at(server: NatsServer, folder: Path, history: MemoryHistory) -> AsyncIterator[Uplink]:
+async def site_at(server: NatsServer, folder: Path, history: HistoryInMemory) -> AsyncIterator[Uplink]:
     """One process of the site berlin."""
     keys = folder / "hub.json"
     keys.write_bytes(orjson.dumps(Signer.load_or_create(folder / "hub.key").public_keys()))
@@ -57,7 +57,7 @@ async def agreed(hub: Hub, site: Uplink) -> bytes:
 
 
 async def test_a_hub_and_a_site_agree_whichever_of_them_is_another_process(tmp_path: Path) -> None:
-    history = MemoryHistory(10)
+    history = HistoryInMemory()
     with nats_server(tmp_path) as server:
         async with site_at(server, tmp_path, history) as site:
             async with hub_at(server.url, tmp_path) as hub:
@@ -95,7 +95,7 @@ async def test_only_the_hub_agrees_with_a_site(proof: str, tmp_path: Path) -> No
     with nats_server(tmp_path) as server:
         async with broker_of(server.url, "hub") as broker:
             await broker.subscribe(subjects.HELLOS, answer)
-            async with site_at(server, tmp_path, MemoryHistory(10)) as site:
+            async with site_at(server, tmp_path, HistoryInMemory()) as site:
                 await until(lambda: len(heard) > 0 and site._link.state is HubState.CONNECTED)
                 await asyncio.sleep(0)
                 assert site._tunnel is not None

@@ -13,12 +13,12 @@ from dock_gateway.core.webhook import Delivery
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox
 from dock_gateway.webhooks.webhook import WebhookEntry
 from tests.support.audit import audit_parts
+from tests.support.history import HistoryInMemory
 from tests.support.shapes import check_answer
 from tests.support.webhooks import Receiver, running_receiver
 
@@ -30,7 +30,7 @@ class Client:
 
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
-        history = MemoryHistory(10)
+        history = HistoryInMemory()
         self._notifier: Notifier | None = None
         parts = Parts({**audit_parts(), Settings: settings})
 

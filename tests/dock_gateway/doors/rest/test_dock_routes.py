@@ -24,10 +24,9 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.streams.commands import COMMANDS
 from tests.support.audit import audit_parts
-from tests.support.history import make_goal
+from tests.support.history import HistoryInMemory, make_goal
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 OURS = Grant(Role.OPERATOR, actions=("*/connect_to_charging_dock", "*/disconnect_from_charging_dock"))
@@ -37,7 +36,7 @@ class LateServer(Parts):
     """A gateway that has seen no docking server of a robot when a request arrives, and nav2's right afterwards."""
 
     def __init__(self) -> None:
-        self.logins = Logins(MemoryHistory(10))
+        self.logins = Logins(HistoryInMemory())
         self.wanted: list[GoalFilter] = []
         docking = DockingActions(DockingCatalog(SETTINGS), {})
         actions: Any = SimpleNamespace(docking=docking, find_docking=self._find_docking)

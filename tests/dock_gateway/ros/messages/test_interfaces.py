@@ -23,7 +23,7 @@ from dock_gateway.ros.messages.interfaces import (
     load_message,
 )
 from dock_gateway.settings import Settings
-from dock_gateway.storage.memory import MemoryHistory
+from tests.support.history import HistoryInMemory
 
 HINT = "install the Python package of the ROS interfaces lift_msgs (such as ros-kilted-lift-msgs)"
 DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
@@ -33,7 +33,7 @@ DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
 def client() -> TestClient:
     client = TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")  # no lifespan: no ROS
     settings = Settings()
-    client.app_state["parts"] = Parts({Settings: settings, Logins: Logins(MemoryHistory(1)), Quotas: Quotas(settings)})
+    client.app_state["parts"] = Parts({Settings: settings, Logins: Logins(HistoryInMemory()), Quotas: Quotas(settings)})
     return client
 
 
