@@ -19,7 +19,7 @@ from dock_gateway.http.openapi import Models, Union, install_openapi, serve_docu
 from dock_gateway.http.operation import require_declared
 from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.parts import Parts
-from dock_gateway.http.problems import install_problems, problems
+from dock_gateway.http.problems import install_problems
 from dock_gateway.http.schema import Problem
 from dock_gateway.http.upgrades import install_upgrades
 from dock_gateway.observability.request_meter import RequestMeter
@@ -88,7 +88,7 @@ def build_app(
     )
     for router in routers:
         require_declared(router.routes)
-        app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
+        app.include_router(router, dependencies=[Depends(authorize)])
     install_openapi(
         app,
         authentication=settings.authentication,

@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from typing import Annotated, Any
 from urllib.parse import urlencode
 
-from fastapi import APIRouter, Depends, Path, Query, Request
+from fastapi import APIRouter, Path, Query, Request
 from starlette.responses import RedirectResponse, Response
 
 from dock_gateway.access.authorization import stranger
@@ -18,12 +18,12 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import NOT_THROUGH_HUB, address_of, cookie_name, keep_login
-from dock_gateway.http.problems import problems
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.http.requests import NO_QUERY, json_response, known_query
+from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.route import ApiRoute
 
 log = logging.getLogger(__name__)
-router = APIRouter(tags=["Access"])
+router = APIRouter(route_class=ApiRoute, tags=["Access"])
 
 CALLBACK = "session/oidc/callback"
 # Query parameter of a page that says why the login before it has failed.
@@ -36,10 +36,10 @@ REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the bro
     name="begin_login",
     status_code=303,
     response_class=RedirectResponse,
-    responses={**REDIRECT, **problems(404, 422, 503)},
-    dependencies=[NOT_THROUGH_HUB, Depends(known_query("page"))],
+    responses=REDIRECT,
+    dependencies=[NOT_THROUGH_HUB],
 )
-@public_operation()
+@public_operation(errors=(404, 503))
 async def begin_login(
     request: Request,
     logins: Part[Logins],
@@ -69,10 +69,10 @@ async def begin_login(
     name="finish_login",
     status_code=303,
     response_class=RedirectResponse,
-    responses={**REDIRECT, **problems(401, 403, 404, 409, 429, 503)},
+    responses=REDIRECT,
     dependencies=[NOT_THROUGH_HUB],
 )
-@public_operation(Audit.STORED_FIRST)
+@public_operation(Audit.STORED_FIRST, any_query=True, errors=(401, 404, 409, 429, 503))
 async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quotas]) -> Response:
     """Log in the browser that the identity provider sends back, with `code` and `state`. Only for providers."""
     audited(request, subject=None)  # not the query, which has the code
@@ -101,27 +101,15 @@ async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quot
     return response
 
 
-@router.get(
-    "/people",
-    name="list_people",
-    response_model=PersonList,
-    responses=problems(422, 503),
-    dependencies=[NO_QUERY],
-)
+@router.get("/people", name="list_people")
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_people(logins: Part[Logins]) -> Response:
+async def list_people(logins: Part[Logins]) -> Answer[PersonList]:
     """List the people who are logged in with the identity provider, by name, with what they may do."""
     return json_response({"people": await logins.people.documents()})
 
 
-@router.delete(
-    "/people/{person:path}/sessions",
-    name="end_person_sessions",
-    status_code=204,
-    responses=problems(404, 422, 503),
-    dependencies=[NO_QUERY],
-)
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
+@router.delete("/people/{person:path}/sessions", name="end_person_sessions", status_code=204)
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404,))
 async def end_person_sessions(
     person: Annotated[str, Path(description="As in `/people`, such as `oidc:ada`")], logins: Part[Logins]
 ) -> Response:

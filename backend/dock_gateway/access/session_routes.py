@@ -4,7 +4,6 @@ from contextlib import suppress
 from typing import Any
 
 from fastapi import APIRouter, Request
-from starlette.responses import Response
 
 from dock_gateway.access.authorization import identify, stranger
 from dock_gateway.access.logins import Logins
@@ -28,12 +27,12 @@ from dock_gateway.http.principal import (
     principal_of,
     secret_of,
 )
-from dock_gateway.http.problems import problems
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.http.requests import NO_QUERY, json_response, read_json, read_object
+from dock_gateway.http.requests import Answer, json_response, read_json, read_object
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import Settings
 
-router = APIRouter(tags=["Access"], prefix="/session", dependencies=[NO_QUERY])
+router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/session")
 
 MAX_NAME, MAX_SECRET = 60, 1000
 LOGIN_REQUEST = {
@@ -58,7 +57,7 @@ LOGIN_REQUEST = {
 }
 
 
-def _session(request: Request, settings: Settings, logins: Logins, principal: Principal | None) -> Response:
+def _session(request: Request, settings: Settings, logins: Logins, principal: Principal | None) -> Answer[Any]:
     who = None if principal is None else {"name": principal.name, "kind": principal.kind, **principal.grant.fields()}
     sso = logins.sso
     document = {
@@ -74,9 +73,9 @@ def _session(request: Request, settings: Settings, logins: Logins, principal: Pr
     return response
 
 
-@router.get("", name="get_session", response_model=Session, responses=problems(422))
+@router.get("", name="get_session")
 @public_operation()
-async def get_session(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
+async def get_session(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Answer[Session]:
     """Return who makes the request, and whether requests need a login. `principal` is null without a valid one.
 
     At a site, through its hub: whom the hub speaks for (`kind` is `hub`), and what they may do here.
@@ -87,16 +86,11 @@ async def get_session(request: Request, settings: Part[Settings], logins: Part[L
         return _session(request, settings, logins, None)
 
 
-@router.post(
-    "",
-    name="log_in",
-    response_model=Session,
-    responses=problems(400, 401, 408, 413, 415, 422, 429, 503),
-    openapi_extra=body(LOGIN_REQUEST, required=True),
-    dependencies=[NOT_THROUGH_HUB],
-)
-@public_operation(Audit.STORED_FIRST)
-async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins], quotas: Part[Quotas]) -> Response:
+@router.post("", name="log_in", openapi_extra=body(LOGIN_REQUEST, required=True), dependencies=[NOT_THROUGH_HUB])
+@public_operation(Audit.STORED_FIRST, errors=(401, 429, 503))
+async def log_in(
+    request: Request, settings: Part[Settings], logins: Part[Logins], quotas: Part[Quotas]
+) -> Answer[Session]:
     """Log a browser in with a name and a password, or with a token.
 
     It keeps a cookie that scripts cannot read, for 30 days at most. After failed logins, the next one has to wait.
@@ -120,7 +114,7 @@ async def log_in(request: Request, settings: Part[Settings], logins: Part[Logins
     return response
 
 
-def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fields: dict[str, Any]) -> Response:
+def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fields: dict[str, Any]) -> Answer[Any]:
     secret = _read_text(read_object(fields, "token")["token"], MAX_SECRET, "token", "the secret of a token").strip()
     if not settings.authentication:
         request.scope["principal"] = ANYBODY
@@ -131,9 +125,9 @@ def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fie
     return response
 
 
-@router.delete("", name="log_out", response_model=Session, responses=problems(422, 503), dependencies=[NOT_THROUGH_HUB])
-@public_operation(Audit.STORED_FIRST)
-async def log_out(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Response:
+@router.delete("", name="log_out", dependencies=[NOT_THROUGH_HUB])
+@public_operation(Audit.STORED_FIRST, errors=(503,))
+async def log_out(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Answer[Session]:
     """End the session of the browser. A token is only forgotten: it stays valid."""
     with suppress(GatewayError):
         request.scope["principal"] = await identify(request)
@@ -143,16 +137,9 @@ async def log_out(request: Request, settings: Part[Settings], logins: Part[Login
     return response
 
 
-@router.post(
-    "/ticket",
-    name="issue_ticket",
-    status_code=201,
-    response_model=Ticket,
-    responses=problems(401, 403, 422),
-    dependencies=[NOT_THROUGH_HUB],
-)
+@router.post("/ticket", name="issue_ticket", status_code=201, dependencies=[NOT_THROUGH_HUB])
 @operation(Role.VIEWER, Scope.ANY)
-async def issue_ticket(request: Request, tickets: Part[Tickets]) -> Response:
+async def issue_ticket(request: Request, tickets: Part[Tickets]) -> Answer[Ticket]:
     """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.
 
     For pages of other origins: a browser sends their WebSockets neither an `Authorization` header nor the cookie.

@@ -17,34 +17,27 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
-from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
-    NO_QUERY,
+    Answer,
     json_response,
 )
+from dock_gateway.http.route import ApiRoute
 
-router = APIRouter(tags=["Access"], prefix="/tokens", dependencies=[NO_QUERY])
+router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/tokens")
 
 TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIGITS}}}$"})]
 
 
-@router.get("", name="list_tokens", response_model=TokenList, responses=problems(401, 403, 422, 503))
+@router.get("", name="list_tokens")
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_tokens(logins: Part[Logins]) -> Response:
+async def list_tokens(logins: Part[Logins]) -> Answer[TokenList]:
     """List all tokens by name, without their secrets."""
     return json_response({"tokens": await logins.tokens.documents()})
 
 
-@router.post(
-    "",
-    name="create_token",
-    status_code=201,
-    response_model=CreatedToken,
-    responses=problems(400, 401, 403, 408, 409, 413, 415, 422, 503),
-    openapi_extra=body(body_schema(TokenBody), required=True),
-)
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def create_token(request: Request, logins: Part[Logins]) -> Response:
+@router.post("", name="create_token", status_code=201, openapi_extra=body(body_schema(TokenBody), required=True))
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409,))
+async def create_token(request: Request, logins: Part[Logins]) -> Answer[CreatedToken]:
     """Create a token. Only this answer has its secret."""
     body = await read(TokenBody, request)
     audited(request, subject=body.name)
@@ -54,8 +47,8 @@ async def create_token(request: Request, logins: Part[Logins]) -> Response:
     return json_response({**token, "secret": secret}, 201, {"Cache-Control": "no-store"})
 
 
-@router.delete("/{token_id}", name="revoke_token", status_code=204, responses=problems(401, 403, 404, 422, 503))
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
+@router.delete("/{token_id}", name="revoke_token", status_code=204)
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404,))
 async def revoke_token(token_id: TokenId, request: Request, logins: Part[Logins]) -> Response:
     """Revoke a token: requests with it are refused, and its streams end, at other gateways within 2 s."""
     audited(request, subject=logins.tokens.name_of(token_id) or token_id)

@@ -16,10 +16,10 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, json_response
+from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.route import ApiRoute
 
-router = APIRouter(tags=["Access"], dependencies=[NO_QUERY])
+router = APIRouter(route_class=ApiRoute, tags=["Access"])
 
 
 async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": f"^{NAME.pattern}$"})]) -> str:
@@ -29,9 +29,9 @@ async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": 
 UserName = Annotated[str, Depends(_name_in_path)]
 
 
-@router.get("/users", name="list_users", response_model=UserList, responses=problems(422, 503))
+@router.get("/users", name="list_users")
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_users(logins: Part[Logins]) -> Response:
+async def list_users(logins: Part[Logins]) -> Answer[UserList]:
     """List all users by name, without their passwords."""
     return json_response({"users": await logins.documents()})
 
@@ -39,12 +39,11 @@ async def list_users(logins: Part[Logins]) -> Response:
 @router.put(
     "/users/{user}",
     name="put_user",
-    response_model=User,
-    responses={201: {"description": "The new user", "model": User}, **problems(400, 408, 409, 413, 415, 422, 429, 503)},
+    responses={201: {"description": "The new user", "model": User}},
     openapi_extra=body(body_schema(UserBody), required=True),
 )
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
-async def put_user(name: UserName, request: Request, logins: Part[Logins]) -> Response:
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409, 429))
+async def put_user(name: UserName, request: Request, logins: Part[Logins]) -> Answer[User]:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
     body = await read(UserBody, request)
     grant, password, disabled = body.grant(), body.password, body.disabled
@@ -58,24 +57,24 @@ async def put_user(name: UserName, request: Request, logins: Part[Logins]) -> Re
     return json_response(user, 201)
 
 
-@router.delete("/users/{user}", name="remove_user", status_code=204, responses=problems(404, 409, 422, 503))
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
+@router.delete("/users/{user}", name="remove_user", status_code=204)
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404, 409))
 async def remove_user(name: UserName, logins: Part[Logins]) -> Response:
     """Remove a user, and end their sessions. Their goals go on, and records keep their name."""
     await logins.remove_user(name)
     return Response(status_code=204)
 
 
-@router.delete("/users/{user}/sessions", name="end_sessions", status_code=204, responses=problems(404, 409, 422, 503))
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
+@router.delete("/users/{user}/sessions", name="end_sessions", status_code=204)
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404, 409))
 async def end_sessions(name: UserName, logins: Part[Logins]) -> Response:
     """Log a user out everywhere."""
     await logins.end_sessions(name)
     return Response(status_code=204)
 
 
-@router.delete("/sessions", name="log_out_everywhere", status_code=204, responses=problems(404, 409, 422, 503))
-@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST)
+@router.delete("/sessions", name="log_out_everywhere", status_code=204)
+@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST, errors=(404, 409))
 async def log_out_everywhere(request: Request, logins: Part[Logins]) -> Response:
     """Log the user who asks out in every browser."""
     principal = principal_of(request)
@@ -92,10 +91,9 @@ async def log_out_everywhere(request: Request, logins: Part[Logins]) -> Response
     "/session/password",
     name="change_password",
     status_code=204,
-    responses=problems(400, 408, 409, 413, 415, 422, 429, 503),
     openapi_extra=body(body_schema(PasswordBody), required=True),
 )
-@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST)
+@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST, errors=(409, 429))
 async def change_password(request: Request, logins: Part[Logins]) -> Response:
     """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
     body = await read(PasswordBody, request)

@@ -21,9 +21,10 @@ from dock_gateway.http.operation import operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.requests import json_response, known_query, read_body
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.stop.order import says
 
-router = APIRouter()
+router = APIRouter(route_class=ApiRoute)
 
 # How a character of a name may be written in JSON.
 ESCAPE = b"\\u"
@@ -48,7 +49,7 @@ class AgentResponse(Response):
 
 
 @router.post("/mcp", include_in_schema=False)
-@operation(Role.VIEWER, Subject.LISTED)
+@operation(Role.VIEWER, Subject.LISTED, any_query=True)
 async def mcp(request: Request, server: Part[AgentServer], parts: AllParts) -> Response:
     """Answer a message of an agent. The audit log has the calls of tools.
 

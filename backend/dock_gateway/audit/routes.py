@@ -17,20 +17,20 @@ from dock_gateway.core.namespace import read_namespace
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import (
     GOAL_ID,
     ROBOT_PATTERN,
+    Answer,
     LimitQuery,
     json_response,
-    known_query,
     read_goal_id,
 )
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import rows_of
 from dock_gateway.storage import History
 
-router = APIRouter(tags=["Access"], prefix="/audit")
+router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/audit")
 
 FILTERS = ("principal", "what", "robot", "goal_id", "outcome", "since", "until")
 ROWS = 500  # per query of an export
@@ -70,20 +70,14 @@ async def read_audit_filter(
 AuditFilterQuery = Annotated[AuditFilter, Depends(read_audit_filter)]
 
 
-@router.get(
-    "",
-    name="list_audit",
-    response_model=AuditPage,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query(*FILTERS, "limit", "cursor"))],
-)
+@router.get("", name="list_audit")
 @operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
 async def list_audit(
     history: Part[History],
     wanted: AuditFilterQuery,
     limit: LimitQuery = 50,
     cursor: Annotated[int | None, Query(ge=1, le=LAST, description="`next_cursor` of the previous page")] = None,
-) -> Response:
+) -> Answer[AuditPage]:
     """List requests and commands, newest first: all that change something, exports, and reads of this list."""
     rows = await history.audit.page(wanted, limit=limit + 1, before=cursor)
     more = len(rows) > limit
@@ -95,10 +89,9 @@ async def list_audit(
     "/export",
     name="export_audit",
     response_model=list[AuditRecord],
-    responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
-    dependencies=[Depends(known_query(*FILTERS, "format"))],
+    responses={200: {"description": "A file", "content": CSV}},
 )
-@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
+@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS, errors=(429,))
 async def export_audit(
     request: Request,
     history: Part[History],

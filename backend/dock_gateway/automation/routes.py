@@ -15,20 +15,19 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
     GOAL_ID,
-    NO_QUERY,
     SLUG_IN_PATH,
+    Answer,
     LimitQuery,
     RobotQuery,
     json_response,
-    known_query,
     read_goal_id,
     read_slug,
 )
+from dock_gateway.http.route import ApiRoute
 
-router = APIRouter(tags=["Automatic docking"], prefix="/automation")
+router = APIRouter(route_class=ApiRoute, tags=["Automatic docking"], prefix="/automation")
 
 
 async def _rule_id_in_path(rule_id: Annotated[str, SLUG_IN_PATH]) -> str:
@@ -42,22 +41,16 @@ GoalIdQuery = Annotated[
 ]
 
 
-@router.get("/rules", response_model=RuleList, responses=problems(422, 503), dependencies=[NO_QUERY])
+@router.get("/rules")
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Response:
+async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Answer[RuleList]:
     """List the rules by name, each with the robots that it applies to and what it waits for."""
     return json_response({"rules": await automation.documents(grant)})
 
 
-@router.put(
-    "/rules/{rule_id}",
-    response_model=Rule,
-    responses=problems(400, 408, 409, 413, 415, 422, 503),
-    dependencies=[NO_QUERY],
-    openapi_extra=body(body_schema(RuleBody), required=True),
-)
-@operation(Role.SUPERVISOR, Scope.EVERY)
-async def replace_rule(rule_id: RuleId, request: Request, automation: Part[AutomaticDocking]) -> Response:
+@router.put("/rules/{rule_id}", openapi_extra=body(body_schema(RuleBody), required=True))
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
+async def replace_rule(rule_id: RuleId, request: Request, automation: Part[AutomaticDocking]) -> Answer[Rule]:
     """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
 
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
@@ -66,20 +59,15 @@ async def replace_rule(rule_id: RuleId, request: Request, automation: Part[Autom
     return json_response(await automation.replace(rule_id, body.entry()))
 
 
-@router.delete("/rules/{rule_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
-@operation(Role.SUPERVISOR, Scope.EVERY)
+@router.delete("/rules/{rule_id}", status_code=204)
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
 async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking]) -> Response:
     """Remove a rule. Goals that it sent go on."""
     await automation.remove(rule_id)
     return Response(status_code=204)
 
 
-@router.get(
-    "/decisions",
-    response_model=DecisionList,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query("robot", "rule", "goal_id", "limit"))],
-)
+@router.get("/decisions")
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_decisions(
     automation: Part[AutomaticDocking],
@@ -89,7 +77,7 @@ async def list_decisions(
     rule: Annotated[str | None, Query(description="Id of a rule")] = None,
     goal_id: GoalIdQuery = None,
     limit: LimitQuery = 50,
-) -> Response:
+) -> Answer[DecisionList]:
     """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
     found = await automation.decisions.newest(
         robot=None if robot is None else read_namespace(robot),

@@ -4,7 +4,7 @@ from collections.abc import AsyncGenerator
 from contextlib import aclosing
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Query, Request
 from starlette.responses import Response, StreamingResponse
 
 from dock_gateway.access.authorization import subscribed
@@ -20,12 +20,12 @@ from dock_gateway.http.edge.http import limit_unsent
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GraphName, RobotQuery, json_response, known_query
+from dock_gateway.http.requests import Answer, GraphName, RobotQuery, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.settings import Settings
 
-router = APIRouter(tags=["Cameras"], prefix="/robots/cameras")
+router = APIRouter(route_class=ApiRoute, tags=["Cameras"], prefix="/robots/cameras")
 
 MIXED = "multipart/x-mixed-replace"
 PICTURES: dict[str, dict[str, str]] = {JPEG: {}, PNG: {}}
@@ -36,11 +36,9 @@ WidthQuery = Annotated[int | None, Query(ge=16, le=8192, description="Maximum wi
 RateQuery = Annotated[float | None, Query(ge=0.1, le=60, description="Maximum number of pictures per second")]
 
 
-@router.get(
-    "", response_model=CameraList, responses=problems(404, 422, 503), dependencies=[Depends(known_query("robot"))]
-)
-@operation(Role.VIEWER, Scope.ROBOT)
-async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuery = None) -> Response:
+@router.get("")
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
+async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuery = None) -> Answer[CameraList]:
     """List the cameras of a robot: topics of CompressedImage and Image in its namespace that have a publisher."""
     found = await cameras.all(robot, grant)
     documents = [
@@ -51,11 +49,10 @@ async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuer
 
 @router.get(
     "/{name:graph_name}/image",
-    responses={200: {"description": "The picture", "content": PICTURES}, **problems(404, 422, 429, 503)},
+    responses={200: {"description": "The picture", "content": PICTURES}},
     response_class=Response,
-    dependencies=[Depends(known_query("robot", "max_width"))],
 )
-@operation(Role.VIEWER, Scope.ROBOT)
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429))
 async def get_picture(
     name: GraphName, request: Request, parts: AllParts, robot: RobotQuery = None, max_width: WidthQuery = None
 ) -> Response:
@@ -71,11 +68,10 @@ async def get_picture(
 
 @router.get(
     "/{name:graph_name}/stream",
-    responses={200: {"description": "Pictures", "content": {MIXED: {}}}, **problems(404, 422, 429, 503)},
+    responses={200: {"description": "Pictures", "content": {MIXED: {}}}},
     response_class=StreamingResponse,
-    dependencies=[Depends(known_query("robot", "max_rate", "max_width"))],
 )
-@operation(Role.VIEWER, Scope.ROBOT)
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429))
 async def stream_pictures(  # noqa: PLR0917 - FastAPI passes them by name
     name: GraphName,
     request: Request,

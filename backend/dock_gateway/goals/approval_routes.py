@@ -3,7 +3,6 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
-from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.grant import Role
@@ -14,29 +13,24 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, json_response
+from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.route import ApiRoute
 
-router = APIRouter(tags=["Approvals"], prefix="/approvals", dependencies=[NO_QUERY])
+router = APIRouter(route_class=ApiRoute, tags=["Approvals"], prefix="/approvals")
 
 ApprovalId = Annotated[str, Path(description="`approval_id` of what waits")]
 
 
-@router.get("", response_model=ApprovalList, responses=problems(422))
+@router.get("")
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_approvals(approvals: Part[Approvals], grant: TheGrant) -> Response:
+async def list_approvals(approvals: Part[Approvals], grant: TheGrant) -> Answer[ApprovalList]:
     """List the goals of agents that wait until a person allows them, oldest first."""
     return json_response({"approvals": approvals.documents(grant)})
 
 
-@router.post(
-    "/{approval_id}",
-    response_model=Approval,
-    responses=problems(400, 404, 408, 413, 415, 422),
-    openapi_extra=body(body_schema(ApprovalBody), required=True),
-)
+@router.post("/{approval_id}", openapi_extra=body(body_schema(ApprovalBody), required=True))
 @operation(Role.OPERATOR, Scope.APPROVAL)
-async def decide_approval(approval_id: ApprovalId, request: Request, approvals: Part[Approvals]) -> Response:
+async def decide_approval(approval_id: ApprovalId, request: Request, approvals: Part[Approvals]) -> Answer[Approval]:
     """Allow or refuse a goal that waits: this goal, once. It is sent at once if it is allowed.
 
     A goal that has expired, was answered or was dropped by a stop is `404 approval_not_found`.

@@ -3,37 +3,32 @@
 import asyncio
 from collections.abc import AsyncGenerator
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.queries import QUERY, GoalFilterQuery
+from dock_gateway.goals.queries import GoalFilterQuery
 from dock_gateway.goals.schema import ExportedGoal, TaggedGoal
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GoalId, known_query
+from dock_gateway.http.requests import GoalId
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
 from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.protocol import NEVER
 
-router = APIRouter(tags=["Goals"], prefix="/goals")
+router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 
 # Goals and events fetched per query, small enough that other requests do not wait long.
 GOALS, EVENTS = 200, 500
 
 
-@router.get(
-    "/export",
-    response_model=list[TaggedGoal],
-    responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
-    dependencies=[Depends(known_query(*QUERY, "format"))],
-)
-@operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS)
+@router.get("/export", response_model=list[TaggedGoal], responses={200: {"description": "A file", "content": CSV}})
+@operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS, errors=(429,))
 async def export_goals(
     request: Request,
     goals: Part[Goals],
@@ -50,12 +45,9 @@ async def export_goals(
 
 
 @router.get(
-    "/{goal_id}/export",
-    response_model=ExportedGoal,
-    responses={200: {"description": "A file", "content": CSV}, **problems(404, 422, 429, 503)},
-    dependencies=[Depends(known_query("format"))],
+    "/{goal_id}/export", response_model=ExportedGoal, responses={200: {"description": "A file", "content": CSV}}
 )
-@operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS)
+@operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS, errors=(429,))
 async def export_goal(
     request: Request,
     goal_id: GoalId,

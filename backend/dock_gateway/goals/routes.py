@@ -3,50 +3,43 @@
 from typing import Annotated, Literal
 
 import orjson
-from fastapi import APIRouter, Depends, Query
-from starlette.responses import Response
+from fastapi import APIRouter, Query
 
 from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.queries import QUERY, GoalFilterQuery
+from dock_gateway.goals.queries import GoalFilterQuery
 from dock_gateway.goals.schema import ActionGoal, GoalHistory, TaggedGoalPage
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import EVENT_ID
 from dock_gateway.http.requests import (
-    NO_QUERY,
+    Answer,
     CursorQuery,
     GoalId,
     LimitQuery,
     goal_response,
     json_response,
-    known_query,
 )
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.storage import History
 
-router = APIRouter(tags=["Goals"], prefix="/goals")
+router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 
 
-@router.get(
-    "",
-    response_model=TaggedGoalPage,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query(*QUERY, "limit", "cursor"))],
-)
+@router.get("")
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_all_goals(
     goals: Part[Goals], wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
-) -> Response:
+) -> Answer[TaggedGoalPage]:
     """List the goals of all actions with their tags, newest first."""
     page, next_cursor = await goals.page(wanted, limit, str(cursor) if cursor else None)
     return json_response({"goals": await goals.with_tags(page), "next_cursor": next_cursor})
 
 
-@router.get("/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@router.get("/{goal_id}")
 @operation(Role.VIEWER, Scope.GOAL)
-async def get_any_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
+async def get_any_goal(goal_id: GoalId, goals: Part[Goals]) -> Answer[ActionGoal]:
     """Return one goal, on any action."""
     return goal_response(await goals.get(goal_id), f"/goals/{goal_id}")
 
@@ -60,12 +53,7 @@ AfterQuery = Annotated[
 ]
 
 
-@router.get(
-    "/{goal_id}/history",
-    response_model=GoalHistory,
-    responses=problems(404, 422, 503),
-    dependencies=[Depends(known_query("type", "after", "limit"))],
-)
+@router.get("/{goal_id}/history")
 @operation(Role.VIEWER, Scope.GOAL)
 async def goal_history(
     goal_id: GoalId,
@@ -75,7 +63,7 @@ async def goal_history(
     type: TypeQuery = None,  # noqa: A002 - it is what the events call it
     after: AfterQuery = None,
     limit: Annotated[int, Query(ge=1, le=5000)] = 1000,
-) -> Response:
+) -> Answer[GoalHistory]:
     """List the events of a goal as they were sent on the streams, oldest first; or the stored poses of its robot."""
     goal = await goals.get(goal_id)
     kinds = frozenset(STORED_KINDS[name] for name in type or KINDS)

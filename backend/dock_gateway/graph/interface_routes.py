@@ -4,14 +4,13 @@ from functools import cache
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path
-from starlette.responses import Response
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, json_response
+from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.schema import Schema
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import (
@@ -24,7 +23,7 @@ from dock_gateway.ros.messages.interfaces import (
 )
 from dock_gateway.ros.messages.schema import DIALECT
 
-router = APIRouter(tags=["Interfaces"], prefix="/interfaces", dependencies=[NO_QUERY])
+router = APIRouter(route_class=ApiRoute, tags=["Interfaces"], prefix="/interfaces")
 
 Package = Annotated[str, Path(pattern=f"^{PACKAGE_NAME}$", examples=["action_tutorials_interfaces"])]
 TypeName = Annotated[str, Path(pattern=f"^{TYPE_NAME}$", examples=["Fibonacci"])]
@@ -58,22 +57,22 @@ class ActionInterface(Schema):
 
 
 # Plain functions, which FastAPI runs in threads: they read files and import packages.
-@router.get("", response_model=InterfaceList)
+@router.get("")
 @operation(Role.VIEWER, Scope.ANY)
-def list_interfaces() -> Response:
+def list_interfaces() -> Answer[InterfaceList]:
     """List the action types in the ament index. If Python cannot import one, `hint` says what to install."""
     return json_response({"interfaces": [_describe(type_name) for type_name in known_actions()]})
 
 
-@router.get("/{package}/action/{name}", response_model=ActionInterface, responses=problems(404, 422))
-@operation(Role.VIEWER, Scope.ANY)
-def get_interface(package: Package, name: TypeName) -> Response:
+@router.get("/{package}/action/{name}")
+@operation(Role.VIEWER, Scope.ANY, errors=(404,))
+def get_interface(package: Package, name: TypeName) -> Answer[ActionInterface]:
     """Return the JSON Schema of goal, result and feedback.
 
     It includes the comments, units, constants and defaults of the definition.
     """
     try:
-        return Response(interface_document(f"{package}/action/{name}"), media_type="application/json")
+        return Answer(interface_document(f"{package}/action/{name}"))
     except (ImportError, TypeError) as error:
         raise NotFound(str(error), code="interface_not_found") from None
 

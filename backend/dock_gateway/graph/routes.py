@@ -9,13 +9,13 @@ from dock_gateway.graph.schema import Graph, GraphTopic
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, GraphName, is_known_tag, json_response
+from dock_gateway.http.requests import Answer, GraphName, is_known_tag, json_response
+from dock_gateway.http.route import ApiRoute
 
-router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[NO_QUERY])
+router = APIRouter(route_class=ApiRoute, tags=["Graph"], prefix="/graph")
 
 
-@router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
+@router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}})
 @operation(Role.VIEWER, Scope.LISTED)
 async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) -> Response:
     """Return the graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
@@ -26,8 +26,8 @@ async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) 
     return Response(view.body, headers=headers, media_type="application/json")
 
 
-@router.get("/topics/{name:graph_name}", response_model=GraphTopic, responses=problems(404, 422, 503))
+@router.get("/topics/{name:graph_name}")
 @operation(Role.VIEWER, Scope.TOPIC)
-async def get_topic(name: GraphName, graph: Part[GraphCache]) -> Response:
+async def get_topic(name: GraphName, graph: Part[GraphCache]) -> Answer[GraphTopic]:
     """Return the current state of one topic, with its publishers and subscribers."""
     return json_response((await graph.topic(f"/{name}")).document())

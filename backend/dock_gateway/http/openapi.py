@@ -12,8 +12,7 @@ from fastapi.routing import iter_route_contexts
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
-from dock_gateway.http.operation import ABOUT_ROBOTS, Operation, Scope, find_operation
-from dock_gateway.http.problems import problems
+from dock_gateway.http.operation import Operation, Scope, find_operation
 
 SECURITY_SCHEMES = {
     "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for one"},
@@ -128,8 +127,6 @@ def _build(
 def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
     """Add to each operation the role that it needs, as `x-role`; or, where there is security, that it needs none.
 
-    One about robots may be answered by 421: another gateway serves them.
-
     `x-every-robot` is true where it is about every robot: access that is limited to some does not suffice.
     """
     for route in iter_route_contexts(app.routes):
@@ -142,8 +139,6 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
             needed = find_operation(route)
             if needed is not None and needed.role is not None:
                 operation.update(_needs(needed))
-                if needed.scope in ABOUT_ROBOTS:
-                    operation["responses"] |= {str(status): each for status, each in problems(421).items()}
             elif "security" in document:
                 operation["security"] = []
 

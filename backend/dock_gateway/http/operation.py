@@ -53,6 +53,24 @@ ABOUT_ROBOTS = frozenset(
     }
 )
 
+# What is named, so that there may be none of that name. A robot need not be there, where its history is read.
+NAMED = frozenset(
+    {
+        Scope.DOCK,
+        Scope.UNDOCK,
+        Scope.ACTION,
+        Scope.GOAL,
+        Scope.NEW_GOAL,
+        Scope.ALERT,
+        Scope.APPROVAL,
+        Scope.TOPIC,
+        Scope.PLACE,
+        Scope.SERVICE,
+        Scope.NODE,
+        Scope.PUBLISHING,
+    }
+)
+
 
 class Audit(Enum):
     """Whether the audit log has a request or a command."""
@@ -71,16 +89,20 @@ class Operation:
         role: The role; None if it needs no login.
         scope: Its subject, which the user's grant has to include.
         audit: Whether the audit log has it.
+        errors: Statuses of its errors, besides those that follow from what it is about and takes: see `http/route`.
         sends_goal: Whether it sends a goal, which counts towards the user's goals per minute.
         reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
+        any_query: Whether a request may have query parameters that its endpoint does not have.
         read: Reads the request of a command into its fields. None: the request itself has the fields.
     """
 
     role: Role | None
     scope: Scope
     audit: Audit = Audit.CHANGES
+    errors: frozenset[int] = frozenset()
     sends_goal: bool = False
     reads_body: bool = False
+    any_query: bool = False
     read: Read | None = None
 
     def audits(self, method: str) -> bool:
@@ -93,8 +115,10 @@ def operation(
     scope: Scope,
     audit: Audit = Audit.CHANGES,
     *,
+    errors: Iterable[int] = (),
     sends_goal: bool = False,
     reads_body: bool = False,
+    any_query: bool = False,
     read: Read | None = None,
 ) -> Callable[[F], F]:
     """Declare what an endpoint or a command needs. It stands under the decorator of the route.
@@ -103,16 +127,20 @@ def operation(
         role: The role that it needs.
         scope: Its subject, which the user's grant has to include.
         audit: Whether the audit log has it.
+        errors: Statuses of its errors, besides those that follow from the rest.
         sends_goal: Whether it sends a goal.
         reads_body: Whether the endpoint reads the body itself.
+        any_query: Whether a request may have query parameters that the endpoint does not have.
         read: Reads the request of a command into its fields. None: the request itself has the fields.
     """
-    return _declare(Operation(role, scope, audit, sends_goal, reads_body, read))
+    return _declare(Operation(role, scope, audit, frozenset(errors), sends_goal, reads_body, any_query, read))
 
 
-def public_operation(audit: Audit = Audit.CHANGES) -> Callable[[F], F]:
+def public_operation(
+    audit: Audit = Audit.CHANGES, *, errors: Iterable[int] = (), any_query: bool = False
+) -> Callable[[F], F]:
     """Declare that an endpoint needs no login: a health check, or the login itself."""
-    return _declare(Operation(None, Scope.ANY, audit))
+    return _declare(Operation(None, Scope.ANY, audit, frozenset(errors), any_query=any_query))
 
 
 def carries_out(function: Callable[..., object], scope: Scope | None = None) -> Callable[[F], F]:

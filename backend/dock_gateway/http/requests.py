@@ -5,7 +5,7 @@ import re
 import uuid
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
-from typing import Annotated, Any
+from typing import Annotated, Any, Generic, TypeVar
 
 from fastapi import Depends, Path, Query, Request
 from pydantic import WithJsonSchema
@@ -20,6 +20,8 @@ from dock_gateway.core.namespace import NAMESPACE
 from dock_gateway.http.parts import parts_of
 from dock_gateway.setting_types import NAME as ROS_NAME
 from dock_gateway.settings import Settings
+
+ModelT = TypeVar("ModelT")
 
 # The default content type of `curl -d` is accepted as JSON, too. OriginGuard keeps other origins from exploiting it.
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
@@ -55,9 +57,6 @@ def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
             raise InvalidField([FieldError("query.robot", "one robot", f"got {robots}")])
 
     return check
-
-
-NO_QUERY = Depends(known_query())
 
 
 async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:
@@ -251,9 +250,15 @@ LimitQuery = Annotated[int, Query(ge=1, le=500)]
 CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of the previous page")]
 
 
-def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+class Answer(Response, Generic[ModelT]):
+    """A JSON response. The return annotation of a route, `Answer[Model]`, says what it describes."""
+
+    media_type = "application/json"
+
+
+def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Answer[Any]:
     """Return a JSON response, encoded as everywhere in the gateway."""
-    return Response(encode(document), status, headers, "application/json")
+    return Answer(encode(document), status, headers)
 
 
 def is_known_tag(condition: str | None, tag: str) -> bool:
@@ -262,7 +267,7 @@ def is_known_tag(condition: str | None, tag: str) -> bool:
     return tag in known or known == ["*"]
 
 
-def goal_response(goal: Goal, location: str, status: int = 200) -> Response:
+def goal_response(goal: Goal, location: str, status: int = 200) -> Answer[Any]:
     """Return a response with a goal, and its path as `Location`."""
     return json_response(goal.document(), status, {"Location": location})
 

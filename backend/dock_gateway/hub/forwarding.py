@@ -26,6 +26,7 @@ from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import read_body
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import send_in_time
 from dock_gateway.hub.site_client import DEADLINE, SiteClient
 from dock_gateway.hub.sites import Sites
@@ -36,7 +37,7 @@ from dock_gateway.sites.tunnel.failures import SiteTimeout
 from dock_gateway.sites.tunnel.frames import STOP
 from dock_gateway.streams.events import CLOSE_CODES
 
-router = APIRouter(tags=["Sites"])
+router = APIRouter(route_class=ApiRoute, tags=["Sites"])
 
 METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
 # The WebSockets that take commands: the hub records that they were opened, and the site each command.
@@ -49,7 +50,7 @@ Pairs = list[tuple[bytes, bytes]]
 
 
 @router.api_route("/sites/{site}/{path:path}", methods=METHODS, name="forward_request", include_in_schema=False)
-@operation(Role.VIEWER, needs.Scope.ANY, reads_body=True)
+@operation(Role.VIEWER, needs.Scope.ANY, reads_body=True, any_query=True)
 async def forward_request(site: str, path: str, request: Request) -> Response:
     """Carry a request to a site, and its answer back. The site decides what its user may do there.
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Request
+from fastapi import APIRouter, Path, Request
 from starlette.responses import Response
 
 from dock_gateway import __version__
@@ -18,8 +18,8 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, RobotQuery, json_response, known_query
+from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.overview import Overview
 from dock_gateway.hub.renaming import read_alerts
@@ -40,32 +40,28 @@ from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
 
-router = APIRouter()
+router = APIRouter(route_class=ApiRoute)
 
 SiteName = Annotated[str, Path(description="Name of the site, such as `berlin`")]
 AlertId = Annotated[str, Path(description="`id` of the alert")]
 
 
-@router.get("/sites", tags=["Sites"], response_model=SiteList, responses=problems(422), dependencies=[NO_QUERY])
+@router.get("/sites", tags=["Sites"])
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_sites(overview: Part[Overview], grant: TheGrant) -> Response:
+async def list_sites(overview: Part[Overview], grant: TheGrant) -> Answer[SiteList]:
     """List the sites of which the user may see any robot, by name."""
     return json_response({"sites": overview.site_documents(grant)})
 
 
-@router.get(
-    "/sites/{site}", tags=["Sites"], response_model=SiteInfo, responses=problems(404, 422), dependencies=[NO_QUERY]
-)
-@operation(Role.VIEWER, Scope.LISTED)
-async def get_site(site: SiteName, sites: Part[Sites], grant: TheGrant) -> Response:
+@router.get("/sites/{site}", tags=["Sites"])
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
+async def get_site(site: SiteName, sites: Part[Sites], grant: TheGrant) -> Answer[SiteInfo]:
     """Return one site."""
     return json_response(sites.document(site, grant))
 
 
-@router.delete(
-    "/sites/{site}", tags=["Sites"], status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY]
-)
-@operation(Role.ADMIN, Scope.EVERY)
+@router.delete("/sites/{site}", tags=["Sites"], status_code=204)
+@operation(Role.ADMIN, Scope.EVERY, errors=(404,))
 async def forget_site(site: SiteName, sites: Part[Sites], stops: Part[Stops]) -> Response:
     """Forget a site, and which gateway has its name: the next one to come with that name has it.
 
@@ -77,15 +73,9 @@ async def forget_site(site: SiteName, sites: Part[Sites], stops: Part[Stops]) ->
     return Response(status_code=204)
 
 
-@router.get(
-    "/robots",
-    tags=["Robots"],
-    response_model=SiteRobotList,
-    responses=problems(403, 404, 422),
-    dependencies=[Depends(known_query("robot"))],
-)
-@operation(Role.VIEWER, Scope.LISTED)
-async def list_robots(overview: Part[Overview], grant: TheGrant, robot: RobotQuery = None) -> Response:
+@router.get("/robots", tags=["Robots"])
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
+async def list_robots(overview: Part[Overview], grant: TheGrant, robot: RobotQuery = None) -> Answer[SiteRobotList]:
     """List the robots of all sites, or only those at or below `robot`: `/berlin` is a whole site.
 
     Those of a site that is not connected are as they were then.
@@ -99,9 +89,9 @@ async def list_robots(overview: Part[Overview], grant: TheGrant, robot: RobotQue
     return json_response({"robots": found})
 
 
-@router.get("/alerts", tags=["Alerts"], response_model=SiteAlertList, responses=problems(422), dependencies=[NO_QUERY])
+@router.get("/alerts", tags=["Alerts"])
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Response:
+async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Answer[SiteAlertList]:
     """List the active alerts of all sites, and those about sites: critical ones first, then oldest first."""
     return json_response({"alerts": overview.documents(grant)})
 
@@ -110,25 +100,17 @@ async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Response:
     "/alerts/{alert_id}/acknowledgement",
     tags=["Alerts"],
     response_model=SiteAlert,
-    responses=problems(400, 404, 408, 413, 415, 422, 503, 504),
-    dependencies=[NO_QUERY],
     openapi_extra=body(body_schema(AcknowledgementBody), required=True),
 )
-@operation(Role.OPERATOR, Scope.ALERT)
+@operation(Role.OPERATOR, Scope.ALERT, errors=(504,))
 async def acknowledge(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
     """Acknowledge an alert: one of a site at that site, which decides whether the user may."""
     by = (await read_signed(AcknowledgementBody, request)).by
     return await _answer_alert(alert_id, request, parts, "PUT", by)
 
 
-@router.delete(
-    "/alerts/{alert_id}/acknowledgement",
-    tags=["Alerts"],
-    response_model=SiteAlert,
-    responses=problems(404, 422, 503, 504),
-    dependencies=[NO_QUERY],
-)
-@operation(Role.OPERATOR, Scope.ALERT)
+@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
+@operation(Role.OPERATOR, Scope.ALERT, errors=(504,))
 async def withdraw_acknowledgement(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
     """Withdraw an acknowledgement. Succeeds even if there is none."""
     return await _answer_alert(alert_id, request, parts, "DELETE", None)
@@ -157,9 +139,9 @@ async def _answer_alert(alert_id: str, request: Request, parts: Parts, method: s
     return json_response(alert | {"acknowledged": told["acknowledged"]})
 
 
-@router.get("/healthz", tags=["Health"], response_model=HubHealth)
-@public_operation()
-async def healthz(broker: Part[Broker], fanout: Part[Fanout]) -> Response:
+@router.get("/healthz", tags=["Health"])
+@public_operation(any_query=True)
+async def healthz(broker: Part[Broker], fanout: Part[Fanout]) -> Answer[HubHealth]:
     """Report that the hub answers."""
     health = {
         "status": "ok",
@@ -171,9 +153,9 @@ async def healthz(broker: Part[Broker], fanout: Part[Fanout]) -> Response:
     return json_response(health)
 
 
-@router.get("/readyz", tags=["Health"], response_model=HubReadiness, responses={503: {"model": HubReadiness}})
-@public_operation()
-async def readyz(broker: Part[Broker], history: Part[History], sites: Part[Sites]) -> Response:
+@router.get("/readyz", tags=["Health"], responses={503: {"model": HubReadiness}})
+@public_operation(any_query=True)
+async def readyz(broker: Part[Broker], history: Part[History], sites: Part[Sites]) -> Answer[HubReadiness]:
     """Report whether the hub reaches its database and the NATS server."""
     stats = history.stats()
     ready = broker.connected and stats.database_reachable

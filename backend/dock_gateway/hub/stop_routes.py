@@ -5,8 +5,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, replace
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Request
 
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import audited
@@ -18,7 +17,8 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, RobotsQuery, json_response, known_query, read_json
+from dock_gateway.http.requests import Answer, RobotQuery, RobotsQuery, json_response, read_json
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.hub.stop_outcomes import StopOutcome
 from dock_gateway.hub.stop_requests import BODY_WITHIN, WHOLE
 from dock_gateway.hub.stop_schema import HubReleaseReport, HubStopReport
@@ -26,17 +26,16 @@ from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.names import site_grant, to_site
 from dock_gateway.stop.order import STOP_REQUEST, StopOrder, read_order, releases_stop, stops_robots
 
-router = APIRouter(tags=["Stop"])
+router = APIRouter(route_class=ApiRoute, tags=["Stop"])
 
 
 @router.post(
     "/stop",
-    response_model=HubStopReport,
     responses=problems(404) | problems(504, schema="HubStopProblem"),
     openapi_extra=body(STOP_REQUEST, required=False),
 )
 @stops_robots
-async def stop(request: Request, stops: Part[Stops], robot: RobotsQuery = None) -> Response:
+async def stop(request: Request, stops: Part[Stops], robot: RobotsQuery = None) -> Answer[HubStopReport]:
     """Stop robots of any sites, each as `POST /stop` of its own site does; without `robot`, all robots of all sites.
 
     `robot` may be repeated. `/berlin` is all robots of the site `berlin`. The answer comes within 5 s. It is 200 only
@@ -95,7 +94,7 @@ def _narrowed(outcome: StopOutcome, grant: Grant) -> StopOutcome:
     return replace(outcome, halted=halted, not_stopped=not_stopped)
 
 
-def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str, Any] | None) -> Response:
+def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str, Any] | None) -> Answer[Any]:
     sites = {name: asdict(outcome) for name, outcome in sorted(outcomes.items())}
     missed = {name: outcome for name, outcome in sorted(outcomes.items()) if not outcome.stopped}
     if not missed:
@@ -120,14 +119,9 @@ def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str
     )
 
 
-@router.delete(
-    "/stop",
-    response_model=HubReleaseReport,
-    responses=problems(404, 422, 503) | problems(504, schema="HubReleaseProblem"),
-    dependencies=[Depends(known_query("robot"))],
-)
+@router.delete("/stop", responses=problems(504, schema="HubReleaseProblem"))
 @releases_stop
-async def release_stop(request: Request, stops: Part[Stops], robot: RobotQuery = None) -> Response:
+async def release_stop(request: Request, stops: Part[Stops], robot: RobotQuery = None) -> Answer[HubReleaseReport]:
     """Release the stop of a robot, of all robots of a site (`/berlin`), or of all robots; it moves none.
 
     A stop that a site has not confirmed is dropped. The release is sent once to each site that can be reached, never

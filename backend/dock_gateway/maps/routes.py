@@ -4,7 +4,7 @@ import re
 from collections.abc import AsyncGenerator, Sequence
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.errors import NotFound, not_covered
@@ -12,8 +12,8 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, is_known_tag, json_response, known_query
+from dock_gateway.http.requests import Answer, RobotQuery, is_known_tag, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.maps.image import COLORS, Color, image
 from dock_gateway.maps.schema import RobotMap
@@ -22,7 +22,7 @@ from dock_gateway.maps.surroundings import Surroundings
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 
-router = APIRouter(tags=["Maps"], prefix="/robots")
+router = APIRouter(route_class=ApiRoute, tags=["Maps"], prefix="/robots")
 
 # Bytes that are sent at once.
 CHUNK = 65_536
@@ -34,26 +34,18 @@ PNG: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.get(
-    "/map",
-    response_model=RobotMap,
-    responses=problems(404, 422, 503),
-    dependencies=[Depends(known_query("robot"))],
-)
-@operation(Role.VIEWER, Scope.ROBOT)
-async def get_map(maps: Part[Maps], robots: Part[RobotRegistry], grant: TheGrant, robot: RobotQuery = None) -> Response:
+@router.get("/map")
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
+async def get_map(
+    maps: Part[Maps], robots: Part[RobotRegistry], grant: TheGrant, robot: RobotQuery = None
+) -> Answer[RobotMap]:
     """Return the newest map of a robot, without its cells: its size, its frame, and how the robot's relates to that."""
     view = await _view(maps, robots, grant, robot)
     return json_response(view.map_document())
 
 
-@router.get(
-    "/map.png",
-    response_class=Response,
-    responses={**PNG, **problems(404, 422, 503)},
-    dependencies=[Depends(known_query("robot", "free", "occupied", "unknown"))],
-)
-@operation(Role.VIEWER, Scope.ROBOT)
+@router.get("/map.png", response_class=Response, responses={**PNG})
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
 async def get_map_image(
     request: Request,
     maps: Part[Maps],

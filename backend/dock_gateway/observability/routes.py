@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from fastapi import APIRouter, Depends, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Request
 
 from dock_gateway import __version__
 from dock_gateway.access.authorization import identify
@@ -15,8 +14,8 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import AllParts, Part
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, json_response, known_query
+from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.observability.schema import Health, Readiness
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge, ros_environment
@@ -25,12 +24,14 @@ from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
 from dock_gateway.uplink.link import HubLink
 
-router = APIRouter(tags=["Health"])
+router = APIRouter(route_class=ApiRoute, tags=["Health"])
 
 
-@router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
-@public_operation()
-async def healthz(parts: AllParts, bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout]) -> Response:
+@router.get("/healthz", responses={503: {"model": Health}})
+@public_operation(any_query=True)
+async def healthz(
+    parts: AllParts, bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout]
+) -> Answer[Health]:
     """Report whether the ROS thread is alive and responsive, and at a site whether its hub reaches it.
 
     A site works without its hub, so that is no fault of it.
@@ -51,14 +52,9 @@ async def healthz(parts: AllParts, bridge: Part[Bridge], settings: Part[Settings
     return json_response(health, 200 if alive else 503)
 
 
-@router.get(
-    "/readyz",
-    response_model=Readiness,
-    responses={503: {"model": Readiness}, **problems(403, 404, 422)},
-    dependencies=[Depends(known_query("robot"))],
-)
-@public_operation()
-async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) -> Response:
+@router.get("/readyz", responses={503: {"model": Readiness}})
+@public_operation(errors=(404,))
+async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) -> Answer[Readiness]:
     """Report whether the docking server of a robot is available and answers, and the state of the history.
 
     Who stopped which robots, the robots that were found, and the last error of the history are only shown to users

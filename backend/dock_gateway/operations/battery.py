@@ -30,7 +30,7 @@ class PublishBattery:
     path: str = ""
 
 
-@operation(Role.SUPERVISOR, Scope.ROBOT)
+@operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404, 409))
 async def publish_battery(parts: Parts, _: Principal, order: PublishBattery) -> Json:
     """Publish a battery state once. Return the message as JSON.
 
@@ -49,7 +49,7 @@ class StartPublishing:
     robot: str | None = None
 
 
-@operation(Role.SUPERVISOR, Scope.ROBOT)
+@operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404, 409))
 async def start_publishing(parts: Parts, _: Principal, order: StartPublishing) -> BatteryPublisher:
     """Publish a battery state until that is stopped. Return the publisher.
 
@@ -61,7 +61,7 @@ async def start_publishing(parts: Parts, _: Principal, order: StartPublishing) -
     return publisher
 
 
-@operation(Role.SUPERVISOR, Scope.ROBOT)
+@operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404,))
 async def stop_publishing(parts: Parts, _: Principal, robot: str | None) -> BatteryPublisher:
     """Stop publishing battery states. Return the publisher.
 

@@ -36,7 +36,7 @@ class SendGoal:
     key: str | None = None
 
 
-@operation(Role.AGENT, Scope.NEW_GOAL, sends_goal=True)
+@operation(Role.AGENT, Scope.NEW_GOAL, errors=(409, 504), sends_goal=True)
 async def send_goal(parts: Parts, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
     """Send a goal to an action. Return the action and the goal, which has been accepted.
 
@@ -80,7 +80,7 @@ class CancelGoal:
     goal_id: str
 
 
-@operation(Role.AGENT, Scope.GOAL)
+@operation(Role.AGENT, Scope.GOAL, errors=(409, 504))
 async def cancel_goal(parts: Parts, _: Principal, order: CancelGoal) -> Goal:
     """Ask the action server to cancel a goal. Return the goal.
 

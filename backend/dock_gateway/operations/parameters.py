@@ -15,7 +15,7 @@ from dock_gateway.ros.parameter_values import Parameter
 MAX_NODES = 50
 
 
-@operation(Role.VIEWER, Scope.PLACE)
+@operation(Role.VIEWER, Scope.PLACE, errors=(429, 504))
 async def get_parameters(parts: Parts, principal: Principal, node: str) -> list[Parameter]:
     """Return all parameters of a node, sorted by name.
 
@@ -51,7 +51,7 @@ class SetParameters:
         return f"{self.node} {', '.join(self.values)}"[:200]
 
 
-@operation(Role.SUPERVISOR, Scope.NODE)
+@operation(Role.SUPERVISOR, Scope.NODE, errors=(409, 429, 504))
 async def set_parameters(parts: Parts, principal: Principal, order: SetParameters) -> list[Change]:
     """Set parameters of a node. Types and ranges are checked before anything is sent.
 

@@ -27,7 +27,7 @@ class CallService:
     timeout: float = 5.0
 
 
-@operation(Role.OPERATOR, Scope.SERVICE)
+@operation(Role.OPERATOR, Scope.SERVICE, errors=(409, 429, 502, 504))
 async def call_service(parts: Parts, principal: Principal, order: CallService) -> Answer:
     """Call a service of a ROS node. Return its response.
 

@@ -26,7 +26,7 @@ class Publish:
     type: str | None = None
 
 
-@operation(Role.OPERATOR, Scope.PUBLISHING)
+@operation(Role.OPERATOR, Scope.PUBLISHING, errors=(409,))
 async def publish(parts: Parts, principal: Principal, order: Publish) -> Published:
     """Publish one message on a topic.
 

@@ -5,7 +5,7 @@ from collections.abc import AsyncGenerator
 from http import HTTPStatus
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Query, Request
 from pydantic import StringConstraints
 from starlette.datastructures import Headers
 from starlette.responses import FileResponse, Response
@@ -20,9 +20,9 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.problems import problems
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.http.requests import NO_QUERY, GoalId, RobotQuery, is_known_tag, json_response, known_query
+from dock_gateway.http.requests import Answer, GoalId, RobotQuery, is_known_tag, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.recordings.recordings import Recordings
 from dock_gateway.recordings.schema import GoalRecording, GoalReplay, PicturedGoals
@@ -30,7 +30,7 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 
-router = APIRouter()
+router = APIRouter(route_class=ApiRoute)
 
 MAX_GOALS = 100
 Uuid = Annotated[str, StringConstraints(pattern=r"^[0-9a-f-]{36}$")]
@@ -109,15 +109,11 @@ async def _pieces(data: memoryview) -> AsyncGenerator[bytes]:
         yield bytes(data[at : at + PIECE])
 
 
-@router.get(
-    "/goals/{goal_id}/recording",
-    tags=["Goals"],
-    response_model=GoalRecording,
-    responses=problems(404, 422, 503),
-    dependencies=[NO_QUERY],
-)
+@router.get("/goals/{goal_id}/recording", tags=["Goals"])
 @operation(Role.VIEWER, Scope.GOAL)
-async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant) -> Response:
+async def get_recording(
+    goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant
+) -> Answer[GoalRecording]:
     """Return whether a goal has a recording at this gateway, or why it has none."""
     goal = await goals.get(goal_id)
     try:
@@ -129,14 +125,8 @@ async def get_recording(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     return json_response({"size": found.size, "why_none": None, "running": False, "picture": picture})
 
 
-@router.get(
-    "/goals/{goal_id}/recording.mcap",
-    tags=["Goals"],
-    response_class=Response,
-    responses={**RANGES, **problems(404, 422, 429, 503)},
-    dependencies=[NO_QUERY],
-)
-@operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS)
+@router.get("/goals/{goal_id}/recording.mcap", tags=["Goals"], response_class=Response, responses={**RANGES})
+@operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS, errors=(429,))
 async def download_recording(
     request: Request,
     goal_id: GoalId,
@@ -178,13 +168,7 @@ async def download_recording(
     )
 
 
-@router.get(
-    "/goals/{goal_id}/replay",
-    tags=["Goals"],
-    response_model=GoalReplay,
-    responses=problems(404, 422, 503),
-    dependencies=[NO_QUERY],
-)
+@router.get("/goals/{goal_id}/replay", tags=["Goals"])
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_replay(
     goal_id: GoalId,
@@ -193,20 +177,14 @@ async def get_replay(
     *,
     settings: Part[Settings],
     grant: TheGrant,
-) -> Response:
+) -> Answer[GoalReplay]:
     """Return what the replay of a goal shows of its recording: laser scans, commanded velocities, the battery."""
     goal = await goals.get(goal_id)
     velocity = settings.cmd_vel_topic.rpartition("/")[2]
     return json_response(await recordings.replay(await recordings.find(goal), goal, velocity, grant))
 
 
-@router.get(
-    "/goals/{goal_id}/thumbnail",
-    tags=["Goals"],
-    response_class=Response,
-    responses={**PICTURE, **problems(404, 422, 503)},
-    dependencies=[NO_QUERY],
-)
+@router.get("/goals/{goal_id}/thumbnail", tags=["Goals"], response_class=Response, responses={**PICTURE})
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant) -> Response:
     """Return the last picture of the robot's camera in the recording of a goal."""
@@ -215,20 +193,14 @@ async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     return Response(data, media_type=media_type, headers={"Cache-Control": "private, max-age=3600"})
 
 
-@router.get(
-    "/recordings",
-    tags=["Goals"],
-    response_model=PicturedGoals,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query("goal_id"))],
-)
+@router.get("/recordings", tags=["Goals"])
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_pictured(
     history: Part[History],
     recordings: Part[Recordings],
     grant: TheGrant,
     goal_id: Annotated[list[Uuid], Query(max_length=MAX_GOALS)],
-) -> Response:
+) -> Answer[PicturedGoals]:
     """Return which of these goals have a picture, so that a list asks for the thumbnails of those only."""
     known = await history.known(goal_id)
     covered = [goal for goal in known.values() if grant.covers_action(goal.action_name)]
@@ -245,14 +217,8 @@ async def has_picture(recordings: Recordings, goal: Goal, grant: Grant) -> bool:
     return True
 
 
-@router.get(
-    "/robots/recording.mcap",
-    tags=["Robots"],
-    response_class=Response,
-    responses={**FILE, **problems(404, 422, 429)},
-    dependencies=[Depends(known_query("robot"))],
-)
-@operation(Role.VIEWER, Scope.ROBOT, Audit.ALWAYS)
+@router.get("/robots/recording.mcap", tags=["Robots"], response_class=Response, responses={**FILE})
+@operation(Role.VIEWER, Scope.ROBOT, Audit.ALWAYS, errors=(404, 429))
 async def download_recent(
     request: Request,
     robots: Part[RobotRegistry],

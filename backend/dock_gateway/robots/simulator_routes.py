@@ -3,8 +3,7 @@
 import math
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Path, Request
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.scene import Pose
@@ -12,65 +11,55 @@ from dock_gateway.http.bodies import body_schema, read
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import RobotQuery, json_response, known_query
+from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import FaultBody, PlaceBody, Simulator
 from dock_gateway.robots.simulator import Fault, Simulators
 
-router = APIRouter(tags=["Simulator"], prefix="/simulator", dependencies=[Depends(known_query("robot"))])
+router = APIRouter(route_class=ApiRoute, tags=["Simulator"], prefix="/simulator")
 
 FaultPath = Annotated[Fault, Path(description="What breaks")]
 
 
-@router.get("", response_model=Simulator, responses=problems(404, 422))
-@operation(Role.VIEWER, Scope.ROBOT)
+@router.get("")
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
 async def get_simulator(
     simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
-) -> Response:
+) -> Answer[Simulator]:
     """Return the active faults, and whether the robot touches its dock and is charged there."""
     return json_response(simulators.get(robots.get(robot).namespace).document())
 
 
-@router.post("/reset", response_model=Simulator, responses=problems(404, 422, 503, 504))
-@operation(Role.OPERATOR, Scope.ROBOT)
+@router.post("/reset")
+@operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def reset_simulator(
     simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
-) -> Response:
+) -> Answer[Simulator]:
     """Move the robot to its start pose, restore its battery, and clear every fault."""
     return json_response(await simulators.reset(robots.get(robot).namespace))
 
 
-@router.post(
-    "/place",
-    response_model=Simulator,
-    responses=problems(400, 404, 408, 413, 415, 422, 503, 504),
-    openapi_extra=body(body_schema(PlaceBody), required=True),
-)
-@operation(Role.OPERATOR, Scope.ROBOT)
+@router.post("/place", openapi_extra=body(body_schema(PlaceBody), required=True))
+@operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def place_robot(
     request: Request, simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
-) -> Response:
+) -> Answer[Simulator]:
     """Move the robot to a pose through RViz's `initialpose` topic."""
     body = await read(PlaceBody, request)
     pose = Pose(body.x, body.y, math.remainder(body.theta, math.tau))
     return json_response(await simulators.place(robots.get(robot).namespace, pose))
 
 
-@router.put(
-    "/faults/{fault}",
-    response_model=Simulator,
-    responses=problems(400, 404, 408, 413, 415, 422, 503, 504),
-    openapi_extra=body(body_schema(FaultBody), required=True),
-)
-@operation(Role.OPERATOR, Scope.ROBOT)
+@router.put("/faults/{fault}", openapi_extra=body(body_schema(FaultBody), required=True))
+@operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def switch_fault(
     fault: FaultPath,
     request: Request,
     simulators: Part[Simulators],
     robots: Part[RobotRegistry],
     robot: RobotQuery = None,
-) -> Response:
+) -> Answer[Simulator]:
     """Switch a fault on or off."""
     body = await read(FaultBody, request)
     return json_response(await simulators.switch(robots.get(robot).namespace, fault, active=body.active))

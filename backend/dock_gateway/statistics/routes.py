@@ -10,7 +10,6 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from fastapi import APIRouter, Depends, Query
 from pydantic import StringConstraints
-from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
@@ -28,16 +27,16 @@ from dock_gateway.goals.queries import (
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import EARLIEST, SinceQuery, UntilQuery
-from dock_gateway.http.requests import json_response, known_query
+from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import Settings
 from dock_gateway.statistics.schema import DockingTimes, Statistics
 from dock_gateway.statistics.trends import find_trends, two_weeks
 from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.statistics import Span, Tallies, Tally, merged
 
-router = APIRouter(tags=["Goals"])
+router = APIRouter(route_class=ApiRoute, tags=["Goals"])
 
 DEFAULT_SPAN = timedelta(days=30)
 MAX_DAYS = 400
@@ -95,16 +94,11 @@ async def read_wanted(
 WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
 
 
-@router.get(
-    "/statistics",
-    response_model=Statistics,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query("robot", "action", "origin", "since", "until", "tag", "group", "by", "tz"))],
-)
+@router.get("/statistics")
 @operation(Role.VIEWER, Scope.LISTED)
 async def statistics(
     history: Part[History], owners: Part[Owners], wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
-) -> Response:
+) -> Answer[Statistics]:
     """Return how the goals ended that were created from `since` up to but not including `until`.
 
     `until` defaults to now, and `since` to 30 days before `until`.
@@ -124,12 +118,7 @@ async def statistics(
     return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
 
 
-@router.get(
-    "/statistics/docking-time",
-    response_model=DockingTimes,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query("robot", "group"))],
-)
+@router.get("/statistics/docking-time")
 @operation(Role.VIEWER, Scope.LISTED)
 async def docking_time(
     settings: Part[Settings],
@@ -139,7 +128,7 @@ async def docking_time(
     *,
     robot: NamespaceQuery = None,
     group: GroupQuery = None,
-) -> Response:
+) -> Answer[DockingTimes]:
     """Return how long docking takes each robot: the last seven days, compared with the seven before."""
     spans = two_weeks(utc_now())
     since, until = spans[0][0], spans[-1][1]

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
+from collections.abc import AsyncGenerator, AsyncIterator, Coroutine, Mapping
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request, WebSocket
@@ -19,21 +19,20 @@ from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
-from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import GoalId, GraphName, known_query
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.settings import Settings
 from dock_gateway.streams.feed import begin, end_of, feed, follow
-from dock_gateway.streams.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
+from dock_gateway.streams.queries import STREAM_QUERY, StreamQuery, read_after, read_event_filter, read_max_rate
 
 log = logging.getLogger(__name__)
 
-router = APIRouter(tags=["Events"])
+router = APIRouter(route_class=ApiRoute, tags=["Events"])
 
 CLOSE_CODES = {"shutting_down": 1012, "too_slow": 1013, "invalid_token": 4401}
-SSE_RESPONSES = {
-    200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}},
-    **problems(404, 422, 429, 503),
+SSE: dict[int | str, dict[str, Any]] = {
+    200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}}
 }
 
 
@@ -102,30 +101,29 @@ class EventStream(PacedResponse):
         super().__init__(first, chunks, timeout, media_type="text/event-stream", headers={"X-Accel-Buffering": "no"})
 
 
-@router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
-@router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
-@router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
-@operation(Role.VIEWER, Scope.GOAL)
-async def dock_events(goal_id: GoalId, request: Request, parts: AllParts) -> Response:
+@router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE, response_class=StreamingResponse)
+@router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE, response_class=StreamingResponse)
+@router.get("/dock/{goal_id}/events", responses=SSE, response_class=StreamingResponse)
+@operation(Role.VIEWER, Scope.GOAL, errors=(429,))
+async def dock_events(goal_id: GoalId, request: Request, parts: AllParts, query: StreamQuery) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    return await _sse(request, parts, goal_id)
+    return await _sse(request, parts, goal_id, query)
 
 
-@router.get(
-    "/actions/{name:graph_name}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse
-)
-@operation(Role.VIEWER, Scope.GOAL)
-async def action_events(name: GraphName, goal_id: GoalId, request: Request, parts: AllParts) -> Response:
+@router.get("/actions/{name:graph_name}/goals/{goal_id}/events", responses=SSE, response_class=StreamingResponse)
+@operation(Role.VIEWER, Scope.GOAL, errors=(429,))
+async def action_events(
+    name: GraphName, goal_id: GoalId, request: Request, parts: AllParts, query: StreamQuery
+) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    return await _sse(request, parts, goal_id)
+    return await _sse(request, parts, goal_id, query)
 
 
-async def _sse(request: Request, parts: Parts, goal_id: str) -> Response:
-    await known_query("feedback", "after", "max_rate")(request)
+async def _sse(request: Request, parts: Parts, goal_id: str, query: Mapping[str, str]) -> Response:
     last = request.headers.get("last-event-id")
-    after = read_after(request.query_params if last is None else {"after": last})
-    query = {"goal_id": goal_id, "feedback": request.query_params.get("feedback", "true")}
-    chunks = _sse_chunks(parts, principal_of(request), query, after, read_max_rate(request.query_params))
+    after = read_after(query if last is None else {"after": last})
+    wanted = {**query, "goal_id": goal_id}
+    chunks = _sse_chunks(parts, principal_of(request), wanted, after, read_max_rate(query))
     first = await anext(chunks)  # errors are raised before the stream begins
     return EventStream(first, chunks, parts[Settings].subscriber_timeout)
 

@@ -1,6 +1,9 @@
 """Query parameters of streams, which are the fields of `subscribe`, too: `?include= ?after= …`."""
 
 from collections.abc import Mapping
+from typing import Annotated
+
+from fastapi import Depends, Query
 
 from dock_gateway.core.errors import FieldError, InvalidField, got, not_covered
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
@@ -18,6 +21,23 @@ from dock_gateway.settings import Settings
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
 INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots", "map", "maps", "scan", "path")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
+
+
+async def _read_stream_query(
+    *,
+    feedback: Annotated[str | None, Query(description="`false`: without feedback")] = None,
+    after: Annotated[
+        str | None,
+        Query(description="Id of the event to resume after", json_schema_extra={"pattern": f"^{EVENT_ID.pattern}$"}),
+    ] = None,
+    max_rate: Annotated[str | None, Query(description="Feedback messages per second, at most")] = None,
+) -> dict[str, str]:
+    query = {"feedback": feedback, "after": after, "max_rate": max_rate}
+    return {name: value for name, value in query.items() if value is not None}
+
+
+# The query of a stream of one goal, as it was sent.
+StreamQuery = Annotated[Mapping[str, str], Depends(_read_stream_query)]
 
 
 def read_after(query: Mapping[str, str]) -> str | None:

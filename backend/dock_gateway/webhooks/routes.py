@@ -11,20 +11,19 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import ADMIN_THROUGH_HUB
-from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
-    NO_QUERY,
     SLUG_IN_PATH,
+    Answer,
     LimitQuery,
     json_response,
-    known_query,
     read_slug,
 )
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
 from dock_gateway.webhooks.webhook import WebhookBody
 
-router = APIRouter(tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_THROUGH_HUB])
+router = APIRouter(route_class=ApiRoute, tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_THROUGH_HUB])
 
 
 async def _webhook_id_in_path(webhook_id: Annotated[str, SLUG_IN_PATH]) -> str:
@@ -34,22 +33,16 @@ async def _webhook_id_in_path(webhook_id: Annotated[str, SLUG_IN_PATH]) -> str:
 WebhookId = Annotated[str, Depends(_webhook_id_in_path)]
 
 
-@router.get("", response_model=WebhookList, responses=problems(422, 503), dependencies=[NO_QUERY])
+@router.get("")
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def list_webhooks(notifier: Part[Notifier]) -> Response:
+async def list_webhooks(notifier: Part[Notifier]) -> Answer[WebhookList]:
     """List the webhooks by name, each with its last delivery. Secrets are not shown."""
     return json_response({"webhooks": await notifier.documents()})
 
 
-@router.put(
-    "/{webhook_id}",
-    response_model=StoredWebhook,
-    responses=problems(400, 408, 409, 413, 415, 422, 503),
-    dependencies=[NO_QUERY],
-    openapi_extra=body(body_schema(WebhookBody), required=True),
-)
-@operation(Role.SUPERVISOR, Scope.EVERY)
-async def replace_webhook(webhook_id: WebhookId, request: Request, notifier: Part[Notifier]) -> Response:
+@router.put("/{webhook_id}", openapi_extra=body(body_schema(WebhookBody), required=True))
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
+async def replace_webhook(webhook_id: WebhookId, request: Request, notifier: Part[Notifier]) -> Answer[StoredWebhook]:
     """Store a webhook, new or changed, at every gateway that shares the history.
 
     It receives the present alerts, and then each that begins or ends.
@@ -58,30 +51,25 @@ async def replace_webhook(webhook_id: WebhookId, request: Request, notifier: Par
     return json_response(await notifier.replace(webhook_id, body.entry()))
 
 
-@router.delete("/{webhook_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
-@operation(Role.SUPERVISOR, Scope.EVERY)
+@router.delete("/{webhook_id}", status_code=204)
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
 async def remove_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Response:
     """Remove a webhook with its deliveries. What has not been sent yet is not sent."""
     await notifier.remove(webhook_id)
     return Response(status_code=204)
 
 
-@router.post(
-    "/{webhook_id}/test", response_model=Delivery, responses=problems(404, 409, 422, 503), dependencies=[NO_QUERY]
-)
-@operation(Role.SUPERVISOR, Scope.EVERY)
-async def test_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Response:
+@router.post("/{webhook_id}/test")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404, 409))
+async def test_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Answer[Delivery]:
     """Send a test now, once, also to a webhook that is off. The answer says what came of it, after 10 s at most."""
     return json_response(await notifier.test(webhook_id))
 
 
-@router.get(
-    "/{webhook_id}/deliveries",
-    response_model=DeliveryList,
-    responses=problems(404, 422, 503),
-    dependencies=[Depends(known_query("limit"))],
-)
-@operation(Role.SUPERVISOR, Scope.EVERY)
-async def list_deliveries(webhook_id: WebhookId, notifier: Part[Notifier], limit: LimitQuery = 50) -> Response:
+@router.get("/{webhook_id}/deliveries")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
+async def list_deliveries(
+    webhook_id: WebhookId, notifier: Part[Notifier], limit: LimitQuery = 50
+) -> Answer[DeliveryList]:
     """List what was and is to be sent to a webhook, newest first. The last 500 of all webhooks are kept."""
     return json_response({"deliveries": await notifier.deliveries(webhook_id, limit)})

@@ -23,7 +23,7 @@ async def change() -> None:
 
 def described(name: str, needed: Operation) -> str:
     role = "public" if needed.role is None else needed.role.value
-    extras = " sends_goal" * needed.sends_goal + " reads_body" * needed.reads_body
+    extras = "".join(f" {flag}" for flag in ("sends_goal", "reads_body", "any_query") if getattr(needed, flag))
     return f"{name:<50} {role:<10} {needed.scope.name:<8} {needed.audit.name}{extras}"
 
 

@@ -2,8 +2,7 @@
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Query, Request
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import NotFound
@@ -20,9 +19,8 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal, read_own_key
-from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
-    NO_QUERY,
+    Answer,
     CursorQuery,
     GoalId,
     GraphName,
@@ -30,14 +28,14 @@ from dock_gateway.http.requests import (
     StatusQuery,
     goal_response,
     json_response,
-    known_query,
     read_json,
     read_wait,
 )
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations.goals import CancelGoal, SendGoal, cancel_goal, send_goal
 from dock_gateway.storage import GoalFilter
 
-router = APIRouter(tags=["Actions"], prefix="/actions")
+router = APIRouter(route_class=ApiRoute, tags=["Actions"], prefix="/actions")
 
 GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=True)
 
@@ -57,9 +55,11 @@ async def find_goal(goals: Goals, action: Action, goal_id: str) -> Goal:
 HiddenQuery = Annotated[bool, Query(description="Whether to list hidden actions, too")]
 
 
-@router.get("", response_model=ActionList, responses=problems(422), dependencies=[Depends(known_query("hidden"))])
+@router.get("")
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden: HiddenQuery = False) -> Response:
+async def list_actions(
+    actions: Part[ActionRegistry], grant: TheGrant, *, hidden: HiddenQuery = False
+) -> Answer[ActionList]:
     """List every action on the graph. If an action's interface package is missing, `hint` says what to install.
 
     As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
@@ -92,16 +92,13 @@ async def list_actions(actions: Part[ActionRegistry], grant: TheGrant, *, hidden
 @router.post(
     "/{name:graph_name}/goals",
     status_code=202,
-    response_model=ActionGoal,
-    responses={
-        200: {"model": ActionGoal, "description": "It ended"},
-        **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
-    },
+    responses={200: {"model": ActionGoal, "description": "It ended"}},
     openapi_extra={**GOAL_BODY, "parameters": HEADERS},
-    dependencies=[NO_QUERY],
 )
 @carries_out(send_goal, Scope.ACTION)
-async def send_action_goal(name: GraphName, request: Request, parts: AllParts, principal: ThePrincipal) -> Response:
+async def send_action_goal(
+    name: GraphName, request: Request, parts: AllParts, principal: ThePrincipal
+) -> Answer[ActionGoal]:
     """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
     wait, key = read_wait(request), read_own_key(request)
 
@@ -114,12 +111,7 @@ async def send_action_goal(name: GraphName, request: Request, parts: AllParts, p
     return await answer_sent(request, action, goal, f"/actions{action.name}/goals", wait)
 
 
-@router.get(
-    "/{name:graph_name}/goals",
-    response_model=ActionGoalPage,
-    responses=problems(404, 422, 503),
-    dependencies=[Depends(known_query("status", "limit", "cursor"))],
-)
+@router.get("/{name:graph_name}/goals")
 @operation(Role.VIEWER, Scope.ACTION)
 async def list_action_goals(
     name: GraphName,
@@ -129,32 +121,29 @@ async def list_action_goals(
     status: StatusQuery = None,
     limit: LimitQuery = 50,
     cursor: CursorQuery = None,
-) -> Response:
+) -> Answer[ActionGoalPage]:
     """List the goals of an action, newest first."""
     action = await actions.find(f"/{name}")
     wanted = GoalFilter(frozenset({action.name}), statuses=frozenset(status or ()))
     return await answer_page(goals, wanted, limit, cursor)
 
 
-@router.get("/{name:graph_name}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
+@router.get("/{name:graph_name}/goals/{goal_id}")
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_action_goal(
     name: GraphName, goal_id: GoalId, actions: Part[ActionRegistry], goals: Part[Goals]
-) -> Response:
+) -> Answer[ActionGoal]:
     """Return one goal of an action."""
     action = await actions.find(f"/{name}")
     goal = await find_goal(goals, action, goal_id)
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}")
 
 
-@router.post(
-    "/{name:graph_name}/goals/{goal_id}/cancel",
-    status_code=202,
-    response_model=ActionGoal,
-    responses=problems(404, 409, 422, 503, 504),
-)
+@router.post("/{name:graph_name}/goals/{goal_id}/cancel", status_code=202)
 @carries_out(cancel_goal)
-async def cancel_action_goal(name: GraphName, goal_id: GoalId, parts: AllParts, principal: ThePrincipal) -> Response:
+async def cancel_action_goal(
+    name: GraphName, goal_id: GoalId, parts: AllParts, principal: ThePrincipal
+) -> Answer[ActionGoal]:
     """Ask the action server to cancel a goal, whoever sent it."""
     action = await parts[ActionRegistry].find(f"/{name}")
     await find_goal(parts[Goals], action, goal_id)
@@ -162,8 +151,8 @@ async def cancel_action_goal(name: GraphName, goal_id: GoalId, parts: AllParts, 
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}", 202)
 
 
-@router.get("/{name:graph_name}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+@router.get("/{name:graph_name}")
 @operation(Role.VIEWER, Scope.ACTION)
-async def get_action(name: GraphName, actions: Part[ActionRegistry]) -> Response:
+async def get_action(name: GraphName, actions: Part[ActionRegistry]) -> Answer[ActionInfo]:
     """Return one action."""
     return json_response((await actions.find(f"/{name}")).document())

@@ -2,9 +2,9 @@
 
 import uuid
 from http import HTTPStatus
+from typing import Any
 
 from fastapi import Request
-from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import NotAuthenticated
@@ -12,7 +12,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.request import wait_while_permitted
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.goals import Goals
-from dock_gateway.http.requests import goal_response, json_response
+from dock_gateway.http.requests import Answer, goal_response, json_response
 from dock_gateway.storage import GoalFilter
 
 HEADERS = [
@@ -21,7 +21,7 @@ HEADERS = [
 ]
 
 
-async def answer_sent(request: Request, action: Action, goal: Goal, base: str, wait: float) -> Response:
+async def answer_sent(request: Request, action: Action, goal: Goal, base: str, wait: float) -> Answer[Any]:
     """Answer a request that has sent a goal; before that, wait for its end if the `Prefer` header asks for it.
 
     Args:
@@ -41,7 +41,7 @@ async def answer_sent(request: Request, action: Action, goal: Goal, base: str, w
     return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
 
 
-async def answer_page(goals: Goals, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None) -> Response:
+async def answer_page(goals: Goals, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None) -> Answer[Any]:
     """Answer with a page of goals, newest first."""
     page, next_cursor = await goals.page(wanted, limit, str(cursor) if cursor else None)
     return json_response({"goals": [goal.document() for goal in page], "next_cursor": next_cursor})

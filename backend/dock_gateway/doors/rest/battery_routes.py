@@ -3,7 +3,7 @@
 from datetime import datetime, timedelta
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField
@@ -15,9 +15,9 @@ from dock_gateway.http.openapi import battery_body, body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal
-from dock_gateway.http.problems import problems
 from dock_gateway.http.queries import SinceQuery, UntilQuery
-from dock_gateway.http.requests import RobotQuery, json_response, known_query, read_json, read_object
+from dock_gateway.http.requests import Answer, RobotQuery, json_response, read_json, read_object
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import battery as operations
 from dock_gateway.operations.battery import MAX_RATE, MIN_RATE, USUAL_RATE
 from dock_gateway.robots.registry import RobotRegistry
@@ -26,9 +26,8 @@ from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 from dock_gateway.storage.battery import FIELDS, BatterySpan, Bucket
 
-router = APIRouter(tags=["Battery"])
+router = APIRouter(route_class=ApiRoute, tags=["Battery"])
 
-ROBOT_ONLY = Depends(known_query("robot"))
 DEFAULT_SPAN = timedelta(minutes=5)
 MIN_STEP = 1_000  # nanoseconds; the API gives times in microseconds
 # Topics with batteries that are named, if that of a robot has none.
@@ -49,50 +48,38 @@ PUBLISHER_REQUEST = {
 }
 
 
-@router.get("/battery", response_model=BatteryAnswer, responses=problems(404, 422, 503), dependencies=[ROBOT_ONLY])
-@operation(Role.VIEWER, Scope.ROBOT)
-async def get_battery(robots: Part[RobotRegistry], grant: TheGrant, robot: RobotQuery = None) -> Response:
+@router.get("/battery")
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
+async def get_battery(robots: Part[RobotRegistry], grant: TheGrant, robot: RobotQuery = None) -> Answer[BatteryAnswer]:
     """Return the latest battery state, its age, whether it is stale, and without one which batteries there are."""
     known = robots.get(robot)
     others = [topic for topic in await robots.other_batteries(known) if grant.covers_topic(topic)]
     return json_response({**known.battery.document(), "other_topics": others[:MAX_TOPICS]})
 
 
-@router.post(
-    "/battery",
-    response_model=Published,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-    openapi_extra=battery_body(required=True),
-    dependencies=[ROBOT_ONLY],
-)
+@router.post("/battery", openapi_extra=battery_body(required=True))
 @carries_out(operations.publish_battery)
 async def publish_battery(
     request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
-) -> Response:
+) -> Answer[Published]:
     """Publish one battery state. Omitted float fields are NaN."""
     order = operations.PublishBattery(await read_json(request), robot)
     state = await operations.publish_battery(parts, principal, order)
     return json_response({"state": fragment(state)})
 
 
-@router.get("/battery/publisher", response_model=Publisher, responses=problems(404, 422), dependencies=[ROBOT_ONLY])
-@operation(Role.VIEWER, Scope.ROBOT)
-async def get_publisher(robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
+@router.get("/battery/publisher")
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
+async def get_publisher(robots: Part[RobotRegistry], robot: RobotQuery = None) -> Answer[Publisher]:
     """Return what the gateway publishes repeatedly."""
     return json_response(robots.get(robot).publisher.document())
 
 
-@router.put(
-    "/battery/publisher",
-    response_model=Publisher,
-    responses=problems(400, 404, 409, 413, 415, 422, 503),
-    openapi_extra=body(PUBLISHER_REQUEST, required=True),
-    dependencies=[ROBOT_ONLY],
-)
+@router.put("/battery/publisher", openapi_extra=body(PUBLISHER_REQUEST, required=True))
 @carries_out(operations.start_publishing)
 async def start_publisher(
     request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
-) -> Response:
+) -> Answer[Publisher]:
     """Start publishing a battery state repeatedly. Replaces what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
     if "state" not in fields:
@@ -101,7 +88,7 @@ async def start_publisher(
     return json_response((await operations.start_publishing(parts, principal, order)).document())
 
 
-@router.delete("/battery/publisher", status_code=204, responses=problems(404, 422), dependencies=[ROBOT_ONLY])
+@router.delete("/battery/publisher", status_code=204)
 @carries_out(operations.stop_publishing)
 async def stop_publisher(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Response:
     """Stop publishing."""
@@ -109,12 +96,7 @@ async def stop_publisher(parts: AllParts, principal: ThePrincipal, robot: RobotQ
     return Response(status_code=204)
 
 
-@router.get(
-    "/battery/history",
-    response_model=BatteryHistory,
-    responses=problems(422, 503),
-    dependencies=[Depends(known_query("robot", "since", "until", "points"))],
-)
+@router.get("/battery/history")
 @operation(Role.VIEWER, Scope.ROBOT)
 async def battery_history(
     robots: Part[RobotRegistry],
@@ -125,7 +107,7 @@ async def battery_history(
     since: SinceQuery = None,
     until: UntilQuery = None,
     points: Annotated[int, Query(ge=2, le=2000)] = 600,
-) -> Response:
+) -> Answer[BatteryHistory]:
     """Return battery measurements from `since` up to but not including `until`, in at most `points` rows.
 
     `until` defaults to now, and `since` to five minutes before `until`.

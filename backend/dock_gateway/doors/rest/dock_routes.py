@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Request
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import NotFound
@@ -23,8 +22,8 @@ from dock_gateway.http.openapi import docking_body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal, read_own_key
-from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    Answer,
     CursorQuery,
     GoalId,
     LimitQuery,
@@ -32,10 +31,10 @@ from dock_gateway.http.requests import (
     StatusQuery,
     goal_response,
     json_response,
-    known_query,
     read_json,
     read_wait,
 )
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations.goals import CancelGoal, SendGoal, cancel_goal, send_goal
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.schema import DockList
@@ -102,25 +101,20 @@ async def find_goal(goals: Goals, verb: Verb, goal_id: str) -> GoalRecord:
 def goal_routes(operations: Operations) -> APIRouter:
     """Return the routes of a verb."""
     verb, path = operations.verb, operations.path
-    router = APIRouter(tags=[verb.capitalize()], prefix=path)
+    router = APIRouter(route_class=ApiRoute, tags=[verb.capitalize()], prefix=path)
 
     @router.post(
         "",
         name=verb,
         description=operations.description,
         status_code=202,
-        response_model=Goal,
-        responses={
-            200: {"model": Goal, "description": "It ended"},
-            **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
-        },
+        responses={200: {"model": Goal, "description": "It ended"}},
         openapi_extra={**operations.body, "parameters": HEADERS},
-        dependencies=[Depends(known_query("robot"))],
     )
     @carries_out(send_goal, operations.scope)
     async def send_docking_goal(
         request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
-    ) -> Response:
+    ) -> Answer[Goal]:
         wait, key = read_wait(request), read_own_key(request)
 
         async def read(action: Action) -> Any:
@@ -130,14 +124,8 @@ def goal_routes(operations: Operations) -> APIRouter:
         action, goal = await send_goal(parts, principal, SendGoal(read, verb=verb, robot=robot, key=key))
         return await answer_sent(request, action, goal, path, wait)
 
-    @router.get(
-        "",
-        name=f"list_{operations.prefix}goals",
-        response_model=GoalPage,
-        responses=problems(404, 422),
-        dependencies=[Depends(known_query("robot", "status", "limit", "cursor"))],
-    )
-    @operation(Role.VIEWER, operations.scope)
+    @router.get("", name=f"list_{operations.prefix}goals")
+    @operation(Role.VIEWER, operations.scope, errors=(404,))
     async def list_goals(
         robot_actions: Part[RobotActions],
         actions: Part[ActionRegistry],
@@ -149,7 +137,7 @@ def goal_routes(operations: Operations) -> APIRouter:
         status: StatusQuery = None,
         limit: LimitQuery = 50,
         cursor: CursorQuery = None,
-    ) -> Response:
+    ) -> Answer[GoalPage]:
         """List goals, newest first."""
         await robot_actions.find(verb, robot)
         names = actions.docking.all_names(robots.get(robot).namespace, verb)
@@ -157,23 +145,17 @@ def goal_routes(operations: Operations) -> APIRouter:
         wanted = GoalFilter(names, statuses=frozenset(status or ()), among=covered)
         return await answer_page(goals, wanted, limit, cursor)
 
-    @router.get("/{goal_id}", name=f"get_{operations.prefix}goal", response_model=Goal, responses=problems(404, 422))
+    @router.get("/{goal_id}", name=f"get_{operations.prefix}goal")
     @operation(Role.VIEWER, Scope.GOAL)
-    async def get_goal(goal_id: GoalId, goals: Part[Goals]) -> Response:
+    async def get_goal(goal_id: GoalId, goals: Part[Goals]) -> Answer[Goal]:
         """Return one goal, of any robot."""
         return goal_response(await find_goal(goals, verb, goal_id), f"{path}/{goal_id}")
 
-    @router.post(
-        "/{goal_id}/cancel",
-        name=f"cancel_{operations.prefix}goal",
-        status_code=202,
-        response_model=Goal,
-        responses=problems(404, 409, 422, 503, 504),
-    )
+    @router.post("/{goal_id}/cancel", name=f"cancel_{operations.prefix}goal", status_code=202)
     @carries_out(cancel_goal)
     async def cancel_docking_goal(
         goal_id: GoalId, goals: Part[Goals], parts: AllParts, principal: ThePrincipal
-    ) -> Response:
+    ) -> Answer[Goal]:
         """Ask the action server to cancel a goal, whoever sent it."""
         await find_goal(goals, verb, goal_id)
         goal = await cancel_goal(parts, principal, CancelGoal(goal_id))
@@ -182,12 +164,14 @@ def goal_routes(operations: Operations) -> APIRouter:
     return router
 
 
-docks_router = APIRouter(tags=["Dock"], dependencies=[Depends(known_query("robot"))])
+docks_router = APIRouter(route_class=ApiRoute, tags=["Dock"])
 
 
-@docks_router.get("/docks", response_model=DockList, responses=problems(404, 422, 503))
+@docks_router.get("/docks")
 @operation(Role.VIEWER, Scope.DOCK)
-async def list_docks(robot_actions: Part[RobotActions], docks: Part[Docks], robot: RobotQuery = None) -> Response:
+async def list_docks(
+    robot_actions: Part[RobotActions], docks: Part[Docks], robot: RobotQuery = None
+) -> Answer[DockList]:
     """List the docks of the robot's docking server, in its order. There are none if it knows no docks by name."""
     action = await robot_actions.find("dock", robot)
     return json_response(await docks.document(action.name, action.family))

@@ -2,8 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Query, Request
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import FieldError, InvalidField, got
@@ -14,25 +13,20 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import carries_out
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import ThePrincipal
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import NO_QUERY, GraphName, json_response, known_query, read_json
+from dock_gateway.http.requests import Answer, GraphName, json_response, read_json
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import parameters as operations
 
-router = APIRouter(tags=["Parameters"], prefix="/nodes")
+router = APIRouter(route_class=ApiRoute, tags=["Parameters"], prefix="/nodes")
 
 AtOnceQuery = Annotated[bool, Query(description="Whether all parameters are set or none")]
 
 
-@router.get(
-    "/{node:graph_name}/parameters",
-    response_model=NodeParameters,
-    responses=problems(404, 422, 429, 503, 504),
-    dependencies=[NO_QUERY],
-)
+@router.get("/{node:graph_name}/parameters")
 @carries_out(operations.get_parameters)
 async def get_parameters(
     node: GraphName, parameters: Part[Parameters], parts: AllParts, principal: ThePrincipal
-) -> Response:
+) -> Answer[NodeParameters]:
     """Return all parameters of a node: their values, types, ranges and descriptions, and whether they may be set."""
     name = f"/{node}"
     found = await operations.get_parameters(parts, principal, name)
@@ -47,10 +41,7 @@ async def get_parameters(
 
 @router.patch(
     "/{node:graph_name}/parameters",
-    response_model=ParameterChanges,
-    responses=problems(400, 404, 408, 409, 413, 415, 422, 429, 503, 504),
     openapi_extra=body({"type": "object", "description": "New values by name"}, required=True),
-    dependencies=[Depends(known_query("at_once"))],
 )
 @carries_out(operations.set_parameters)
 async def set_parameters(
@@ -60,7 +51,7 @@ async def set_parameters(
     principal: ThePrincipal,
     *,
     at_once: AtOnceQuery = True,
-) -> Response:
+) -> Answer[ParameterChanges]:
     """Set parameters of a node. Types and ranges are checked before anything is sent.
 
     With `at_once=false` each is set by itself: those that the node refuses have a `reason`, the others are set.

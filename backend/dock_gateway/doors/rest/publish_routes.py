@@ -2,11 +2,10 @@
 
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Request
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.goal import encode, fragment
+from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.doors.rest.service_routes import TypeQuery, describe_use, message_schema
 from dock_gateway.graph.call_schema import PublishedMessage, TopicInfo
@@ -15,18 +14,18 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GraphName, json_response, known_query, read_body, read_json
+from dock_gateway.http.requests import Answer, GraphName, json_response, read_body, read_json
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations.topics import Publish, publish
 
-router = APIRouter(tags=["Topics"], prefix="/topics", dependencies=[Depends(known_query("type"))])
+router = APIRouter(route_class=ApiRoute, tags=["Topics"], prefix="/topics")
 
 
-@router.get("/{topic:graph_name}", response_model=TopicInfo, responses=problems(404, 422, 503))
+@router.get("/{topic:graph_name}")
 @operation(Role.VIEWER, Scope.TOPIC)
 async def get_topic_message(
     topic: GraphName, publishing: Part[Publishing], grant: TheGrant, *, type_name: TypeQuery = None
-) -> Response:
+) -> Answer[TopicInfo]:
     """Return the type of a topic, the JSON Schema of its messages, and whether it may be published on."""
     found = await publishing.find(f"/{topic}", type_name, grant)
     document: dict[str, Any] = {
@@ -47,8 +46,6 @@ async def get_topic_message(
 
 @router.post(
     "/{topic:graph_name}",
-    response_model=PublishedMessage,
-    responses=problems(400, 404, 408, 409, 413, 415, 422, 503),
     openapi_extra=body({"type": "object", "description": "The message's own fields"}, required=True),
 )
 @carries_out(publish)
@@ -59,7 +56,7 @@ async def publish_message(
     principal: ThePrincipal,
     *,
     type_name: TypeQuery = None,
-) -> Response:
+) -> Answer[PublishedMessage]:
     """Publish one message on a topic. The body holds the fields of the message; `{}` publishes its defaults.
 
     `type` is needed only on a topic where no one is yet, or one with several types.
@@ -68,14 +65,11 @@ async def publish_message(
     fields = await read_json(request)
     published = await publish(parts, principal, Publish(name, fields, type_name))
     message = await published.encode(len(await read_body(request)))
-    return Response(
-        encode(
-            {
-                "topic": name,
-                "type": published.type,
-                "subscribers": published.subscribers,
-                "message": fragment(message),
-            }
-        ),
-        media_type="application/json",
+    return json_response(
+        {
+            "topic": name,
+            "type": published.type,
+            "subscribers": published.subscribers,
+            "message": fragment(message),
+        }
     )

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Query, Request
 
 from dock_gateway.core.errors import GatewayError, NotAllowed
-from dock_gateway.core.goal import encode, fragment
+from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.graph.call_schema import ServiceAnswer, ServiceInfo
 from dock_gateway.graph.service_calls import ServiceCalls
@@ -15,14 +14,14 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal
-from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import GraphName, json_response, known_query, read_json
+from dock_gateway.http.requests import Answer, GraphName, json_response, read_json
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import services
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.schema import DIALECT
 from dock_gateway.ros.messages.types import MessageClass
 
-router = APIRouter(tags=["Services"], prefix="/services")
+router = APIRouter(route_class=ApiRoute, tags=["Services"], prefix="/services")
 
 TypeQuery = Annotated[
     str | None, Query(alias="type", max_length=300, description="The type, if there are several on the ROS graph")
@@ -44,16 +43,11 @@ def message_schema(message_class: MessageClass, *, complete: bool) -> dict[str, 
     return {"$schema": DIALECT, **codec(message_class).schema(complete=complete)}
 
 
-@router.get(
-    "/{service:graph_name}",
-    response_model=ServiceInfo,
-    responses=problems(404, 422, 503),
-    dependencies=[Depends(known_query("type"))],
-)
+@router.get("/{service:graph_name}")
 @operation(Role.VIEWER, Scope.PLACE)
 async def get_service(
     service: GraphName, calls: Part[ServiceCalls], grant: TheGrant, *, type_name: TypeQuery = None
-) -> Response:
+) -> Answer[ServiceInfo]:
     """Return the type of a service, the JSON Schema of its request and response, and whether it may be called."""
     found = await calls.find(f"/{service}", type_name, grant)
     document: dict[str, Any] = {
@@ -78,10 +72,7 @@ async def get_service(
 
 @router.post(
     "/{service:graph_name}",
-    response_model=ServiceAnswer,
-    responses=problems(400, 404, 408, 409, 413, 415, 422, 429, 502, 503, 504),
     openapi_extra=body({"type": "object", "description": "The request's own fields"}, required=True),
-    dependencies=[Depends(known_query("type", "timeout"))],
 )
 @carries_out(services.call_service)
 async def call_service(
@@ -92,7 +83,7 @@ async def call_service(
     *,
     type_name: TypeQuery = None,
     timeout: TimeoutQuery = 5.0,
-) -> Response:
+) -> Answer[ServiceAnswer]:
     """Call a service and return its response. The body holds the fields of the request; `{}` sends its defaults.
 
     A response that does not come in time is not the end of the call: the service may still carry it out.
@@ -101,7 +92,4 @@ async def call_service(
     fields = await read_json(request)
     answer = await services.call_service(parts, principal, services.CallService(name, fields, type_name, timeout))
     response = await parts[ServiceCalls].encode(name, answer)
-    return Response(
-        encode({"service": name, "type": answer.type, "response": fragment(response)}),
-        media_type="application/json",
-    )
+    return json_response({"service": name, "type": answer.type, "response": fragment(response)})

@@ -7,8 +7,7 @@ import asyncio
 from http import HTTPStatus
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request
-from starlette.responses import Response
+from fastapi import APIRouter, Request
 
 from dock_gateway.audit.subjects import robots_text
 from dock_gateway.audit.trail import Trail, audited
@@ -21,30 +20,29 @@ from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import (
+    Answer,
     RobotQuery,
     RobotsQuery,
     json_response,
-    known_query,
     read_json,
     read_wait,
 )
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import stop as operations
 from dock_gateway.stop.order import PREFER, STOP_REQUEST, noting, read_order
 from dock_gateway.stop.schema import StopReport, StopState
 from dock_gateway.stop.stopper import Stopper
 
-router = APIRouter(tags=["Stop"])
-only_robot = Depends(known_query("robot"))
+router = APIRouter(route_class=ApiRoute, tags=["Stop"])
 
 
 @router.post(
     "/stop",
-    response_model=StopReport,
     responses=problems(421) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
 @carries_out(operations.stop)
-async def stop(request: Request, parts: AllParts, robot: RobotsQuery = None) -> Response:
+async def stop(request: Request, parts: AllParts, robot: RobotsQuery = None) -> Answer[StopReport]:
     """Stop robots: publish zero velocity at once, cancel all goals on all their actions, and refuse new ones.
 
     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
@@ -94,9 +92,9 @@ async def _read_body(request: Request, stopper: Stopper) -> Any:
     return await reading
 
 
-@router.get("/stop", response_model=StopState, responses=problems(403, 404, 421, 422), dependencies=[only_robot])
-@operation(Role.VIEWER, Scope.LISTED)
-async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = None) -> Response:
+@router.get("/stop")
+@operation(Role.VIEWER, Scope.LISTED, errors=(404, 421))
+async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = None) -> Answer[StopState]:
     """Return whether a stop is latched for a robot; without `robot`, for all robots.
 
     `robots` leaves out those beyond the user's limits.
@@ -107,9 +105,9 @@ async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = 
     return json_response({**state, "robots": [name for name in state["robots"] if grant.covers_robot(name)]})
 
 
-@router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
+@router.delete("/stop", responses=problems(409))
 @carries_out(operations.release_stop)
-async def release_stop(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Response:
+async def release_stop(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Answer[StopState]:
     """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
 
     This moves no robot.

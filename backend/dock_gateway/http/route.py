@@ -1,0 +1,55 @@
+"""A route of the API. What its function declares, and its signature, say what it takes, returns and refuses."""
+
+import inspect
+from collections.abc import Callable
+from typing import Any, get_args, get_origin
+
+from fastapi import Depends, params
+from fastapi.dependencies.utils import get_flat_params
+from fastapi.routing import APIRoute
+
+from dock_gateway.http.operation import ABOUT_ROBOTS, NAMED, Operation, operation_of
+from dock_gateway.http.problems import problems
+from dock_gateway.http.requests import Answer, known_query
+
+
+class ApiRoute(APIRoute):
+    """The `route_class` of a router of the API.
+
+    - The model of the answer is that of the return annotation, `Answer[Model]`.
+    - Query parameters that the function does not have are refused, unless its operation takes any.
+    - The documented errors are those of its operation, with those that follow from what it is about and takes.
+
+    Raises:
+        TypeError: The function is not declared as an operation.
+    """
+
+    def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
+        operation = operation_of(endpoint)
+        returned = inspect.signature(endpoint).return_annotation
+        if get_origin(returned) is Answer:
+            (options["response_model"],) = get_args(returned)
+        super().__init__(path, endpoint, **options)
+        errors = documented_errors(operation, has_body="requestBody" in (self.openapi_extra or {}))
+        self.responses = problems(*sorted(errors)) | self.responses
+        if not operation.any_query:
+            query = [each for each in get_flat_params(self.dependant) if isinstance(each.field_info, params.Query)]
+            self.dependencies.append(Depends(known_query(*(each.alias for each in query))))
+
+
+def documented_errors(operation: Operation, *, has_body: bool) -> set[int]:
+    """Return the statuses with which a request of an operation can fail; `has_body`: whether it takes a body."""
+    found = {403, *operation.errors}  # a page of another origin
+    if operation.role is not None:
+        found |= {401, 503}  # the identity provider may not answer
+    if not operation.any_query:
+        found.add(422)
+    if has_body and not operation.reads_body:
+        found |= {400, 408, 413, 415, 422}
+    if operation.scope in NAMED:
+        found.add(404)
+    if operation.scope in ABOUT_ROBOTS:
+        found.add(421)
+    if operation.sends_goal:
+        found.add(429)
+    return found
