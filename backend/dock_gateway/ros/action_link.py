@@ -11,6 +11,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.listener import Handler
 
 # Messages. At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
 FEEDBACK_DEPTH = 1000
@@ -67,8 +68,8 @@ class ActionLink:
         self._clients.append(client)
         return client
 
-    def listen(self, on_feedback: Callable[..., None], on_status: Callable[..., None]) -> None:
-        """Call guarded functions with each feedback message, and with the bytes of each status message."""
+    def listen(self, on_feedback: Handler, on_status: Handler) -> None:
+        """Handle each feedback message, and the bytes of each status message."""
         node, overrides = self.bridge.node, QoSOverridingOptions.with_default_policies()
         feedback = node.create_subscription(
             self._impl.FeedbackMessage,

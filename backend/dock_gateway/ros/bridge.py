@@ -23,7 +23,7 @@ from rclpy.task import Future as RosFuture
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.ros.inbox import Inbox, Inboxes
-from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
+from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener
 from dock_gateway.ros.threads import RosThread
 from robot_io.participants import create_context
 from robot_io.rclpy_private import InvalidHandle, RCLError, reason
@@ -356,31 +356,6 @@ def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None)
         future.set_exception(error)
     else:
         future.set_result(result)
-
-
-def guard(
-    callback: Callable[..., None],
-    unread: Callable[[bytes, Unread], None] = lambda *_: None,
-    wants: Callable[[bytes, dict[str, Any]], bool] = lambda *_: True,
-) -> Callable[..., None]:
-    """Wrap a subscription's callback so that its exceptions are logged and go no further.
-
-    Args:
-        callback: Called with each message and its info, as in `Buffer`.
-        unread: Called with the bytes of each message that was not read, and the reason.
-        wants: Returns whether to read a message, by its first bytes and its info. It must not raise.
-    """
-
-    def guarded(message: Any, info: Any) -> None:
-        try:
-            callback(message, info)
-        except Exception:
-            log.exception("an error in a ROS callback")
-
-    guarded.guarded = True  # type: ignore[attr-defined]
-    guarded.unread = unread  # type: ignore[attr-defined]
-    guarded.wants = wants  # type: ignore[attr-defined]
-    return guarded
 
 
 def ros_environment() -> dict[str, str]:

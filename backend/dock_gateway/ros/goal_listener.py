@@ -10,9 +10,9 @@ from dock_gateway.core.goal import Json
 from dock_gateway.core.graph import ACTION_PART, FEEDBACK, STATUS
 from dock_gateway.ros.action_link import ActionLink
 from dock_gateway.ros.admission import MAX_PUBLISHERS, MAX_UNKNOWN, WINDOW, Admission, KnownGoals
-from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import read_topic
-from dock_gateway.ros.listener import Unread
+from dock_gateway.ros.listener import Handler, Unread
 from dock_gateway.ros.losses import Losses, OnLoss
 from dock_gateway.ros.messages.codec import MessageCodec
 from dock_gateway.ros.status import StatusReader, StatusReport, text_of
@@ -79,8 +79,8 @@ class GoalListener:
             return self._uses(link) and self.admission.of_feedback(info["publisher"], _id_of(head))
 
         readers: dict[bytes, StatusReader] = {}
-        feedback = guard(self._hear_feedback, self._refuse_feedback, wants_feedback)
-        link.listen(feedback, guard(partial(self._hear_status, readers)))
+        feedback = Handler(self._hear_feedback, self._refuse_feedback, wants_feedback)
+        link.listen(feedback, Handler(partial(self._hear_status, readers)))
 
     def _refuse_feedback(self, message: bytes, why: Unread) -> None:
         self._losses.count(text_of(_id_of(message)), why)

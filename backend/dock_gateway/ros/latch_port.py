@@ -15,8 +15,8 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 
 from dock_gateway.core.graph import Endpoint
-from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.typed_topics import TypedTopics
 from robot_io.qos import LATCHED, LISTEN
 from robot_io.rclpy_private import Taken, take_bool
@@ -101,15 +101,19 @@ class LatchPort:
     def _listen(self, topic: str, quality: QoSProfile) -> Subscription:
         latched = topic == self._topic and quality is LATCHED
 
+        def hear(taken: Taken, _: None) -> None:
+            if latched:
+                self._hear_gateway(taken)
+            else:
+                self._hear_other(topic, taken)
+
         def take(subscription: Subscription) -> bool:
-            taken = take_bool(subscription)
-            if taken is not None:
-                hear(taken, None)
+            if (taken := take_bool(subscription)) is not None:
+                handler(taken, None)
             return taken is not None
 
-        hear = guard(lambda taken, _: self._hear_gateway(taken) if latched else self._hear_other(topic, taken))
-        hear.take = take  # type: ignore[attr-defined]
-        return self._bridge.node.create_subscription(Bool, topic, hear, quality)
+        handler = Handler(hear, take=take)
+        return self._bridge.node.create_subscription(Bool, topic, handler, quality)
 
     def _hear_gateway(self, taken: Taken) -> None:
         self._gateways.add(taken.publisher)

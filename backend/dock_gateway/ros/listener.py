@@ -10,6 +10,7 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections import deque
+from collections.abc import Callable
 from contextlib import suppress
 from enum import StrEnum
 from typing import Any, Generic, TypeVar
@@ -123,8 +124,39 @@ class Unread(StrEnum):
     TOO_FAST = "too_fast"
 
 
+class Handler:
+    """A subscription's callback that a `MessageListener` calls. Its exceptions are logged and go no further.
+
+    Args:
+        callback: Called with each message and its info, as in `Buffer`.
+        unread: Called with the bytes of each message that was not read, and the reason. It must not raise.
+        wants: Returns whether to read a message, by its first bytes and its info. It must not raise.
+        take: Takes and handles one message of a subscription in place of the listener, and returns whether there was
+            one; None if the listener does.
+    """
+
+    def __init__(
+        self,
+        callback: Callable[[Any, Any], None],
+        unread: Callable[[bytes, Unread], None] = lambda *_: None,
+        wants: Callable[[bytes, dict[str, Any]], bool] = lambda *_: True,
+        take: Callable[[Subscription], bool] | None = None,
+    ) -> None:
+        self.unread = unread
+        self.wants = wants
+        self.take = take
+        self._callback = callback
+
+    def __call__(self, message: Any, info: Any) -> None:
+        """Handle a message."""
+        try:
+            self._callback(message, info)
+        except Exception:
+            log.exception("an error in a ROS callback")
+
+
 class MessageListener(Listener[Subscription]):
-    """Calls the callbacks of subscriptions with `(message, info)`. They must not raise.
+    """Calls the handlers of subscriptions.
 
     Messages are taken as bytes, so that oversized ones are never deserialized. A topic whose messages are slow to read
     is throttled, to leave time for others.
@@ -142,19 +174,20 @@ class MessageListener(Listener[Subscription]):
         self._rests_until: WeakKeyDictionary[Subscription, float] = WeakKeyDictionary()
 
     def _take(self, entity: Subscription) -> bool:
-        if take := getattr(entity.callback, "take", None):
-            return bool(take(entity))
+        handler: Handler = entity.callback
+        if handler.take is not None:
+            return handler.take(entity)
         buffer = self._buffer
         if not buffer.take(entity):
             return False
-        info, callback = buffer.info, entity.callback
-        if not callback.wants(buffer.read(HEAD), info):
+        info = buffer.info
+        if not handler.wants(buffer.read(HEAD), info):
             return True
         if entity.raw:
-            callback(buffer.read(), info)
+            handler(buffer.read(), info)
         elif (why := self._refuse(entity, buffer.size)) is not None:
             log.warning("a message of %d bytes on %s is not read: %s", buffer.size, entity.topic_name, why)
-            callback.unread(buffer.read(), why)
+            handler.unread(buffer.read(), why)
         else:
             self._read(entity, buffer.read(), info)
         return True
@@ -213,7 +246,7 @@ class AnswerListener(Listener[Client]):
 
 
 class ListeningNode(Node):  # type: ignore[misc]
-    """A node whose clients and guarded subscriptions are served by listeners, and the rest by the executor."""
+    """A node whose clients and subscriptions with a `Handler` are served by listeners, and the rest by the executor."""
 
     def __init__(
         self,
@@ -242,13 +275,13 @@ class ListeningNode(Node):  # type: ignore[misc]
         return super().create_publisher(msg_type, topic, *args, **options)
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **options: Any) -> Subscription:
-        """Like rclpy's, but a listener takes the messages if the callback is guarded.
+        """Like rclpy's, but a listener takes the messages if the callback is a `Handler`.
 
         Raises:
             Conflict: `topic_in_use`: it is a topic of the gateway, which has another type.
         """
         self._require_own_type(msg_type, topic)
-        if not getattr(callback, "guarded", False):
+        if not isinstance(callback, Handler):
             return super().create_subscription(msg_type, topic, callback, *args, **options)
         # An executor that waits for a subscription's events also wakes up for each of its messages.
         options["event_callbacks"] = SubscriptionEventCallbacks(use_default_callbacks=False)

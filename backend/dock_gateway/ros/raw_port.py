@@ -11,7 +11,8 @@ from rclpy.serialization import deserialize_message
 
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import Json
-from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.messages.abbreviate import abbreviate
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_message
@@ -158,7 +159,7 @@ class EchoPort:
         )
         try:
             self._subscription = kind.message_class and bridge.node.create_subscription(
-                kind.message_class, topic, guard(self._hear), profile, raw=True
+                kind.message_class, topic, Handler(self._hear), profile, raw=True
             )
         except RCLError as error:  # one participant has one type for each topic
             detail = f"{topic} is read as {kind.name}, and the gateway itself uses it with another type"

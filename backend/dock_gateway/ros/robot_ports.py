@@ -16,7 +16,7 @@ from sensor_msgs.msg import BatteryState
 from dock_gateway.core.battery import BOUNDS, CELL_BOUNDS, infinities
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import GoalError, Json
-from dock_gateway.ros.bridge import guard
+from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.typed_topics import TypedTopics
 from robot_io.qos import LISTEN, TALK
@@ -70,7 +70,7 @@ class BatteryPort:
             self._publisher = node.create_publisher(BatteryState, topic, TALK, qos_overriding_options=overrides)
             try:
                 self._subscription = node.create_subscription(
-                    BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides
+                    BatteryState, topic, Handler(hear), LISTEN, qos_overriding_options=overrides
                 )
             except Exception:
                 self._leave()
@@ -158,7 +158,7 @@ class DiagnosticsPort:
             if facts:
                 inbox.offer(len(facts), tell, facts)
 
-        topics.subscribe(topic, DiagnosticArray, stop_topic, guard(hear), LISTEN)
+        topics.subscribe(topic, DiagnosticArray, stop_topic, Handler(hear), LISTEN)
 
 
 def _read_error(values: dict[str, str], message: str) -> GoalError | None:

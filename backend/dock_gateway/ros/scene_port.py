@@ -16,7 +16,7 @@ from sensor_msgs.msg import Range
 from dock_gateway.core.event import Event, moment, scene_event
 from dock_gateway.core.footprint import footprint_document
 from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
-from dock_gateway.ros.bridge import guard
+from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.messages.types import type_name
 from dock_gateway.ros.typed_topics import TypedTopic, TypedTopics
 from robot_io.qos import LATCHED
@@ -82,7 +82,7 @@ class ScenePort:
         self._topics: list[TypedTopic] = []
 
         def listen(kind: type, name: str, callback: Callable[..., None], quality: QoSProfile, **options: Any) -> None:
-            topic = topics.subscribe(resolve(name), kind, stop_topic, guard(callback), quality, **options)
+            topic = topics.subscribe(resolve(name), kind, stop_topic, Handler(callback), quality, **options)
             self._topics.append(topic)
 
         # The true pose is read first: after a pause, odometry would be taken for all that there is.

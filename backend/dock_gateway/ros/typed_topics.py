@@ -17,6 +17,7 @@ from rclpy.subscription import Subscription
 
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import find_gateways, read_topic
+from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.messages.types import type_name
 from robot_io.rclpy_private import RCLError
 
@@ -123,13 +124,13 @@ class TypedTopics:
         return topic
 
     def subscribe(
-        self, name: str, kind: type, stop_topic: str, hear: Callable[..., None], quality: QoSProfile, **options: Any
+        self, name: str, kind: type, stop_topic: str, handler: Handler, quality: QoSProfile, **options: Any
     ) -> TypedTopic:
-        """Join a topic with one subscription; `hear` is called with each message."""
+        """Join a topic with one subscription; `handler` gets each message."""
         node, subscriptions = self.bridge.node, list[Subscription]()
 
         def make() -> None:
-            subscriptions.append(node.create_subscription(kind, name, hear, quality, **options))
+            subscriptions.append(node.create_subscription(kind, name, handler, quality, **options))
 
         return self.join(name, kind, stop_topic, make, lambda: node.destroy_subscription(subscriptions.pop()))
 

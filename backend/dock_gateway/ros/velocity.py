@@ -21,10 +21,10 @@ from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 from dock_gateway.core.velocity_types import choose_types
-from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.endpoints import Endpoints
 from dock_gateway.ros.graph import find_gateways, read_topic
-from dock_gateway.ros.listener import ListeningNode
+from dock_gateway.ros.listener import Handler, ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
@@ -164,7 +164,7 @@ class VelocityListener:
         self._topics = topics
         self._name = name
         self._topic = topics.at(name)
-        self._hear = guard(hear)
+        self._hear = Handler(hear)
         self._buffer = Buffer()
 
         def make(node: ListeningNode, kind: type) -> Subscription:

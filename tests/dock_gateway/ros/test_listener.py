@@ -13,8 +13,7 @@ from rclpy.qos import QoSProfile
 from std_msgs.msg import Int32, String
 from std_srvs.srv import SetBool
 
-from dock_gateway.ros.bridge import guard
-from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
+from dock_gateway.ros.listener import AnswerListener, Handler, ListeningNode, MessageListener, Unread
 from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
@@ -54,7 +53,7 @@ def test_every_message_is_heard_in_order_with_its_timestamp(node: ListeningNode)
             raise ValueError("it goes on")
 
     publisher = node.create_publisher(Int32, "numbers", QoSProfile(depth=1000))
-    node.create_subscription(Int32, "numbers", guard(hear), QoSProfile(depth=1000))
+    node.create_subscription(Int32, "numbers", Handler(hear), QoSProfile(depth=1000))
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for number in range(500):
         publisher.publish(Int32(data=number))
@@ -79,7 +78,7 @@ def test_subscriptions_come_and_go_while_messages_do(node: ListeningNode) -> Non
         for _ in range(30):
             heard.clear()
             subscription = node.create_subscription(
-                Int32, "numbers", guard(lambda message, _: heard.append(message.data)), 10
+                Int32, "numbers", Handler(lambda message, _: heard.append(message.data)), 10
             )
             wait_for(lambda: len(heard) > 3)
             assert node.destroy_subscription(subscription)
@@ -106,7 +105,7 @@ def test_subscriptions_without_guard_are_left_to_the_executor(node: ListeningNod
 def test_a_message_that_is_too_large_is_not_read(node: ListeningNode) -> None:
     heard: list[int] = []
     unread: list[tuple[int, Unread]] = []
-    callback = guard(
+    callback = Handler(
         lambda message, _: heard.append(len(message.data)), lambda data, why: unread.append((len(data), why))
     )
     publisher = node.create_publisher(String, "texts", 10)
@@ -130,7 +129,7 @@ def test_messages_that_are_not_wanted_are_not_read(node: ListeningNode) -> None:
         return b"no" not in head
 
     publisher = node.create_publisher(String, "texts", 10)
-    callback = guard(lambda message, _: heard.append(message.data), wants=wants)
+    callback = Handler(lambda message, _: heard.append(message.data), wants=wants)
     node.create_subscription(String, "texts", callback, 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for text in ("no", "yes", "no" * MAX_BYTES, "yes"):
@@ -152,7 +151,7 @@ def test_large_messages_that_take_long_leave_most_of_the_time_to_others(node: Li
             pass
 
     publisher = node.create_publisher(String, "texts", 10)
-    node.create_subscription(String, "texts", guard(hear, lambda _, why: unread.append(why)), 10)
+    node.create_subscription(String, "texts", Handler(hear, lambda _, why: unread.append(why)), 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for size in (20_000, 20_000, 20_000, 5):
         publisher.publish(String(data="x" * size))
@@ -164,7 +163,7 @@ def test_large_messages_that_take_long_leave_most_of_the_time_to_others(node: Li
 def test_bytes_that_are_no_message_harm_no_other(node: ListeningNode) -> None:
     heard: list[str] = []
     publisher = node.create_publisher(String, "texts", 10)
-    node.create_subscription(String, "texts", guard(lambda message, _: heard.append(message.data)), 10)
+    node.create_subscription(String, "texts", Handler(lambda message, _: heard.append(message.data)), 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     publisher.publish(b"\0\1\0\0\xff\xff\xff\xff")
     publisher.publish(String(data="hello"))
