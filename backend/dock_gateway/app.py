@@ -14,18 +14,18 @@ from dock_gateway.cameras import routes as camera_routes
 from dock_gateway.doors.rest import (
     action_routes,
     battery_routes,
-    cancel_routes,
     dock_routes,
+    fleet_routes,
+    goal_routes,
     parameter_routes,
     publish_routes,
     service_routes,
     stop_routes,
 )
-from dock_gateway.fleet import routes as fleet_routes
 from dock_gateway.foxglove import routes as foxglove_routes
 from dock_gateway.gateways import routes as gateway_routes
 from dock_gateway.goals import approval_routes, export_routes, note_routes
-from dock_gateway.goals import routes as goal_routes
+from dock_gateway.goals import routes as history_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
 from dock_gateway.graph import interface_routes
 from dock_gateway.graph import routes as graph_routes
@@ -67,44 +67,47 @@ CONTENTS = Contents(
 
 def api_routers() -> tuple[APIRouter, ...]:
     """Return the routers of the API, in the order in which they are asked."""
-    modules = (
-        stop_routes,
-        events,
-        export_routes,  # before goals: `export` and `tags` are not goal ids
-        note_routes,
-        recording_routes,
-        goal_routes,
-        cancel_routes,
-        statistics_routes,
-        action_routes,
-        approval_routes,
-        interface_routes,
-        graph_routes,
-        service_routes,
-        parameter_routes,
-        publish_routes,
-        battery_routes,
-        map_routes,
-        camera_routes,
-        fleet_routes,
-        gateway_routes,
-        automation_routes,
-        webhook_routes,
-        calibration_routes,
-        simulator_routes,
-        session_routes,
-        provider_routes,
-        user_routes,
-        token_routes,
-        audit_routes,
-        health_routes,
-        metrics_routes,
-        socket,
-        topics,
-        rosbridge_routes,
-        foxglove_routes,
+    return (
+        goal_routes.dock,
+        goal_routes.undock,
+        dock_routes.router,
+        stop_routes.router,
+        events.router,
+        export_routes.router,  # before goals: `export` and `tags` are not goal ids
+        note_routes.router,
+        recording_routes.router,
+        history_routes.router,
+        goal_routes.anywhere,
+        statistics_routes.router,
+        goal_routes.of_action,
+        action_routes.router,
+        approval_routes.router,
+        interface_routes.router,
+        graph_routes.router,
+        service_routes.router,
+        parameter_routes.router,
+        publish_routes.router,
+        battery_routes.router,
+        map_routes.router,
+        camera_routes.router,
+        fleet_routes.router,
+        gateway_routes.router,
+        automation_routes.router,
+        webhook_routes.router,
+        calibration_routes.router,
+        simulator_routes.router,
+        session_routes.router,
+        provider_routes.router,
+        user_routes.router,
+        token_routes.router,
+        audit_routes.router,
+        health_routes.router,
+        metrics_routes.router,
+        socket.router,
+        topics.router,
+        rosbridge_routes.router,
+        foxglove_routes.router,
     )
-    return (*dock_routes.routers, *(module.router for module in modules))
 
 
 def _agent_routers(settings: Settings) -> tuple[APIRouter, ...]:

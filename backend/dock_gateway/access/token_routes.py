@@ -12,15 +12,11 @@ from dock_gateway.access.schema import CreatedToken, TokenBody, TokenList
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Role
-from dock_gateway.http.bodies import body_schema, read
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
-from dock_gateway.http.requests import (
-    Answer,
-    json_response,
-)
+from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/tokens")
@@ -35,11 +31,10 @@ async def list_tokens(logins: Part[Logins]) -> Answer[TokenList]:
     return json_response({"tokens": await logins.tokens.documents()})
 
 
-@router.post("", name="create_token", status_code=201, openapi_extra=body(body_schema(TokenBody), required=True))
+@router.post("", name="create_token", status_code=201)
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409,))
-async def create_token(request: Request, logins: Part[Logins]) -> Answer[CreatedToken]:
+async def create_token(body: Body[TokenBody], request: Request, logins: Part[Logins]) -> Answer[CreatedToken]:
     """Create a token. Only this answer has its secret."""
-    body = await read(TokenBody, request)
     audited(request, subject=body.name)
     expires_at = None if body.days is None else utc_now() + timedelta(days=body.days)
     creator = principal_of(request).name

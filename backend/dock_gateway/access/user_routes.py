@@ -11,8 +11,7 @@ from dock_gateway.access.users import NAME
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.grant import Role
-from dock_gateway.http.bodies import body_schema, read
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
@@ -36,16 +35,10 @@ async def list_users(logins: Part[Logins]) -> Answer[UserList]:
     return json_response({"users": await logins.documents()})
 
 
-@router.put(
-    "/users/{user}",
-    name="put_user",
-    responses={201: {"description": "The new user", "model": User}},
-    openapi_extra=body(body_schema(UserBody), required=True),
-)
+@router.put("/users/{user}", name="put_user", responses={201: {"description": "The new user", "model": User}})
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409, 429))
-async def put_user(name: UserName, request: Request, logins: Part[Logins]) -> Answer[User]:
+async def put_user(name: UserName, body: Body[UserBody], request: Request, logins: Part[Logins]) -> Answer[User]:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
-    body = await read(UserBody, request)
     grant, password, disabled = body.grant(), body.password, body.disabled
     try:
         return json_response(await logins.edit_user(name, grant, password, disabled=disabled))
@@ -87,16 +80,10 @@ async def log_out_everywhere(request: Request, logins: Part[Logins]) -> Response
     return response
 
 
-@router.put(
-    "/session/password",
-    name="change_password",
-    status_code=204,
-    openapi_extra=body(body_schema(PasswordBody), required=True),
-)
+@router.put("/session/password", name="change_password", status_code=204)
 @operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST, errors=(409, 429))
-async def change_password(request: Request, logins: Part[Logins]) -> Response:
+async def change_password(body: Body[PasswordBody], request: Request, logins: Part[Logins]) -> Response:
     """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
-    body = await read(PasswordBody, request)
     name = require_user(principal_of(request))
     secret = await logins.change_password(name, body.old, body.new, address_of(request))
     response = Response(status_code=204)

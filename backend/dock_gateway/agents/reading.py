@@ -11,16 +11,16 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
-from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.queries import read_goal_filter
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.routes import list_all_goals
 from dock_gateway.graph.interface_routes import interface_document
-from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import read_goal_id
+from dock_gateway.operations import fleet
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 from dock_gateway.streams.feed import feed
@@ -46,10 +46,10 @@ def goal_document(goal: Goal) -> dict[str, Any]:
     return shown | {"ended": goal.status.terminal}
 
 
-@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+@carries_out(fleet.list_robots)
 async def list_robots(parts: Parts, principal: Principal, _: Fields) -> Fields:
     """List the robots: where they are, how charged, whether they are stopped."""
-    return {"robots": [_robot(document) for document in parts[Fleet].documents(grant=principal.grant)]}
+    return {"robots": [_robot(document) for document in await fleet.list_robots(parts, principal)]}
 
 
 def _robot(document: Mapping[str, Any]) -> dict[str, Any]:
@@ -64,12 +64,12 @@ def _robot(document: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+@carries_out(fleet.list_actions)
 async def list_actions(parts: Parts, principal: Principal, fields: Fields) -> Fields:
-    """List the actions on the ROS graph."""
+    """List the actions on the ROS graph that goals can be sent to."""
     robot, names = fields.get("robot"), ("action_name", "action_type", "verb", "available", "running_goals", "hint")
-    covered = (each for each in parts[ActionRegistry].all() if principal.grant.covers_action(each.name))
-    shown = [action.document() for action in covered if robot is None or is_under(action.name, robot)]
+    found = [each for each in await fleet.list_actions(parts, principal, hidden=True) if each["installed"]]
+    shown = [action for action in found if robot is None or is_under(action["action_name"], robot)]
     return {"actions": [{name: action[name] for name in names} for action in shown]}
 
 
@@ -81,7 +81,7 @@ async def describe_action(parts: Parts, _: Principal, fields: Fields) -> Fields:
     return {"action_name": action.name, "action_type": messages.pop("type"), **messages}
 
 
-@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+@carries_out(list_all_goals)
 async def list_goals(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """List goals of every sender, newest first."""
     action, status = fields.get("action"), fields.get("status")
@@ -113,12 +113,11 @@ async def explain_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
     return {"explanation": " ".join(said), "goal": goal_document(goal), "events": changes}
 
 
-@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+@carries_out(fleet.list_alerts)
 async def list_alerts(parts: Parts, principal: Principal, _: Fields) -> Fields:
     """List the active alerts."""
     names = ("id", "kind", "robot", "severity", "since", "title", "detail")
-    documents = parts[AlertBoard].documents(principal.grant)
-    return {"alerts": [{name: alert[name] for name in names} for alert in documents]}
+    return {"alerts": [{name: alert[name] for name in names} for alert in await fleet.list_alerts(parts, principal)]}
 
 
 @operation(Role.VIEWER, Scope.GOAL, Audit.NEVER)

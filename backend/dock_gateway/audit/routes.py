@@ -18,14 +18,7 @@ from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.queries import SinceQuery, UntilQuery
-from dock_gateway.http.requests import (
-    GOAL_ID,
-    ROBOT_PATTERN,
-    Answer,
-    LimitQuery,
-    json_response,
-    read_goal_id,
-)
+from dock_gateway.http.requests import GOAL_ID, ROBOT_PATTERN, Answer, LimitQuery, json_response, read_goal_id
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import rows_of
 from dock_gateway.storage import History

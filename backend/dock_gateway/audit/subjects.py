@@ -53,7 +53,7 @@ class Subjects:
             return {"goal_id": path.get("goal_id"), "subject": str(query) or None}
         operation = find_operation(scope["route"])
         names = dict(path)
-        if any(field.name == "robot" for field in scope["route"].dependant.query_params):
+        if "robot" in scope["route"].query_names:
             names["robot"] = tuple(query.getlist("robot")) or None
         fields = self.of_names(names, Scope.ANY if operation is None else operation.scope)
         others = ", ".join(str(value) for name, value in path.items() if name not in KNOWN)

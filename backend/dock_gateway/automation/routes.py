@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Depends, Query
 from starlette.responses import Response
 
 from dock_gateway.automation.docking import AutomaticDocking
@@ -10,8 +10,7 @@ from dock_gateway.automation.rule import RuleBody
 from dock_gateway.automation.schema import DecisionList, Rule, RuleList
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.http.bodies import body_schema, read_signed
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
@@ -48,14 +47,13 @@ async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Ans
     return json_response({"rules": await automation.documents(grant)})
 
 
-@router.put("/rules/{rule_id}", openapi_extra=body(body_schema(RuleBody), required=True))
+@router.put("/rules/{rule_id}")
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
-async def replace_rule(rule_id: RuleId, request: Request, automation: Part[AutomaticDocking]) -> Answer[Rule]:
+async def replace_rule(rule_id: RuleId, body: SignedBody[RuleBody], automation: Part[AutomaticDocking]) -> Answer[Rule]:
     """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
 
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
     """
-    body = await read_signed(RuleBody, request)
     return json_response(await automation.replace(rule_id, body.entry()))
 
 

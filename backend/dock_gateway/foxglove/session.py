@@ -43,8 +43,8 @@ from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.edge.websocket import frame_writer
-from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
+from dock_gateway.operations.topics import subscribes_topic
 from dock_gateway.settings import Settings
 from dock_gateway.streams.socket_session import Request, SocketSession
 
@@ -140,6 +140,7 @@ class FoxgloveSession(SocketSession):
             response = await self._services.call(call)
         await self._send_bytes(protocol.service_call_response(call, response))
 
+    @subscribes_topic
     async def subscribe(self, fields: Json) -> None:
         """Send the messages of channels."""
         await self._each("subscribe", read_fields(Subscribe, fields).subscriptions, self._subscribe)
@@ -148,12 +149,8 @@ class FoxgloveSession(SocketSession):
         self._subscriptions.require_room()
         if (channel := self._view.channels.find(wanted.channel)) is None:
             raise NotFound(f"there is no channel {wanted.channel}", code="channel_not_found")
-        await self.rights.require(FoxgloveSession.read_topic, {"topic": channel.topic})
+        await self.rights.require(FoxgloveSession.subscribe, {"topic": channel.topic})
         await self._subscriptions.subscribe(wanted.id, channel)
-
-    @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
-    def read_topic(self) -> None:
-        """What a subscription needs."""
 
     async def unsubscribe(self, fields: Json) -> None:
         """Send no more messages of channels."""

@@ -8,8 +8,7 @@ from dock_gateway.audit.trail import audited
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.approval_schema import Approval, ApprovalBody, ApprovalList
 from dock_gateway.goals.approvals import Approvals
-from dock_gateway.http.bodies import body_schema, read
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, principal_of
@@ -28,14 +27,16 @@ async def list_approvals(approvals: Part[Approvals], grant: TheGrant) -> Answer[
     return json_response({"approvals": approvals.documents(grant)})
 
 
-@router.post("/{approval_id}", openapi_extra=body(body_schema(ApprovalBody), required=True))
+@router.post("/{approval_id}")
 @operation(Role.OPERATOR, Scope.APPROVAL)
-async def decide_approval(approval_id: ApprovalId, request: Request, approvals: Part[Approvals]) -> Answer[Approval]:
+async def decide_approval(
+    approval_id: ApprovalId, body: Body[ApprovalBody], request: Request, approvals: Part[Approvals]
+) -> Answer[Approval]:
     """Allow or refuse a goal that waits: this goal, once. It is sent at once if it is allowed.
 
     A goal that has expired, was answered or was dropped by a stop is `404 approval_not_found`.
     """
-    allow = (await read(ApprovalBody, request)).allow
+    allow = body.allow
     approval = approvals.decide(approval_id, allow=allow, by=principal_of(request).name)
     subject = f"{'allowed' if allow else 'refused'} {approval.agent}"
     audited(request, robot=approval.robot, action_name=approval.action_name, subject=subject)

@@ -4,20 +4,15 @@ import uuid
 from datetime import UTC, datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request
+from fastapi import APIRouter, Path
 
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.schema import GoalNotes, NoteBody, Tags, TagsBody
-from dock_gateway.http.bodies import body_schema, read, read_signed
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.requests import (
-    Answer,
-    GoalId,
-    json_response,
-)
+from dock_gateway.http.requests import Answer, GoalId, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.storage import History, Note
 
@@ -41,11 +36,12 @@ async def list_notes(goal_id: GoalId, goals: Part[Goals], history: Part[History]
     return json_response(await history.notes.of(goal_id))
 
 
-@router.post("/{goal_id}/notes", status_code=201, openapi_extra=body(body_schema(NoteBody), required=True))
+@router.post("/{goal_id}/notes", status_code=201)
 @operation(Role.OPERATOR, Scope.GOAL, errors=(409,))
-async def add_note(goal_id: GoalId, request: Request, goals: Part[Goals], history: Part[History]) -> Answer[GoalNotes]:
+async def add_note(
+    goal_id: GoalId, body: SignedBody[NoteBody], goals: Part[Goals], history: Part[History]
+) -> Answer[GoalNotes]:
     """Add a note to a goal, which may have 100."""
-    body = await read_signed(NoteBody, request)
     await goals.get(goal_id)
     note = Note(uuid.uuid4().hex, body.by, datetime.now(UTC), body.text)
     return json_response(await history.notes.add(goal_id, note), 201)
@@ -61,12 +57,11 @@ async def delete_note(
     return json_response(await history.notes.remove(goal_id, note_id))
 
 
-@router.put("/{goal_id}/tags", openapi_extra=body(body_schema(TagsBody), required=True))
+@router.put("/{goal_id}/tags")
 @operation(Role.OPERATOR, Scope.GOAL)
 async def replace_tags(
-    goal_id: GoalId, request: Request, goals: Part[Goals], history: Part[History]
+    goal_id: GoalId, body: Body[TagsBody], goals: Part[Goals], history: Part[History]
 ) -> Answer[GoalNotes]:
     """Replace the tags of a goal."""
-    body = await read(TagsBody, request)
     await goals.get(goal_id)
     return json_response(await history.notes.replace_tags(goal_id, body.tags))

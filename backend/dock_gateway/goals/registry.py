@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
@@ -40,6 +40,22 @@ class Uninstalled:
     type: str
     verb: Verb | None
     hint: str
+
+    def document(self) -> dict[str, Any]:
+        """Return the action as JSON, as in `ActionInfo`."""
+        return {
+            "action_name": self.name,
+            "action_type": self.type,
+            "verb": self.verb,
+            "available": True,
+            "answering": False,
+            "duplicate": False,
+            "installed": False,
+            "hint": self.hint,
+            "running_goals": 0,
+            "feedback_dropped": 0,
+            "unknown_goals_ignored": 0,
+        }
 
 
 class DockingServers(NamedTuple):

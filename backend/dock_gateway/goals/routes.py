@@ -10,17 +10,10 @@ from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.queries import GoalFilterQuery
 from dock_gateway.goals.schema import ActionGoal, GoalHistory, TaggedGoalPage
-from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.queries import EVENT_ID
-from dock_gateway.http.requests import (
-    Answer,
-    CursorQuery,
-    GoalId,
-    LimitQuery,
-    goal_response,
-    json_response,
-)
+from dock_gateway.http.requests import Answer, CursorQuery, GoalId, LimitQuery, goal_response, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.storage import History
 
@@ -28,7 +21,7 @@ router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 
 
 @router.get("")
-@operation(Role.VIEWER, Scope.LISTED)
+@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
 async def list_all_goals(
     goals: Part[Goals], wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Answer[TaggedGoalPage]:

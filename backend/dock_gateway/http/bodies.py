@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import orjson
-from fastapi import Request
+from fastapi import Depends, Request
 from pydantic import AfterValidator, BaseModel, ValidationError, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
@@ -39,6 +40,46 @@ async def read(model: type[ModelT], request: Request) -> ModelT:
         InvalidField, MalformedRequest: As `read_signed`.
     """
     return read_model(model, await read_json(request))
+
+
+@dataclass(frozen=True)
+class BodyReader(Generic[ModelT]):
+    """Reads the body of a request as a model: the dependency behind `Body` and `SignedBody`.
+
+    Attributes:
+        model: The model.
+        signed: Whether the name of who sent it is read as `by`.
+    """
+
+    model: type[ModelT]
+    signed: bool = False
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """The JSON Schema of the body, without references."""
+        return body_schema(self.model)
+
+    async def __call__(self, request: Request) -> ModelT:
+        """Return the body."""
+        return await (read_signed if self.signed else read)(self.model, request)
+
+
+if TYPE_CHECKING:
+    Body = Annotated[ModelT, "the body of the request"]
+    SignedBody = Annotated[ModelT, "the body of the request, with the name of who sent it as `by`"]
+else:
+
+    class Body:
+        """`Body[Label]` is `Label` to whoever reads it, and tells FastAPI to read it from the body."""
+
+        def __class_getitem__(cls, model: type) -> Any:
+            return Annotated[model, Depends(BodyReader(model))]
+
+    class SignedBody:
+        """`SignedBody[NoteBody]` is `Body[NoteBody]` with the name of who sent it as `by`, if it is known."""
+
+        def __class_getitem__(cls, model: type) -> Any:
+            return Annotated[model, Depends(BodyReader(model, signed=True))]
 
 
 def read_model(model: type[ModelT], value: object) -> ModelT:

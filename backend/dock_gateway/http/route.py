@@ -8,6 +8,8 @@ from fastapi import Depends, params
 from fastapi.dependencies.utils import get_flat_params
 from fastapi.routing import APIRoute
 
+from dock_gateway.http.bodies import BodyReader
+from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import ABOUT_ROBOTS, NAMED, Operation, operation_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, known_query
@@ -16,9 +18,13 @@ from dock_gateway.http.requests import Answer, known_query
 class ApiRoute(APIRoute):
     """The `route_class` of a router of the API.
 
+    - The body is that of a parameter, `Body[Model]` or `SignedBody[Model]`.
     - The model of the answer is that of the return annotation, `Answer[Model]`.
     - Query parameters that the function does not have are refused, unless its operation takes any.
     - The documented errors are those of its operation, with those that follow from what it is about and takes.
+
+    Attributes:
+        query_names: The names of its query parameters.
 
     Raises:
         TypeError: The function is not declared as an operation.
@@ -30,11 +36,15 @@ class ApiRoute(APIRoute):
         if get_origin(returned) is Answer:
             (options["response_model"],) = get_args(returned)
         super().__init__(path, endpoint, **options)
+        readers = [each.call for each in self.dependant.dependencies if isinstance(each.call, BodyReader)]
+        if readers:
+            self.openapi_extra = (self.openapi_extra or {}) | body(readers[0].schema, required=True)
         errors = documented_errors(operation, has_body="requestBody" in (self.openapi_extra or {}))
         self.responses = problems(*sorted(errors)) | self.responses
+        flat = get_flat_params(self.dependant)
+        self.query_names = [each.alias for each in flat if isinstance(each.field_info, params.Query)]
         if not operation.any_query:
-            query = [each for each in get_flat_params(self.dependant) if isinstance(each.field_info, params.Query)]
-            self.dependencies.append(Depends(known_query(*(each.alias for each in query))))
+            self.dependencies.append(Depends(known_query(*self.query_names)))
 
 
 def documented_errors(operation: Operation, *, has_body: bool) -> set[int]:

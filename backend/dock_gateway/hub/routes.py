@@ -13,8 +13,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.schema import AcknowledgementBody
-from dock_gateway.http.bodies import body_schema, read_signed
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
@@ -23,15 +22,7 @@ from dock_gateway.http.route import ApiRoute
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.overview import Overview
 from dock_gateway.hub.renaming import read_alerts
-from dock_gateway.hub.schema import (
-    HubHealth,
-    HubReadiness,
-    SiteAlert,
-    SiteAlertList,
-    SiteInfo,
-    SiteList,
-    SiteRobotList,
-)
+from dock_gateway.hub.schema import HubHealth, HubReadiness, SiteAlert, SiteAlertList, SiteInfo, SiteList, SiteRobotList
 from dock_gateway.hub.site_client import DEADLINE
 from dock_gateway.hub.sites import Sites
 from dock_gateway.hub.stops import Stops
@@ -96,17 +87,13 @@ async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Answer[SiteA
     return json_response({"alerts": overview.documents(grant)})
 
 
-@router.put(
-    "/alerts/{alert_id}/acknowledgement",
-    tags=["Alerts"],
-    response_model=SiteAlert,
-    openapi_extra=body(body_schema(AcknowledgementBody), required=True),
-)
+@router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
 @operation(Role.OPERATOR, Scope.ALERT, errors=(504,))
-async def acknowledge(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
+async def acknowledge(
+    alert_id: AlertId, body: SignedBody[AcknowledgementBody], request: Request, parts: AllParts
+) -> Response:
     """Acknowledge an alert: one of a site at that site, which decides whether the user may."""
-    by = (await read_signed(AcknowledgementBody, request)).by
-    return await _answer_alert(alert_id, request, parts, "PUT", by)
+    return await _answer_alert(alert_id, request, parts, "PUT", body.by)
 
 
 @router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)

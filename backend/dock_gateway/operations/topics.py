@@ -6,9 +6,12 @@ from typing import Any
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
 from dock_gateway.graph.publishing import FoundTopic, Published, Publishing
-from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.types import MessageClass
+
+# Declared once: each door's function that sends the messages of a topic carries it.
+subscribes_topic = operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
 
 
 @dataclass(frozen=True)

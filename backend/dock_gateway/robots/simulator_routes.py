@@ -3,12 +3,11 @@
 import math
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Request
+from fastapi import APIRouter, Path
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.scene import Pose
-from dock_gateway.http.bodies import body_schema, read
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
@@ -40,26 +39,24 @@ async def reset_simulator(
     return json_response(await simulators.reset(robots.get(robot).namespace))
 
 
-@router.post("/place", openapi_extra=body(body_schema(PlaceBody), required=True))
+@router.post("/place")
 @operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def place_robot(
-    request: Request, simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
+    body: Body[PlaceBody], simulators: Part[Simulators], robots: Part[RobotRegistry], robot: RobotQuery = None
 ) -> Answer[Simulator]:
     """Move the robot to a pose through RViz's `initialpose` topic."""
-    body = await read(PlaceBody, request)
     pose = Pose(body.x, body.y, math.remainder(body.theta, math.tau))
     return json_response(await simulators.place(robots.get(robot).namespace, pose))
 
 
-@router.put("/faults/{fault}", openapi_extra=body(body_schema(FaultBody), required=True))
+@router.put("/faults/{fault}")
 @operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def switch_fault(
     fault: FaultPath,
-    request: Request,
+    body: Body[FaultBody],
     simulators: Part[Simulators],
     robots: Part[RobotRegistry],
     robot: RobotQuery = None,
 ) -> Answer[Simulator]:
     """Switch a fault on or off."""
-    body = await read(FaultBody, request)
     return json_response(await simulators.switch(robots.get(robot).namespace, fault, active=body.active))

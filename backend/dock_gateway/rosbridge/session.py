@@ -18,14 +18,13 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.grant import Role
 from dock_gateway.core.work import SMALL, Work
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.edge.websocket import frame_writer
-from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
+from dock_gateway.operations.topics import subscribes_topic
 from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
@@ -175,7 +174,7 @@ class RosbridgeSession(SocketSession):
                 await stack.enter_async_context(self._in_order)
             await operate(self, fields, request.identity)
 
-    @operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
+    @subscribes_topic
     async def subscribe(self, fields: Json, identity: Identity) -> None:
         """Send the messages of a topic."""
         request = read_fields(Subscribe, fields)

@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, AsyncIterator, Coroutine, Mapping
+from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request, WebSocket
@@ -101,25 +101,23 @@ class EventStream(PacedResponse):
         super().__init__(first, chunks, timeout, media_type="text/event-stream", headers={"X-Accel-Buffering": "no"})
 
 
+async def _of_action(name: GraphName) -> str:
+    return name
+
+
+@router.get(
+    "/actions/{name:graph_name}/goals/{goal_id}/events",
+    name="action_events",
+    responses=SSE,
+    response_class=StreamingResponse,
+    dependencies=[Depends(_of_action)],
+)
 @router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE, response_class=StreamingResponse)
 @router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE, response_class=StreamingResponse)
 @router.get("/dock/{goal_id}/events", responses=SSE, response_class=StreamingResponse)
 @operation(Role.VIEWER, Scope.GOAL, errors=(429,))
 async def dock_events(goal_id: GoalId, request: Request, parts: AllParts, query: StreamQuery) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    return await _sse(request, parts, goal_id, query)
-
-
-@router.get("/actions/{name:graph_name}/goals/{goal_id}/events", responses=SSE, response_class=StreamingResponse)
-@operation(Role.VIEWER, Scope.GOAL, errors=(429,))
-async def action_events(
-    name: GraphName, goal_id: GoalId, request: Request, parts: AllParts, query: StreamQuery
-) -> Response:
-    """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    return await _sse(request, parts, goal_id, query)
-
-
-async def _sse(request: Request, parts: Parts, goal_id: str, query: Mapping[str, str]) -> Response:
     last = request.headers.get("last-event-id")
     after = read_after(query if last is None else {"after": last})
     wanted = {**query, "goal_id": goal_id}

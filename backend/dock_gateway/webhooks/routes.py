@@ -2,22 +2,15 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Depends
 from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
-from dock_gateway.http.bodies import body_schema, read_signed
-from dock_gateway.http.openapi import body
+from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import ADMIN_THROUGH_HUB
-from dock_gateway.http.requests import (
-    SLUG_IN_PATH,
-    Answer,
-    LimitQuery,
-    json_response,
-    read_slug,
-)
+from dock_gateway.http.requests import SLUG_IN_PATH, Answer, LimitQuery, json_response, read_slug
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
@@ -40,14 +33,15 @@ async def list_webhooks(notifier: Part[Notifier]) -> Answer[WebhookList]:
     return json_response({"webhooks": await notifier.documents()})
 
 
-@router.put("/{webhook_id}", openapi_extra=body(body_schema(WebhookBody), required=True))
+@router.put("/{webhook_id}")
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
-async def replace_webhook(webhook_id: WebhookId, request: Request, notifier: Part[Notifier]) -> Answer[StoredWebhook]:
+async def replace_webhook(
+    webhook_id: WebhookId, body: SignedBody[WebhookBody], notifier: Part[Notifier]
+) -> Answer[StoredWebhook]:
     """Store a webhook, new or changed, at every gateway that shares the history.
 
     It receives the present alerts, and then each that begins or ends.
     """
-    body = await read_signed(WebhookBody, request)
     return json_response(await notifier.replace(webhook_id, body.entry()))
 
 

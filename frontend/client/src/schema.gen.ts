@@ -39,7 +39,7 @@ export interface paths {
         };
         /**
          * Get Goal
-         * @description Return one goal, of any robot.
+         * @description Return one goal.
          */
         get: operations["get_goal"];
         put?: never;
@@ -105,7 +105,7 @@ export interface paths {
         };
         /**
          * Get Undock Goal
-         * @description Return one goal, of any robot.
+         * @description Return one goal.
          */
         get: operations["get_undock_goal"];
         put?: never;
@@ -602,7 +602,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Any Goal
-         * @description Ask the action server to cancel a goal, on any action, whoever sent it.
+         * @description Ask the action server to cancel a goal, whoever sent it.
          */
         post: operations["cancel_any_goal"];
         delete?: never;
@@ -653,28 +653,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/actions": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * List Actions
-         * @description List every action on the graph. If an action's interface package is missing, `hint` says what to install.
-         *
-         *     As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
-         */
-        get: operations["list_actions"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/actions/{name}/goals": {
         parameters: {
             query?: never;
@@ -684,7 +662,7 @@ export interface paths {
         };
         /**
          * List Action Goals
-         * @description List the goals of an action, newest first.
+         * @description List goals, newest first.
          */
         get: operations["list_action_goals"];
         put?: never;
@@ -708,7 +686,7 @@ export interface paths {
         };
         /**
          * Get Action Goal
-         * @description Return one goal of an action.
+         * @description Return one goal.
          */
         get: operations["get_action_goal"];
         put?: never;
@@ -733,6 +711,28 @@ export interface paths {
          * @description Ask the action server to cancel a goal, whoever sent it.
          */
         post: operations["cancel_action_goal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/actions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Actions
+         * @description List every action on the graph. If an action's interface package is missing, `hint` says what to install.
+         *
+         *     As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
+         */
+        get: operations["list_actions"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -6011,13 +6011,13 @@ export interface operations {
     list_goals: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
-                robot?: string | null;
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
             };
             header?: never;
             path?: never;
@@ -6425,13 +6425,13 @@ export interface operations {
     list_undock_goals: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
-                robot?: string | null;
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
             };
             header?: never;
             path?: never;
@@ -9094,65 +9094,6 @@ export interface operations {
             };
         };
     };
-    list_actions: {
-        parameters: {
-            query?: {
-                /** @description Whether to list hidden actions, too */
-                hidden?: boolean;
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ActionList"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     list_action_goals: {
         parameters: {
             query?: {
@@ -9398,9 +9339,9 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                goal_id: string;
                 /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
-                goal_id: string;
             };
             cookie?: never;
         };
@@ -9476,9 +9417,9 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                goal_id: string;
                 /** @description The name on the ROS graph; its leading slash may be left out */
                 name: string;
-                goal_id: string;
             };
             cookie?: never;
         };
@@ -9558,6 +9499,65 @@ export interface operations {
             };
             /** @description Gateway Timeout */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_actions: {
+        parameters: {
+            query?: {
+                /** @description Whether to list hidden actions, too */
+                hidden?: boolean;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

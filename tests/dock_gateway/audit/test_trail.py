@@ -379,7 +379,7 @@ async def forever(*_: Any) -> Any:
 @pytest.mark.parametrize("command", [False, True])
 async def test_what_the_end_of_the_gateway_cuts_off_is_recorded(command: bool) -> None:
     site = await asyncio.to_thread(Site)
-    route = SimpleNamespace(name="calibrate_dock", endpoint=forever, dependant=SimpleNamespace(query_params=[]))
+    route = SimpleNamespace(name="calibrate_dock", endpoint=forever, query_names=[])
     scope: dict[str, Any] = {
         "type": "http",
         "method": "POST",

@@ -5,18 +5,23 @@ from typing import Annotated, Any
 
 import httpx
 import pytest
-from fastapi import APIRouter, Depends, FastAPI, Query
+from fastapi import APIRouter, Depends, FastAPI, Query, Request
 from pydantic import BaseModel
+from starlette.middleware.base import RequestResponseEndpoint
+from starlette.responses import Response
 
 from dock_gateway.app import api_routers
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.grant import Role
+from dock_gateway.http.bodies import Body
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Operation, Scope, operation, public_operation
+from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
 from dock_gateway.http.route import ApiRoute, documented_errors
 from dock_gateway.hub.app import ROUTERS
+from dock_gateway.settings import Settings
 
 
 class Found(BaseModel):
@@ -48,16 +53,29 @@ async def take_any() -> Answer[Found]:
     return json_response({"wanted": "any"})
 
 
-@router.put("/found", openapi_extra=body({"type": "object"}, required=True))
-@operation(Role.OPERATOR, Scope.EVERY)
-async def put() -> Answer[Found]:
+@router.put("/found")
+@public_operation()
+async def put(found: Body[Found], robot: RobotQuery = None) -> Answer[Found]:
     """Put something."""
+    return json_response({"wanted": f"{found.wanted} {robot}"})
+
+
+@router.put("/raw", openapi_extra=body({"type": "object"}, required=True))
+@operation(Role.OPERATOR, Scope.EVERY)
+async def put_raw() -> Answer[Found]:
+    """Put something that the function reads."""
     return json_response({"wanted": "this"})
 
 
 @pytest.fixture
 def app() -> FastAPI:
     app = FastAPI()
+
+    @app.middleware("http")
+    async def with_parts(request: Request, call_next: RequestResponseEndpoint) -> Response:
+        request.state.parts = Parts({Settings: Settings()})
+        return await call_next(request)
+
     app.include_router(router)
     install_problems(app)
     return app
@@ -93,6 +111,18 @@ async def test_an_operation_may_take_any_query(client: httpx.AsyncClient) -> Non
     assert (await client.get("/any?robt=/robot1")).json() == {"wanted": "any"}
 
 
+async def test_a_body_is_read_as_its_model(client: httpx.AsyncClient) -> None:
+    assert (await client.put("/found?robot=/a", json={"wanted": "this"})).json() == {"wanted": "this /a"}
+    refused = (await client.put("/found", json={"wanted": 1})).json()
+    assert [error["path"] for error in refused["errors"]] == ["wanted"]
+
+
+def test_a_body_is_described_by_its_model(app: FastAPI) -> None:
+    described = app.openapi()["paths"]["/found"]["put"]["requestBody"]
+    assert described["required"] is True
+    assert described["content"]["application/json"]["schema"]["properties"].keys() == {"wanted"}
+
+
 def test_the_document_has_the_model_and_the_errors(app: FastAPI) -> None:
     def answers(path: str, method: str = "get") -> dict[str, Any]:
         responses: dict[str, Any] = app.openapi()["paths"][path][method]["responses"]
@@ -100,7 +130,8 @@ def test_the_document_has_the_model_and_the_errors(app: FastAPI) -> None:
 
     assert answers("/found")["200"]["content"]["application/json"]["schema"]["$ref"].endswith("/Found")
     assert {*answers("/found")} == {"200", "401", "403", "409", "421", "422", "503"}
-    assert {*answers("/found", "put")} == {"200", "400", "401", "403", "408", "413", "415", "422", "503"}
+    assert {*answers("/found", "put")} == {"200", "400", "403", "408", "413", "415", "422"}
+    assert {*answers("/raw", "put")} == {"200", "400", "401", "403", "408", "413", "415", "422", "503"}
     assert {*answers("/any")} == {"200", "403"}
 
 

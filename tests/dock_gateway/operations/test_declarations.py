@@ -20,6 +20,11 @@ DECLARED = {
     "Role.OPERATOR, Scope.PUBLISHING": ["operations/topics.py advertise", "operations/topics.py publish"],
     "Role.SUPERVISOR, Scope.NODE": ["operations/parameters.py set_parameters"],
     "Role.VIEWER, Scope.PLACE": ["doors/rest/service_routes.py get_service", "operations/parameters.py get_parameters"],
+    "Role.VIEWER, Scope.TOPIC": [
+        "doors/rest/publish_routes.py get_topic_message",
+        "graph/routes.py get_topic",
+        "operations/topics.py subscribes_topic",
+    ],
     "Role.SUPERVISOR, Scope.ROBOT": [
         "operations/battery.py publish_battery",
         "operations/battery.py start_publishing",
@@ -51,6 +56,13 @@ def declarations() -> Iterator[tuple[str, str]]:
 @pytest.mark.parametrize("needs", DECLARED)
 def test_an_operation_is_declared_once(needs: str) -> None:
     assert sorted(where for found, where in declarations() if found == needs) == DECLARED[needs]
+
+
+@pytest.mark.parametrize("name", ["list_robots", "list_actions", "list_alerts"])
+def test_a_list_is_declared_once(name: str) -> None:
+    """A hub lists what sites report, without ROS: another operation."""
+    found = [where for _, where in declarations() if where.endswith(f" {name}") and not where.startswith("hub/")]
+    assert found == [f"operations/fleet.py {name}"]
 
 
 def test_a_door_declares_only_what_reads() -> None:

@@ -19,14 +19,7 @@ from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import (
-    Answer,
-    RobotQuery,
-    RobotsQuery,
-    json_response,
-    read_json,
-    read_wait,
-)
+from dock_gateway.http.requests import Answer, RobotQuery, RobotsQuery, json_response, read_json, read_wait
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import stop as operations
 from dock_gateway.stop.order import PREFER, STOP_REQUEST, noting, read_order

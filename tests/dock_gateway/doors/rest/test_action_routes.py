@@ -5,15 +5,22 @@ from typing import Any
 from unittest.mock import AsyncMock
 
 import pytest
+from fastapi import Request
 
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.doors.rest.action_routes import send_action_goal
+from dock_gateway.doors.rest.goal_routes import ACTION, Place, goal_routes
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from tests.support.history import make_goal
 from tests.support.requests import request
+
+
+async def send(name: str, asked: Request, parts: Parts) -> None:
+    """Send a goal to an action."""
+    (endpoint,) = (route.endpoint for route in goal_routes(ACTION).routes if route.name == "send_action_goal")
+    await endpoint(asked, parts, ANYBODY, Place(f"/actions/{name}/goals", action=f"/{name}"))
 
 
 def having(action: Any) -> Parts:
@@ -30,7 +37,7 @@ def having(action: Any) -> Parts:
 async def test_no_goal_is_sent_for_an_empty_body() -> None:
     action: Any = SimpleNamespace(name="/fibonacci", read_goal=AsyncMock(side_effect=lambda value: value))
     with pytest.raises(InvalidField):
-        await send_action_goal("fibonacci", request(b""), having(action), ANYBODY)
+        await send("fibonacci", request(b""), having(action))
 
 
 async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted() -> None:
@@ -55,7 +62,7 @@ async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted()
     )
     asked = request(b"{}", [(b"prefer", b"wait=30")])
     asked.scope["audit"].record = record
-    await send_action_goal("robot1/spin", asked, having(action), ANYBODY)
+    await send("robot1/spin", asked, having(action))
     assert recorded == [202, 0]
     assert asked.scope["audit"].fields == {
         "robot": "/robot1",

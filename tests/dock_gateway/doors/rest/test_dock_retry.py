@@ -8,7 +8,7 @@ import pytest
 
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.doors.rest.dock_routes import DOCK, goal_routes
+from dock_gateway.doors.rest.goal_routes import DOCK, Place, goal_routes
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.submission import Delivery
@@ -58,7 +58,7 @@ async def send(*found: Any) -> Any:
     asked = request(b"", [(b"idempotency-key", b"key")])
     robot_actions: Any = SimpleNamespace(find=find, hinting=lambda *_: nullcontext())
     (endpoint,) = (route.endpoint for route in goal_routes(DOCK).routes if route.name == "dock")
-    await endpoint(asked, Parts({RobotActions: robot_actions}), ANYBODY)
+    await endpoint(asked, Parts({RobotActions: robot_actions}), ANYBODY, Place("/dock", "dock"))
     return asked.scope["audit"].fields
 
 

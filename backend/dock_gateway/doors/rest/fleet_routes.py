@@ -1,0 +1,63 @@
+"""`/robots`: a summary of every robot, and its label. `/alerts`: the active alerts and who acknowledged them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Request
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, RobotList
+from dock_gateway.http.bodies import Body, SignedBody
+from dock_gateway.http.operation import carries_out
+from dock_gateway.http.parts import AllParts
+from dock_gateway.http.principal import ThePrincipal
+from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.route import ApiRoute
+from dock_gateway.operations import fleet
+from dock_gateway.storage import RobotLabel
+
+router = APIRouter(route_class=ApiRoute)
+
+
+@router.get("/robots", tags=["Robots"])
+@carries_out(fleet.list_robots)
+async def list_robots(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Answer[RobotList]:
+    """List every robot that was found, or only the one given by `robot`."""
+    return json_response({"robots": await fleet.list_robots(parts, principal, robot)})
+
+
+@router.put("/robots/label", tags=["Robots"])
+@carries_out(fleet.label_robot)
+async def label_robot(label: Body[Label], request: Request, parts: AllParts, principal: ThePrincipal) -> Answer[Label]:
+    """Replace the display name and the groups of a robot, at every gateway that shares the history.
+
+    `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
+    """
+    audited(request, robot=label.robot)
+    await fleet.label_robot(parts, principal, label.robot, RobotLabel(label.display_name, label.groups))
+    return json_response(label.model_dump())
+
+
+AlertId = Annotated[str, Path(description="`id` of the alert")]
+
+
+@router.get("/alerts", tags=["Alerts"])
+@carries_out(fleet.list_alerts)
+async def list_alerts(parts: AllParts, principal: ThePrincipal) -> Answer[AlertList]:
+    """List the active alerts: critical ones first, then oldest first."""
+    return json_response({"alerts": await fleet.list_alerts(parts, principal)})
+
+
+@router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"])
+@carries_out(fleet.acknowledge_alert)
+async def acknowledge(
+    alert_id: AlertId, body: SignedBody[AcknowledgementBody], parts: AllParts, principal: ThePrincipal
+) -> Answer[Alert]:
+    """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
+    return json_response(await fleet.acknowledge_alert(parts, principal, alert_id, body.by))
+
+
+@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"])
+@carries_out(fleet.acknowledge_alert)
+async def withdraw_acknowledgement(alert_id: AlertId, parts: AllParts, principal: ThePrincipal) -> Answer[Alert]:
+    """Withdraw an acknowledgement. Succeeds even if there is none."""
+    return json_response(await fleet.acknowledge_alert(parts, principal, alert_id, None))

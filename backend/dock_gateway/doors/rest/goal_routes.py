@@ -1,0 +1,258 @@
+"""Goals where they are sent: `/dock`, `/undock` and `/actions/{name}/goals` are one router at three paths.
+
+`/goals/{goal_id}/cancel` cancels a goal on any action.
+"""
+
+from collections.abc import Awaitable, Callable, Collection
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Request
+from pydantic import BaseModel
+from starlette.responses import Response
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.filters import parent_of
+from dock_gateway.core.goal import Goal as GoalRecord
+from dock_gateway.core.goal import GoalStatus, Verb
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.doors.rest.answers import HEADERS, answer_page, answer_sent
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.goals.schema import ActionGoal, ActionGoalPage, Goal, GoalPage
+from dock_gateway.http.openapi import body, docking_body
+from dock_gateway.http.operation import Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Parts
+from dock_gateway.http.principal import TheGrant, ThePrincipal, read_own_key
+from dock_gateway.http.requests import (
+    CursorQuery,
+    GoalId,
+    GraphName,
+    LimitQuery,
+    RobotQuery,
+    StatusQuery,
+    goal_response,
+    read_json,
+    read_wait,
+)
+from dock_gateway.http.route import ApiRoute
+from dock_gateway.operations.goals import CancelGoal, SendGoal, cancel_goal, send_goal
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.storage import GoalFilter
+
+
+@dataclass(frozen=True)
+class Place:
+    """The goals that a path of the API names.
+
+    Attributes:
+        path: The path. A goal is at this path followed by its id.
+        verb: What they do with their robot, if the path says that.
+        action: Absolute name of their action, if the path says that.
+        robot: The robot that is named besides; None: the configured one.
+    """
+
+    path: str
+    verb: Verb | None = None
+    action: str | None = None
+    robot: str | None = None
+
+    async def goal(self, parts: Parts, goal_id: str) -> GoalRecord:
+        """Return one of the goals.
+
+        Raises:
+            NotFound: There is no such goal, or it is one of another place; or no such action.
+        """
+        if self.action is not None:
+            await parts[ActionRegistry].find(self.action)
+        goal = await parts[Goals].get(goal_id)
+        if self.verb not in {None, goal.verb} or self.action not in {None, goal.action_name}:
+            raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
+        return goal
+
+    async def select(self, parts: Parts, grant: Grant, statuses: Collection[GoalStatus]) -> GoalFilter:
+        """Return the filter of the goals of its action, or of the robot's actions of its verb.
+
+        Raises:
+            NotFound: There is no such action or robot, or the robot has no such action.
+        """
+        wanted = frozenset(statuses)
+        if self.action is not None:
+            return GoalFilter(frozenset({(await parts[ActionRegistry].find(self.action)).name}), statuses=wanted)
+        verb = self.verb or "dock"
+        await parts[RobotActions].find(verb, self.robot)
+        names = parts[ActionRegistry].docking.all_names(parts[RobotRegistry].get(self.robot).namespace, verb)
+        return GoalFilter(names, statuses=wanted, among=frozenset(filter(grant.covers_action, names)))
+
+    async def read(self, request: Request, action: Action) -> Any:
+        """Return the goal message of a request.
+
+        Raises:
+            GatewayError: The body is none.
+        """
+        if self.action is None:
+            return action.parse_request(await read_json(request, empty=action.default_request))
+        # Not empty: to use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
+        return await action.read_goal(await read_json(request))
+
+    def answer(self, goal: GoalRecord, status: int = 200) -> Response:
+        """Answer with a goal."""
+        return goal_response(goal, f"{self.path}/{goal.goal_id}", status)
+
+
+Find = Callable[..., Awaitable[Place]]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One of the paths where goals are sent.
+
+    Attributes:
+        path: The path.
+        tag: Its section in the OpenAPI document.
+        names: The names of its operations: send, list, get, cancel.
+        description: What sending a goal does.
+        body: Schema of the request.
+        scope: What sending and listing are about.
+        goal: Model of a goal.
+        page: Model of a page of goals.
+        place: Dependency that returns the place of a goal, from the path.
+        sends: Dependency that returns the place of goals that are sent or listed, from the path and the query.
+    """
+
+    path: str
+    tag: str
+    names: tuple[str, str, str, str]
+    description: str
+    body: dict[str, Any]
+    scope: Scope
+    goal: type[BaseModel]
+    page: type[BaseModel]
+    place: Find
+    sends: Find
+
+
+def goal_routes(kind: Kind) -> APIRouter:
+    """Return the routes of a kind."""
+    router = APIRouter(route_class=ApiRoute, tags=[kind.tag], prefix=kind.path)
+    send, listing, get, cancel = kind.names
+
+    @router.post(
+        "",
+        name=send,
+        description=kind.description,
+        status_code=202,
+        response_model=kind.goal,
+        responses={200: {"model": kind.goal, "description": "It ended"}},
+        openapi_extra={**kind.body, "parameters": HEADERS},
+    )
+    @carries_out(send_goal, kind.scope)
+    async def send_one(
+        request: Request, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(kind.sends)]
+    ) -> Response:
+        wait, key = read_wait(request), read_own_key(request)
+
+        async def read(action: Action) -> Any:
+            audited(request, action_name=action.name, robot=parent_of(action.name))
+            return await place.read(request, action)
+
+        order = SendGoal(read, place.action, place.verb or "dock", place.robot, key)
+        action, goal = await send_goal(parts, principal, order)
+        return await answer_sent(request, action, goal, place.path, wait)
+
+    @router.get("", name=listing, response_model=kind.page)
+    @operation(Role.VIEWER, kind.scope)
+    async def list_goals(
+        parts: AllParts,
+        grant: TheGrant,
+        place: Annotated[Place, Depends(kind.sends)],
+        *,
+        status: StatusQuery = None,
+        limit: LimitQuery = 50,
+        cursor: CursorQuery = None,
+    ) -> Response:
+        """List goals, newest first."""
+        return await answer_page(parts[Goals], await place.select(parts, grant, status or ()), limit, cursor)
+
+    @router.get("/{goal_id}", name=get, response_model=kind.goal)
+    @operation(Role.VIEWER, Scope.GOAL)
+    async def get_goal(goal_id: GoalId, parts: AllParts, place: Annotated[Place, Depends(kind.place)]) -> Response:
+        """Return one goal."""
+        return place.answer(await place.goal(parts, goal_id))
+
+    _add_cancel(router, cancel, kind.goal, kind.place)
+    return router
+
+
+def _add_cancel(router: APIRouter, name: str, model: type[BaseModel], place: Find) -> None:
+    """Add the route that cancels a goal."""
+
+    @router.post("/{goal_id}/cancel", name=name, status_code=202, response_model=model)
+    @carries_out(cancel_goal)
+    async def cancel(
+        goal_id: GoalId, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(place)]
+    ) -> Response:
+        """Ask the action server to cancel a goal, whoever sent it."""
+        await place.goal(parts, goal_id)
+        return place.answer(await cancel_goal(parts, principal, CancelGoal(goal_id)), 202)
+
+
+def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, prefix: str = "") -> Kind:
+    """Return the goals of `/dock` or `/undock`, whose operations have names with a prefix."""
+    path = f"/{verb}"
+
+    async def here() -> Place:
+        return Place(path, verb)
+
+    async def of_robot(robot: RobotQuery = None) -> Place:
+        return Place(path, verb, robot=robot)
+
+    names = (verb, f"list_{prefix}goals", f"get_{prefix}goal", f"cancel_{prefix}goal")
+    return Kind(path, verb.capitalize(), names, description, body, scope, Goal, GoalPage, here, of_robot)
+
+
+async def _of_action(name: GraphName) -> Place:
+    return Place(f"/actions/{name}/goals", action=f"/{name}")
+
+
+async def _anywhere() -> Place:
+    return Place("/goals")
+
+
+WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
+TYPES = "The robot's docking server decides which further fields there are: those of its goal message are taken, too."
+DOCK = _docks(
+    "dock",
+    "Send the robot to its charging dock.\n\nAn empty body asks for CHARGING, at the default dock. `dock_id` names the "
+    "dock, where the docking server knows docks by name; with our own server, `nearest` means the dock that the robot "
+    f"is nearest to. {TYPES} {WAITING}",
+    docking_body("dock_id"),
+    Scope.DOCK,
+)
+UNDOCK = _docks(
+    "undock",
+    "Drive the robot off its charging dock. Our own server's goal succeeds immediately if the robot is known not to be "
+    "docked, and is aborted (`DOCKED_UNKNOWN`) if nothing tells.\n\n"
+    f"An empty body asks for a battery that is not charging, 2 or 3. {TYPES} {WAITING}",
+    docking_body(),
+    Scope.UNDOCK,
+    "undock_",
+)
+ACTION = Kind(
+    "/actions/{name:graph_name}/goals",
+    "Actions",
+    ("send_action_goal", "list_action_goals", "get_action_goal", "cancel_action_goal"),
+    "Send a goal. The body holds the fields of the goal message; `{}` sends its defaults.",
+    body({"type": "object", "description": "The goal message's own fields"}, required=True),
+    Scope.ACTION,
+    ActionGoal,
+    ActionGoalPage,
+    _of_action,
+    _of_action,
+)
+dock, undock, of_action = goal_routes(DOCK), goal_routes(UNDOCK), goal_routes(ACTION)
+anywhere = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
+_add_cancel(anywhere, "cancel_any_goal", ActionGoal, _anywhere)
