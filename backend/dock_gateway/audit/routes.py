@@ -25,7 +25,6 @@ from dock_gateway.storage import History
 
 router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/audit")
 
-FILTERS = ("principal", "what", "robot", "goal_id", "outcome", "since", "until")
 ROWS = 500  # per query of an export
 LAST = 2**63 - 1
 Text = Annotated[str, StringConstraints(min_length=1, max_length=100, pattern=r"^[^\x00]*$")]

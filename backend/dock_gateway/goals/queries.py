@@ -17,7 +17,6 @@ from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 
-QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id", "tag", "group")
 ActionName = Annotated[str, StringConstraints(pattern=f"^{TOPIC.pattern}$", max_length=LONGEST_NAME)]
 NamespaceQuery = Annotated[
     str | None,

@@ -23,25 +23,6 @@ MAX_ERRORS = 20
 MAX_FIELDS, MAX_DEPTH = 100, 20
 
 
-async def read_signed(model: type[ModelT], request: Request) -> ModelT:
-    """Return the body of a request, with the name of who sent it as `by`, if it is known.
-
-    Raises:
-        InvalidField: It is not what the model describes. Lists the invalid fields.
-        MalformedRequest: It is not JSON, too large, too slow or cut off, or has another content type.
-    """
-    return read_model(model, await read_signed_json(request))
-
-
-async def read(model: type[ModelT], request: Request) -> ModelT:
-    """Return the body of a request.
-
-    Raises:
-        InvalidField, MalformedRequest: As `read_signed`.
-    """
-    return read_model(model, await read_json(request))
-
-
 @dataclass(frozen=True)
 class BodyReader(Generic[ModelT]):
     """Reads the body of a request as a model: the dependency behind `Body` and `SignedBody`.
@@ -60,8 +41,13 @@ class BodyReader(Generic[ModelT]):
         return body_schema(self.model)
 
     async def __call__(self, request: Request) -> ModelT:
-        """Return the body."""
-        return await (read_signed if self.signed else read)(self.model, request)
+        """Return the body.
+
+        Raises:
+            InvalidField: It is not what the model describes. Lists the invalid fields.
+            MalformedRequest: It is not JSON, too large, too slow or cut off, or has another content type.
+        """
+        return read_model(self.model, await (read_signed_json if self.signed else read_json)(request))
 
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.schema import AcknowledgementBody
 from dock_gateway.http.bodies import SignedBody
-from dock_gateway.http.operation import Scope, operation, public_operation
+from dock_gateway.http.operation import Scope, carries_out, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
@@ -87,23 +87,9 @@ async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Answer[SiteA
     return json_response({"alerts": overview.documents(grant)})
 
 
-@router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
 @operation(Role.OPERATOR, Scope.ALERT, errors=(504,))
-async def acknowledge(
-    alert_id: AlertId, body: SignedBody[AcknowledgementBody], request: Request, parts: AllParts
-) -> Response:
-    """Acknowledge an alert: one of a site at that site, which decides whether the user may."""
-    return await _answer_alert(alert_id, request, parts, "PUT", body.by)
-
-
-@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
-@operation(Role.OPERATOR, Scope.ALERT, errors=(504,))
-async def withdraw_acknowledgement(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
-    """Withdraw an acknowledgement. Succeeds even if there is none."""
-    return await _answer_alert(alert_id, request, parts, "DELETE", None)
-
-
-async def _answer_alert(alert_id: str, request: Request, parts: Parts, method: str, by: str | None) -> Response:
+async def acknowledge_alert(alert_id: str, request: Request, parts: Parts, by: str | None) -> Response:
+    """Acknowledge an alert, or with `by` None withdraw that: one of a site at that site, as its user."""
     overview, principal = parts[Overview], principal_of(request)
     alert = overview.get(alert_id, principal.grant)
     audited(request, robot=alert["robot"])
@@ -115,6 +101,7 @@ async def _answer_alert(alert_id: str, request: Request, parts: Parts, method: s
         raise NotFound(f"there is no alert {alert_id[:60]}", code="alert_not_found")
     path = f"/alerts/{own_id}/acknowledgement"
     sent = b"" if by is None else encode({"by": by})
+    method = "DELETE" if by is None else "PUT"
     answer = await client.ask(method, path, sent, name=principal.name, grant=grant, deadline=DEADLINE)
     if answer.status != 200:
         media_type = "application/problem+json"
@@ -124,6 +111,22 @@ async def _answer_alert(alert_id: str, request: Request, parts: Parts, method: s
     except ForeignDocumentError as error:
         raise SiteFailed(f"the site {site} has answered with something that is no alert: {error}", site=site) from None
     return json_response(alert | {"acknowledged": told["acknowledged"]})
+
+
+@router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
+@carries_out(acknowledge_alert)
+async def acknowledge(
+    alert_id: AlertId, body: SignedBody[AcknowledgementBody], request: Request, parts: AllParts
+) -> Response:
+    """Acknowledge an alert: one of a site at that site, which decides whether the user may."""
+    return await acknowledge_alert(alert_id, request, parts, body.by)
+
+
+@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
+@carries_out(acknowledge_alert)
+async def withdraw_acknowledgement(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
+    """Withdraw an acknowledgement. Succeeds even if there is none."""
+    return await acknowledge_alert(alert_id, request, parts, None)
 
 
 @router.get("/healthz", tags=["Health"])

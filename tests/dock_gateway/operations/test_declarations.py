@@ -25,6 +25,7 @@ DECLARED = {
         "graph/routes.py get_topic",
         "operations/topics.py subscribes_topic",
     ],
+    "Role.OPERATOR, Scope.ALERT": ["hub/routes.py acknowledge_alert", "operations/fleet.py acknowledge_alert"],
     "Role.SUPERVISOR, Scope.ROBOT": [
         "operations/battery.py publish_battery",
         "operations/battery.py start_publishing",
