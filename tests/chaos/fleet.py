@@ -53,6 +53,11 @@ class Fleet:
         gateway.process.wait()
         self._stacks[number].close()
 
+    def end(self, number: int) -> None:
+        """End a gateway as an operator does; it writes what it has."""
+        self.running.pop(number)
+        self._stacks[number].close()
+
     def warnings(self) -> Counter[str]:
         """What the gateways warned of, whichever goal it was about."""
         lines = "\n".join(process.output for process in self.processes).splitlines()

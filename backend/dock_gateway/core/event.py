@@ -113,10 +113,10 @@ def event_id(stamp_ns: int, kind: str, subject: str) -> str:
 
 
 def restamped(event: Event, stamp_ns: int) -> Event:
-    """Return an event with another stamp in its id."""
+    """Return an event with another stamp in its id, also where its document repeats that (`last_event_id`)."""
     before = event.id or ""
     after = time_id(stamp_ns) + before[STAMP_DIGITS:]
-    return replace(event, id=after, data=event.data.replace(before.encode(), after.encode(), 1))
+    return replace(event, id=after, data=event.data.replace(before.encode(), after.encode()))
 
 
 def stamp_of(identity: str) -> int:
@@ -185,6 +185,11 @@ def result_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Eve
     """Return the event of the goal's end. Without a result from the server it is null. Arguments as `status_event`."""
     payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
     return _goal_event("result", goal, stamp_ns, source_ns, lambda: payload, once=True, ends_goal=True)
+
+
+def is_end(event: Event) -> bool:
+    """Return whether an event of a goal tells its end: its last state, or its result."""
+    return event.key in (f"{STATUS}-{event.goal_id}", f"{RESULT}-{event.goal_id}")
 
 
 def _goal_event(

@@ -4,11 +4,12 @@ import time
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
 
-from dock_gateway.core.event import Event, EventClock, restamped
+from dock_gateway.core.event import Event, EventClock, is_end, restamped
 
 # Seconds after which it is asked again what may be published, while there is something to publish.
 WANT_AFTER = 0.1
 MAX_OVER = 10_000  # Goals of which it is remembered that their end is published.
+MAX_STORED = 50_000  # States of goals of which it is remembered that they are published.
 
 
 class Hold:
@@ -33,9 +34,9 @@ class Hold:
 class Line:
     """Events in the order of their ids, until they may be published.
 
-    Where gateways share a database, an event waits until its id is *allowed* (`allow`), and the ends of goals come with
-    that permission: all gateways publish them at the same place among their other events. Otherwise everything is
-    allowed, and an event waits only behind a `Hold`.
+    Where gateways share a database, an event waits until its id is *allowed* (`allow`), and the states and results of
+    goals come with that permission: all gateways publish them at the same place among their other events. Otherwise
+    everything is allowed, and an event waits only behind a `Hold`.
 
     Args:
         clock: Stamps the events.
@@ -52,7 +53,8 @@ class Line:
         self._waiting: deque[Event | Hold] = deque()
         self._allowed: str | None = None  # the id up to which events may be published; None: all
         self._allowed_at = 0.0
-        self._over: OrderedDict[str | None, set[str | None]] = OrderedDict()  # by goal: its end's keys
+        self._stored: OrderedDict[str | None, None] = OrderedDict()  # keys of the events that came stored
+        self._over: OrderedDict[str | None, None] = OrderedDict()  # ids of goals whose end is published
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -95,41 +97,48 @@ class Line:
 
     # ------------------------------------------------------------------ with other gateways
 
-    def allow(self, ends: Iterable[Event], until: str | None) -> None:
-        """Publish ends of goals, and the events that are allowed now.
+    def allow(self, stored: Iterable[Event], until: str | None) -> None:
+        """Publish states and results of goals, and the events that are allowed now.
 
         Args:
-            ends: Their events as they are stored.
+            stored: Events of any gateway, as they are stored.
             until: Events with an id up to this are allowed; None: all are.
         """
-        self._insert(ends)
+        self._insert(stored)
         self._allowed, self._allowed_at = until, time.monotonic()
         self.advance()
 
-    def publish_end(self, end: Iterable[Event], stored: list[Event] | None) -> list[Event]:
-        """Publish the end of a goal that did not come with `allow`; return its events as they are published.
+    def publish_stored(self, events: Iterable[Event], stored: list[Event] | None) -> list[Event]:
+        """Publish events of a goal, unless they came with `allow`; return them as they are published.
 
         Args:
-            end: Its events.
+            events: The events.
             stored: The events as they are stored; None if they are not, as the database takes too long.
         """
         if stored is None:
             stamp = self._clock.stamp(time.time_ns())
-            stored = [restamped(event, stamp) for event in end]
+            stored = [restamped(event, stamp) for event in events]
         self._insert(stored)
         self.advance()
         if self._waiting:
             self.on_want()
         return stored
 
-    def _insert(self, ends: Iterable[Event]) -> None:
-        """Put ends of goals at their place, each once. Nothing more is published about these goals."""
-        new = [event for event in ends if event.key not in self._over.get(event.goal_id, ())]
-        for event in new:
-            self._over.setdefault(event.goal_id, set()).add(event.key)
+    def _insert(self, stored: Iterable[Event]) -> None:
+        """Put stored events at their place, each once. Nothing is published about a goal after its end."""
+        new = []
+        for event in stored:
+            if event.key in self._stored or (event.goal_id in self._over and not is_end(event)):
+                continue
+            new.append(event)
+            self._stored[event.key] = None
+            if is_end(event):
+                self._over[event.goal_id] = None
             self._clock.pass_by(event.id or "")
         while len(self._over) > MAX_OVER:
             self._over.popitem(last=False)
+        while len(self._stored) > MAX_STORED:
+            self._stored.popitem(last=False)
         if new:
             waiting = [event for event in self._waiting if isinstance(event, Event)]  # there is no `Hold`
             waiting.extend(new)

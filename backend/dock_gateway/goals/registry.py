@@ -22,6 +22,7 @@ from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
+from dock_gateway.goals.publication import GoalPublisher
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionKind, ActionPort
 from dock_gateway.ros.bridge import Bridge
@@ -115,11 +116,10 @@ class ActionRegistry:
         self.on_change: list[Callable[[Goal], None]] = []
         self.on_end: list[Callable[[Goal], None]] = []
         self.on_lost: list[Callable[[Goal], None]] = []
-        self._fanout = fanout
+        self._publisher = GoalPublisher(fanout, history)
         interlock.on_heard.append(self._hear_stop)
         interlock.on_latch.append(self._cancel_under)
         fanout.on_close.append(self._release_all)
-        self._history = history
         self._actions: dict[str, Action] = {}
         self._configured_namespace = parent_of(settings.resolve("dock"))
         self._catalog = DockingCatalog(settings)
@@ -254,9 +254,7 @@ class ActionRegistry:
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
             detail = "; ".join(filter(None, ("the action has no server any more", self.halt(goal))))
             if goal.lose(GoalError("action_server_lost", detail), utc_now()):
-                now_ns = time.time_ns()
-                self._fanout.publish(status_event(goal, self._fanout.clock.stamp(now_ns), now_ns))
-                self._history.record(goal)
+                self._publisher.publish_now(status_event, goal)
                 _notify(self.on_lost, goal)
 
     async def _take_up(self, name: str) -> None:
@@ -428,6 +426,7 @@ class ActionRegistry:
                 await action.close()
             except GatewayError as error:
                 log.debug("while closing %s: %s", action.name, error)
+        await self._publisher.drain()
 
 
 def _notify(listeners: list[Callable[[Goal], None]], goal: Goal) -> None:

@@ -7,21 +7,21 @@ import asyncio
 import logging
 import time
 from collections import defaultdict
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from datetime import datetime
 from typing import Concatenate, ParamSpec
 from weakref import WeakValueDictionary
 
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import Event, Now, result_event, status_event
+from dock_gateway.core.event import Now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
-from dock_gateway.core.line import Hold
+from dock_gateway.core.goal import Goal, GoalError, Json, Origin, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
 from dock_gateway.goals.limits import LIMITS, GoalLimits
+from dock_gateway.goals.publication import GoalPublisher
 from dock_gateway.goals.results import Results
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.admission import KnownGoals
@@ -82,7 +82,7 @@ class GoalTracker:
         self.on[News.RETIRED].append(self._results.retire)
         self._fanout = fanout
         self._history = history
-        self._seals = Tasks("storing the ends of goals")
+        self._publisher = GoalPublisher(fanout, history)
         self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by the waiting callers
         self._looking_up = False
         self._lookups = Tasks("looking up goals")
@@ -128,6 +128,7 @@ class GoalTracker:
     def take_up(self, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
         self._notify(News.RESUMED, goal)
+        self._publisher.publish_first(goal)
         self.apply(GoalMachine.take_up, goal)
 
     # ------------------------------------------------------------------ what the machine wants done
@@ -140,14 +141,14 @@ class GoalTracker:
         while self._machine.outputs:
             match self._machine.outputs.popleft():
                 case Publish(event, goal):
-                    self._fanout.publish(event)
+                    self._publisher.publish(event, goal)
                     self._notify(News.CHANGED, goal)
                 case Store(goal):
                     self._history.record(goal)
                 case AwaitResult(goal, reported):
                     self._results.request(goal, reported)
                 case PublishEnd(goal, source_ns):
-                    self._publish_end(goal, source_ns)
+                    self._publisher.publish_end(goal, source_ns, self._release)
                 case Notify(news, goal):
                     self._notify(news, goal)
         if self._machine.newcomers and not self._looking_up:
@@ -169,6 +170,7 @@ class GoalTracker:
                     try:
                         if (goal := (known or {}).get(goal_id)) is not None:
                             self._notify(News.RESUMED, goal)
+                            self._publisher.publish_first(goal)
                         self.apply(GoalMachine.adopt, goal_id, goal)
                     except Exception:
                         log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
@@ -187,35 +189,6 @@ class GoalTracker:
         except Exception:
             log.exception("while looking up goals")
             return None
-
-    # ------------------------------------------------------------------ ends
-
-    def _publish_end(self, goal: Goal, source_ns: int) -> None:
-        """Store the events of the end, then publish them: as stored, if another gateway was first."""
-        # A history that is shared says when they are to be published: see `History.follow`.
-        place = None if self._history.shared else self._fanout.line.hold(source_ns)
-        stamp = self._fanout.clock.stamp(source_ns) if place is None else place.stamp
-        end = [status_event(goal, stamp, source_ns)]
-        if goal.status is not GoalStatus.REJECTED:
-            end.append(result_event(goal, stamp, source_ns))
-        self._seals.spawn(self._seal(goal, end, self._history.seal(goal, end), place))
-
-    async def _seal(
-        self, goal: Goal, end: list[Event], sealing: Awaitable[list[Event] | None], place: Hold | None
-    ) -> None:
-        stored = None
-        try:
-            stored = await sealing
-        finally:
-            if place is None:
-                stored = self._fanout.line.publish_end(end, stored)
-            else:
-                stored = stored or end
-                place.release(stored)
-            if stored[-1].id != goal.last_event_id:
-                goal.last_event_id = stored[-1].id
-                self._history.record(goal)
-            self._release(goal)
 
     # ------------------------------------------------------------------ waiting, and the end
 
@@ -245,5 +218,5 @@ class GoalTracker:
         self.release_all()
         await self._lookups.close()
         await self._results.close()
-        await self._seals.drain()
+        await self._publisher.drain()
         await self.tasks.close()

@@ -105,13 +105,13 @@ class MemoryHistory:
             self._horizon[oldest.topic] = max(oldest.id or "", self._horizon.get(oldest.topic, ""))
             self._dropped += 1
 
-    def seal(self, goal: Goal, end: Sequence[Event]) -> Awaitable[list[Event] | None]:
-        """Store the end of a goal."""
+    def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
+        """Store a goal."""
         self.record(goal)
-        return self._sealed(list(end))
+        return self._sealed(list(events))
 
-    async def _sealed(self, end: list[Event]) -> list[Event]:
-        return end
+    async def _sealed(self, events: list[Event]) -> list[Event]:
+        return events
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
         """Do nothing: no other gateway uses this memory."""

@@ -1,18 +1,21 @@
 """The order in which gateways that share a database publish.
 
 A gateway publishes an event only up to an id that it was allowed: by a *turn*, a short transaction that also returns
-the ends of goals that were stored since its last one. The end of a goal is stored with an id behind all that any
-gateway was allowed. So nobody publishes a later id before it knows of the end, and a reader may resume anywhere.
+the states and results of goals that any gateway has stored since its last one. Each of them is stored with an id behind
+all that any gateway was allowed. So nobody publishes a later id before it knows of them, and a reader may resume
+anywhere.
 """
 
 from dataclasses import replace
 from typing import NamedTuple
 
+import orjson
 import sqlalchemy as sa
 
-from dock_gateway.core.event import KINDS, RESULT, Event, kind_of, restamped, stamp_of, time_id
+from dock_gateway.core.event import KIND_AT, RESULT, STATUS, Event, is_end, kind_of, restamped, stamp_of, time_id
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.storage import queries
+from dock_gateway.storage.merge import RANK
 from dock_gateway.storage.protocol import NEVER
 from dock_gateway.storage.rows import Batch, event_of
 from dock_gateway.storage.tables import REACHED, events, horizons
@@ -20,18 +23,26 @@ from dock_gateway.storage.tables import REACHED, events, horizons
 # How far a turn allows to go at least, in nanoseconds, if ids are ahead of the clock.
 STEP = 1_000_000
 
+# Events as they are stored, by key; None for one that is not stored, as another gateway has made it outdated.
+Stored = dict[str, Event | None]
+
+_ENDS_WITHOUT_RESULT = (GoalStatus.REJECTED, GoalStatus.LOST)
+
 # Built once: a gateway that publishes takes ten turns a second.
+_KIND = sa.func.substr(events.c.id, KIND_AT + 1, 1)
 _REACHED = sa.select(horizons.c.event_id).where(horizons.c.topic == REACHED).with_for_update()
 _REACH = sa.update(horizons).where(horizons.c.topic == REACHED).values(event_id=sa.bindparam("allowed"))
 _BY_KEY = sa.select(events).where(events.c.key.in_(sa.bindparam("keys", expanding=True)))
-_ENDS_AFTER = (
+_AFTER = (
     sa.select(events)
-    .where(
-        events.c.id > sa.bindparam("after"),
-        events.c.topic == "goals",
-        sa.func.substr(events.c.key, 1, 2).in_([f"{KINDS[kind]}-" for kind in ("status", "result")]),
-    )
+    .where(events.c.id > sa.bindparam("after"), events.c.topic == "goals", _KIND.in_([STATUS, RESULT]))
     .order_by(events.c.id)
+)
+_LAST_STATE = (
+    sa.select(events)
+    .where(events.c.goal_id == sa.bindparam("goal_id"), events.c.topic == "goals", _KIND == STATUS)
+    .order_by(events.c.id.desc())
+    .limit(1)
 )
 
 
@@ -39,44 +50,64 @@ class Turn(NamedTuple):
     """What a gateway may do after its turn.
 
     Attributes:
-        stored: The events of the batch as stored, by key: those of another gateway, if it was first.
-        ends: The events of all ends of goals that were stored since the last turn, in order.
+        stored: The events of the batch as stored: those of another gateway, if it was first.
+        events: The states and results of all goals that were stored since the last turn, in order.
         allowed: Events with an id up to this may be published after them.
     """
 
-    stored: dict[str, Event]
-    ends: list[Event]
+    stored: Stored
+    events: list[Event]
     allowed: str
 
 
 def take_turn(connection: sa.Connection, batch: Batch, after: str | None, wanted_ns: int) -> Turn:
-    """Store the ends of goals, and return what has happened since the last turn.
+    """Store states and results of goals, and return what has happened since the last turn.
 
     Args:
         connection: A write transaction.
-        batch: The goals, and the events of their ends, of which the ids are changed to later ones.
+        batch: The goals, and events of them in their order, of which the ids are changed to later ones.
         after: What the last turn allowed; None: this is the first one.
         wanted_ns: The stamp up to which the gateway wants to publish, in nanoseconds.
     """
     reached = stamp_of(_lock(connection))
-    keys = [event.key for event in batch.events]
-    known = _by_key(connection, keys)
-    stamps: dict[str | None, int] = {}
-    new = []
+    stored: Stored = {}
+    stored |= _by_key(connection, [event.key for event in batch.events])
+    states: dict[str | None, Event | None] = {}  # the last one of each goal
+    new: list[Event] = []
     for event in batch.events:
-        if event.key not in known:
-            if event.goal_id not in stamps:
-                reached = stamps[event.goal_id] = max(reached + 1, stamp_of(event.id or ""))
-            new.append(restamped(event, stamps[event.goal_id]))
-    last = {event.goal_id: event.id for event in new}
+        key, goal_id = event.key or "", event.goal_id
+        if key in stored:
+            continue
+        if goal_id not in states:
+            states[goal_id] = _last_state(connection, goal_id)
+        if not is_end(event) and (last := states[goal_id]) is not None and _is_outdated(event, last):
+            stored[key] = None
+            continue
+        if not (kind_of(event.id or "") == RESULT and new and new[-1].goal_id == goal_id):
+            reached = max(reached + 1, stamp_of(event.id or ""))  # a result has the stamp of the state before it
+        new.append(restamped(event, reached))
+        stored[key] = new[-1]
+        if kind_of(event.id or "") == STATUS:
+            states[goal_id] = new[-1]
+    newest = {event.goal_id: event.id for event in new}
     for goal in batch.goals:
-        goal.last_event_id = last.get(goal.goal_id, goal.last_event_id)
+        goal.last_event_id = newest.get(goal.goal_id, goal.last_event_id)
     if len(batch):
         queries.write(connection, Batch(goals=batch.goals, events=new))
     allowed = time_id(max(wanted_ns, reached + STEP))
     connection.execute(_REACH, {"allowed": allowed})
-    ends = [] if after is None else _ends_after(connection, after)
-    return Turn(_by_key(connection, keys), ends, allowed + NEVER)
+    return Turn(stored, [] if after is None else _after(connection, after), allowed + NEVER)
+
+
+def _is_outdated(event: Event, last: Event) -> bool:
+    """Return whether a state says nothing new after the last one of its goal, which another gateway may have stored."""
+    if is_end(last):
+        return True
+    new, old = (orjson.loads(each.data) for each in (event, last))
+    if old["status"] != GoalStatus.LOST and RANK[new["status"]] < RANK[old["status"]]:
+        return True
+    names = ("status", "stalled", "origin", "stage", "retries")
+    return all(new[name] == old[name] for name in names)
 
 
 def _lock(connection: sa.Connection) -> str:
@@ -94,11 +125,18 @@ def _by_key(connection: sa.Connection, keys: list[str | None]) -> dict[str, Even
     return {row["key"]: event_of(row) for row in connection.execute(_BY_KEY, {"keys": keys}).mappings()}
 
 
-def _ends_after(connection: sa.Connection, after: str) -> list[Event]:
-    return [_with_end(event_of(row)) for row in connection.execute(_ENDS_AFTER, {"after": after}).mappings()]
+def _last_state(connection: sa.Connection, goal_id: str | None) -> Event | None:
+    row = connection.execute(_LAST_STATE, {"goal_id": goal_id}).mappings().first()
+    return None if row is None else event_of(row)
+
+
+def _after(connection: sa.Connection, after: str) -> list[Event]:
+    return [_with_end(event_of(row)) for row in connection.execute(_AFTER, {"after": after}).mappings()]
 
 
 def _with_end(event: Event) -> Event:
-    """Return an event of an end with `ends_goal`, which is not stored: a rejected goal has no result."""
-    rejected = b'"status":"%s"' % GoalStatus.REJECTED.value.encode()
-    return replace(event, ends_goal=kind_of(event.id or "") == RESULT or rejected in event.data)
+    """Return an event with `ends_goal`, which is not stored: a goal that is rejected or lost has no result."""
+    ends = kind_of(event.id or "") == RESULT
+    if not ends and any(b'"status":"%s"' % status.value.encode() in event.data for status in _ENDS_WITHOUT_RESULT):
+        ends = orjson.loads(event.data)["status"] in _ENDS_WITHOUT_RESULT
+    return replace(event, ends_goal=ends)

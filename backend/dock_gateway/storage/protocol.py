@@ -234,21 +234,23 @@ class History(Protocol):
         An event without an id is not stored.
         """
 
-    def seal(self, goal: Goal, end: Sequence[Event]) -> Awaitable[list[Event] | None]:
-        """Store the end of a goal before it is published, so that a killed process neither repeats nor forgets it.
+    def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
+        """Store events of a goal before they are published, so that a killed process neither repeats nor forgets them.
 
         Records the goal at once. What it returns waits a second at most, and never raises.
 
         Returns:
-            The final events as stored: those of another gateway, if it stored them first. None if they are not stored.
+            The events as stored: those of another gateway, if it stored them first. In a history that is shared, a
+            state that another gateway has made outdated is left out. None if they are not stored.
         """
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
         """Publish in the order of all gateways that share the history.
 
         Args:
-            publish: Called with the ends of goals that any of them has stored, and the id up to which other events may
-                be published then; None: all, as the database does not answer. Never called if none shares it.
+            publish: Called with the states and results of goals that any of them has stored, and the id up to which
+                other events may be published then; None: all, as the database does not answer. Never called if none
+                shares it.
 
         Returns:
             Asks for `publish` to be called again soon.

@@ -1,4 +1,4 @@
-"""Storing the ends of goals at once, before they are published, and taking turns with other gateways (`order.py`)."""
+"""Storing events of goals before they are published, and taking turns with other gateways (`order.py`)."""
 
 import asyncio
 import logging
@@ -14,28 +14,28 @@ from dock_gateway.storage.rows import Batch
 
 log = logging.getLogger(__name__)
 
-SEAL_TIMEOUT = 1.0  # Seconds that the end of a goal, and all later messages, wait for the database.
+SEAL_TIMEOUT = 1.0  # Seconds that the events of a goal, and all later messages, wait for the database.
 AHEAD = 0.2  # Seconds for which a turn allows to publish.
 
 
 @dataclass(frozen=True)
 class Seal:
-    """A goal whose end must be stored before it is published; `stored` has the events as stored, by key."""
+    """A goal whose events must be stored before they are published; `stored` has them as stored, by key."""
 
     goal: Goal
-    end: Sequence[Event]
-    stored: "asyncio.Future[dict[str, Event]]"
+    events: Sequence[Event]
+    stored: "asyncio.Future[order.Stored]"
 
 
 class Sealer:
-    """Stores the ends of goals; all pending ones in one transaction, which is a turn if the database is shared.
+    """Stores events of goals; all pending ones in one transaction, which is a turn if the database is shared.
 
     Args:
         database: The database to write to.
 
     Attributes:
-        newest: Id of the newest end that a turn has returned.
-        slow: Whether an end was not stored in time, and none has been stored since.
+        newest: Id of the newest event that a turn has returned.
+        slow: Whether an event was not stored in time, and none has been stored since.
     """
 
     def __init__(self, database: Database) -> None:
@@ -67,9 +67,12 @@ class Sealer:
         if self._database.shared:
             self._wake.set()
 
-    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event] | None:
-        """Store the end of a goal; return its events as stored, or None if the database takes too long."""
-        seal = Seal(goal, end, asyncio.get_running_loop().create_future())
+    async def seal(self, goal: Goal, events: Sequence[Event]) -> list[Event] | None:
+        """Store events of a goal; return them as stored, or None if the database takes too long.
+
+        Those are left out that another gateway has made outdated.
+        """
+        seal = Seal(goal, events, asyncio.get_running_loop().create_future())
         self._seals.append(seal)
         self._wake.set()
         try:
@@ -84,7 +87,8 @@ class Sealer:
                 extra={"goal_id": goal.goal_id},
             )
             return None
-        return [replace(stored.get(event.key or "", event), ends_goal=event.ends_goal) for event in end]
+        found = [(event, stored.get(event.key or "", event)) for event in events]
+        return [replace(as_stored, ends_goal=event.ends_goal) for event, as_stored in found if as_stored is not None]
 
     async def run(self) -> None:
         """Store what is pending, until it is canceled."""
@@ -93,7 +97,7 @@ class Sealer:
             self._wake.clear()
             seals, self._seals = self._seals, []
             goals = {seal.goal.goal_id: seal.goal for seal in seals}
-            batch = Batch(goals=list(goals.values()), events=[event for seal in seals for event in seal.end])
+            batch = Batch(goals=list(goals.values()), events=[event for seal in seals for event in seal.events])
             late = asyncio.get_running_loop().call_later(SEAL_TIMEOUT, self._give_way)
             try:
                 async with asyncio.timeout(WRITE_TIMEOUT):
@@ -112,17 +116,17 @@ class Sealer:
             finally:
                 late.cancel()
 
-    async def _store(self, batch: Batch) -> dict[str, Event]:
+    async def _store(self, batch: Batch) -> order.Stored:
         # Not durable: the regular record of the goal is, shortly after.
         if not self._database.shared:
-            return await self._database.write(queries.seal, batch, durable=False)
+            return dict(await self._database.write(queries.seal, batch, durable=False))
         wanted_ns = time.time_ns() + round(AHEAD * 1e9)
         turn = await self._database.write(order.take_turn, batch, self._after, wanted_ns, durable=False)
         self._after = self._allowed = turn.allowed
         self._tried.set()
-        if turn.ends:
-            self.newest = turn.ends[-1].id or ""
-        self._publish(turn.ends, turn.allowed)
+        if turn.events:
+            self.newest = turn.events[-1].id or ""
+        self._publish(turn.events, turn.allowed)
         return turn.stored
 
     def _give_way(self) -> None:

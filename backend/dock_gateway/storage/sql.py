@@ -119,7 +119,7 @@ class SqlHistory:
 
     @property
     def newest(self) -> str:
-        """The id of the newest event stored when the history was opened, or of an end that came before `follow`."""
+        """The id of the newest event stored when the history was opened, or that a turn returned before `follow`."""
         return max(self._newest, self._sealer.newest)
 
     @property
@@ -201,21 +201,21 @@ class SqlHistory:
             self._waiting.put_event(event)
             self.writer.notice(must_keep=not event.droppable)
 
-    def seal(self, goal: Goal, end: Sequence[Event]) -> Awaitable[list[Event] | None]:
-        """Record a goal, then store its end now, if the database answers; return its events as stored."""
+    def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
+        """Record a goal, then store it and its events now, if the database answers; return them as stored."""
         self.record(goal)
-        if end:
-            self._waiting.held.add(goal.goal_id)
-        return self._seal(copy(goal), end)
+        if events:
+            self._waiting.held[goal.goal_id] += 1
+        return self._seal(copy(goal), events)
 
-    async def _seal(self, goal: Goal, end: Sequence[Event]) -> list[Event] | None:
+    async def _seal(self, goal: Goal, events: Sequence[Event]) -> list[Event] | None:
         try:
-            if not (self.writer.reachable and not self._sealer.slow if end else self.writer.answers):
+            if not (self.writer.reachable and not self._sealer.slow if events else self.writer.answers):
                 return None
-            return await self._sealer.seal(goal, end)
+            return await self._sealer.seal(goal, events)
         finally:
-            if end:  # else its end may be on the way already
-                self._waiting.held.discard(goal.goal_id)
+            if events:  # else some may be on the way already
+                self._waiting.let_go(goal.goal_id)
                 self.writer.notice(must_keep=True)
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:

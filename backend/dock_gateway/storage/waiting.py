@@ -1,5 +1,6 @@
 """The entries that wait to be written: plain data in memory, bounded, and readable like stored entries."""
 
+from collections import Counter
 from collections.abc import Iterable
 from copy import copy
 from datetime import UTC, datetime
@@ -24,8 +25,8 @@ class Waiting:
     `unspooled` are the entries that are only here and must not be lost.
 
     Attributes:
-        held: Ids of goals that are not written yet, as the events of their end are being stored: a gateway that is
-            killed must not leave a goal that has ended without them.
+        held: Ids of goals that are not written yet, with how many stores of their events run: a gateway that is killed
+            must not leave a goal that has ended, or has another state, without the events of that.
     """
 
     def __init__(self, limit: int) -> None:
@@ -36,7 +37,7 @@ class Waiting:
         self.droppable = EventBuffer(limit)
         self.gaps: dict[str, str] = {}
         self.dropped = 0
-        self.held: set[str] = set()
+        self.held: Counter[str] = Counter()
         self._unspooled: dict[tuple[str, str], Goal | Event | Key] = {}
 
     def __len__(self) -> int:
@@ -74,6 +75,12 @@ class Waiting:
         """Remove a goal that must not be stored after all."""
         self.goals.pop(goal_id, None)
         self._unspooled.pop(("goal", goal_id), None)
+
+    def let_go(self, goal_id: str) -> None:
+        """Write a goal again, once none of its events is being stored."""
+        self.held[goal_id] -= 1
+        if self.held[goal_id] <= 0:
+            del self.held[goal_id]
 
     def put_key(self, key: Key, *, safe: bool = False) -> None:
         """Add a key; the first goal to claim it keeps it."""

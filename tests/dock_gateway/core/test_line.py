@@ -63,8 +63,8 @@ def test_an_end_is_published_once_and_nothing_after_it() -> None:
     line, published = make()
     line.allow(end(4), allowed(9))
     line.allow(end(4), allowed(9))
-    line.publish_end(end(3), end(4))
-    line.publish_end(end(3), None)
+    line.publish_stored(end(3), end(4))
+    line.publish_stored(end(3), None)
     line.put(event(5))
     line.put(event(6, B))
     assert published == ["4-s-goal-a", "4-z-goal-a", "6-f-goal-b"]
@@ -75,7 +75,7 @@ def test_an_end_that_is_not_stored_comes_after_all_that_was_published() -> None:
     line = Line(clock, published.append)
     last = clock.stamp(0)
     line.put(event(last, B))
-    assert line.publish_end(end(3), None) == published[1:]
+    assert line.publish_stored(end(3), None) == published[1:]
     assert [orjson.loads(each.data)["id"] for each in published] == [each.id for each in published]
     assert (published[1].id or "") > time_id(last)
 
@@ -94,9 +94,9 @@ def test_permission_is_asked_for_only_when_it_may_soon_be_needed() -> None:
     line.put(event(1))
     line.allow([], allowed(9))
     line.put(event(2))
-    line.publish_end([], end(3))
+    line.publish_stored([], end(3))
     assert asked == [], "it was given just now"
-    line.publish_end([], end(10, B))
+    line.publish_stored([], end(10, B))
     assert asked == [1]
     line.put(event(11, "goal-c"))
     assert asked == [1, 1]

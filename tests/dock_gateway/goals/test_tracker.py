@@ -190,16 +190,17 @@ async def test_an_end_that_cannot_be_stored_is_published_all_the_same(
     assert (await scene.events())[-1] == "result:succeeded"
 
 
-async def test_where_a_history_is_shared_an_end_is_published_in_the_order_of_all_gateways(
+async def test_where_a_history_is_shared_states_are_published_in_the_order_of_all_gateways(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It comes with the permission to publish, or at last when it is stored."""
+    """They come with the permission to publish, or at last when they are stored."""
     stored: list[Event] = []
 
-    async def seal(_: Goal, end: list[Event]) -> list[Event]:
-        stored.extend(restamped(event, time.time_ns() + 1_000_000) for event in end)
-        scene.fanout.line.allow(stored[-2:] if scene.tracker.live else [], None)
-        return stored[-2:]
+    async def seal(_: Goal, events: list[Event]) -> list[Event]:
+        new = [restamped(event, time.time_ns() + 1_000_000) for event in events]
+        stored.extend(new)
+        scene.fanout.line.allow(new if scene.tracker.live else [], None)
+        return new
 
     monkeypatch.setattr(scene.history, "shared", True)
     monkeypatch.setattr(scene.history, "seal", seal)
@@ -207,7 +208,9 @@ async def test_where_a_history_is_shared_an_end_is_published_in_the_order_of_all
     for goal in (first, second):
         scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
         await until(lambda goal=goal: stored and goal.last_event_id == stored[-1].id)
-    assert [document["id"] for document in await scene.documents()][2:] == [event.id for event in stored]
+    documents = await scene.documents()
+    assert [document["id"] for document in documents] == [event.id for event in stored]
+    assert [document["type"] for document in documents] == ["status", "status", *["status", "result"] * 2]
 
 
 async def test_an_end_that_a_shared_history_cannot_store_in_time_is_published_under_a_new_id(

@@ -9,7 +9,7 @@ import sqlalchemy as sa
 from dock_gateway.storage.database import Database
 from dock_gateway.storage.rows import entry_of, line_of
 from dock_gateway.storage.schema import create_tables
-from dock_gateway.storage.tables import BEGINNING, horizons, metadata, prepare_for
+from dock_gateway.storage.tables import BEGINNING, events, horizons, metadata, prepare_for
 from tests.dock_gateway.simulation.virtual import START_NS
 
 
@@ -30,6 +30,12 @@ class Disk:
                 if table.name in ("goals", "events", "idempotency_keys", "horizons", "documents"):
                     connection.execute(sa.delete(table))
             connection.execute(sa.insert(horizons).values(topic=BEGINNING, event_id=f"{START_NS:020d}"))
+
+    def states(self) -> list[str]:
+        """Return the ids of all stored states and results of goals, in order."""
+        query = sa.select(events.c.id).where(events.c.topic == "goals", events.c.droppable.is_(sa.false()))
+        with self.engine.begin() as connection:
+            return list(connection.scalars(query.order_by(events.c.id)))
 
 
 class Owner(Protocol):

@@ -129,11 +129,26 @@ class World:
             for what, count in (("result", results[goal]), ("status", states[goal])):
                 if count != 1:
                     found.append(f"the {what} of {goal} was told {count} times")
+        if self._faults.gateways > 1:
+            found += self._faults_of_states()
         for (_, before, _, _), (_, identity, _, _) in itertools.pairwise(seen):
             if identity <= before:
                 found.append(f"{short(identity)} came after {short(before)}")
         if self.reader.notices["gap"]:
             found.append("a gap was told")
+        return found
+
+    def _faults_of_states(self) -> list[str]:
+        """What is wrong with the states of goals: each is told once, whichever gateway noticed it."""
+        told = Counter(identity for _, identity, _, _ in self.reader.seen)
+        stored = self._disk.states()
+        found = [f"{short(each)} is stored, and was told {told[each]} times" for each in stored if told[each] != 1]
+        states = Counter((goal, kind) for _, _, kind, goal in self.reader.seen)
+        first = ("status pending", "status accepted", "status executing")
+        found += [f"{kind} of {goal} was told again" for (goal, kind), n in states.items() if kind in first and n > 1]
+        if not self._faults.stall:  # else a goal may be in its gateway's spool first, which is as if it were away
+            unsent = [goal for goal in self.server.goals if not states[goal, "status pending"]]
+            found += [f"{goal} was not told to be pending" for goal in unsent]
         return found
 
     def story(self) -> str:

@@ -15,6 +15,8 @@ from dock_gateway.storage.tables import events
 from tests.support.history import make_goal, open_at, written
 from tests.support.waiting import until
 
+S = GoalStatus
+
 
 def ended(number: int, status: GoalStatus = GoalStatus.SUCCEEDED, stamp: int = 1) -> Batch:
     goal = make_goal(number, status)
@@ -35,19 +37,46 @@ async def test_an_end_is_stored_behind_all_that_anyone_was_allowed(database_url:
         assert ours.allowed == time_id(far) + NEVER
         assert theirs.allowed == time_id(far + STEP) + NEVER
         stored = await turn(history, ours.allowed, batch=ended(1))
-        assert [event.key for event in stored.ends] == ["s-goal-0001", "z-goal-0001"]
-        assert [event.ends_goal for event in stored.ends] == [False, True]
-        assert (stored.ends[0].id or "") > theirs.allowed > ours.allowed
-        assert stored.allowed > (stored.ends[1].id or "")
+        assert [event.key for event in stored.events] == ["s-goal-0001", "z-goal-0001"]
+        assert [event.ends_goal for event in stored.events] == [False, True]
+        assert (stored.events[0].id or "") > theirs.allowed > ours.allowed
+        assert stored.allowed > (stored.events[1].id or "")
         goal = await history.get("goal-0001")
         assert goal is not None
-        assert goal.last_event_id == stored.ends[1].id
+        assert goal.last_event_id == stored.events[1].id
         again = await turn(history, theirs.allowed, batch=ended(1, GoalStatus.ABORTED))
-        assert again.ends == stored.ends
-        assert [event.id for event in again.stored.values()] == [event.id for event in stored.ends]
-        assert (await turn(history, stored.allowed)).ends == []
-        (rejected,) = (await turn(history, again.allowed, batch=ended(2, GoalStatus.REJECTED))).ends
+        assert again.events == stored.events
+        assert [event.id for event in again.stored.values() if event] == [event.id for event in stored.events]
+        assert (await turn(history, stored.allowed)).events == []
+        (rejected,) = (await turn(history, again.allowed, batch=ended(2, GoalStatus.REJECTED))).events
         assert rejected.ends_goal
+
+
+def state(number: int, status: GoalStatus, stamp: int) -> Batch:
+    goal = make_goal(number, status)
+    return Batch(goals=[goal], events=[status_event(goal, stamp)])
+
+
+async def test_a_state_comes_once_though_gateways_notice_it_at_different_times(
+    database_url: str, tmp_path: Path
+) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        begin = (await turn(history, None)).allowed
+
+        async def put(status: GoalStatus, stamp: int) -> Event | None:
+            (stored,) = (await turn(history, begin, batch=state(1, status, stamp))).stored.values()
+            return stored
+
+        kept = [await put(status, stamp) for stamp, status in enumerate((S.PENDING, S.ACCEPTED, S.EXECUTING))]
+        assert await put(S.EXECUTING, 7) is None, "another message said the same"
+        assert await put(S.ACCEPTED, 8) is None, "the other gateway was behind"
+        kept += [await put(S.LOST, 9), await put(S.EXECUTING, 10)]
+        kept += (await turn(history, begin, batch=ended(1, stamp=11))).stored.values()
+        assert await put(S.LOST, 12) is None, "it has ended"
+        told = (await turn(history, begin)).events
+        assert [(each.id, each.key) for each in told] == [each and (each.id, each.key) for each in kept]
+        assert [each.ends_goal for each in told] == [False, False, False, True, False, False, True]
+        assert sorted(each.id or "" for each in told) == [each.id for each in told]
 
 
 async def test_gateways_that_store_ends_at_the_same_time_learn_of_all(postgresql_url: str, tmp_path: Path) -> None:
@@ -76,7 +105,7 @@ async def test_a_goal_is_not_written_as_ended_before_its_end(sqlite_url: str, tm
     """A gateway that is killed in between would leave a goal that nobody tells the end of."""
     async with open_at(sqlite_url, tmp_path) as history:
         goal: Goal = ended(1).goals[0]
-        history._waiting.held.add(goal.goal_id)
+        history._waiting.held[goal.goal_id] += 1
         history.record(goal)
         history.record(make_goal(2))
         await history.writer.flush()
