@@ -130,7 +130,7 @@ async def _open(
     gateways.robots = robots.namespaces
     stopper = closed_by(stack, Stopper(robots, actions, interlock, share=share))
     simulators = closed_by(stack, Simulators(settings, bridge, fanout, robots))
-    approvals = closed_by(stack, Approvals(settings, fanout, actions.verb_of, simulators.__contains__))
+    approvals = closed_by(stack, _make_approvals(settings, fanout, actions, simulators))
     activity = _watch_activity(robots, actions)
     _follow_stops(stopper, interlock, activity, approvals)
     _subscribe_on_demand(settings, bridge, fanout, robots, activity, stack=stack)
@@ -387,6 +387,13 @@ def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry,
     watch = GraphWatch(settings, bridge, robots, actions)
     actions.remark = watch.remark
     return watch
+
+
+def _make_approvals(settings: Settings, fanout: Fanout, actions: ActionRegistry, simulators: Simulators) -> Approvals:
+    """Make what the goals of agents wait for."""
+    approvals = Approvals(settings, fanout, actions.verb_of, simulators.__contains__)
+    actions.before_send.append(approvals.require)
+    return approvals
 
 
 def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, approvals: Approvals) -> None:

@@ -10,6 +10,7 @@ import orjson
 import pytest
 
 from dock_gateway.assembly import open_gateway
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
@@ -51,7 +52,7 @@ async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(se
         action = await parts[ActionRegistry].find("/fibonacci")
         events: list[dict[str, Any]] = []
         reading = asyncio.create_task(read(parts[Fanout].subscribe(EventFilter()), events))
-        goal = await action.delivery.start(action.port.goal_codec.parse({"order": 46}))
+        goal = await action.delivery.start(action.port.goal_codec.parse({"order": 46}), sender=ANYBODY)
         await until(lambda: goal.feedback_count > 0)
         with pytest.MonkeyPatch.context() as patch:
             lose_answers(bridge, patch)

@@ -19,7 +19,6 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.core.share import Share
-from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.operation import Operation, operation_of
 from dock_gateway.http.parts import Parts, parts_of
 from dock_gateway.http.principal import TICKET, address_of, secret_of
@@ -131,21 +130,19 @@ async def authorize_command(
 
 
 def _permit(parts: Parts, principal: Principal) -> None:
-    """Let a request or a command act for as long as its login lasts; an agent's goals as far as a person allows them.
+    """Let a request or a command act for as long as its login lasts.
 
     Raises:
         NotAuthenticated: It has ended already: the history may have been asked what the request is about.
     """
     logins, quotas = parts[Logins], parts[Quotas]
     logins.require_valid(principal)
-    approve = partial(parts[Approvals].require, principal) if principal.grant.role is Role.AGENT else None
     PERMIT.set(
         Permit(
             partial(logins.require_valid, principal),
             partial(logins.watch, principal),
             partial(quotas.hold, principal),
             partial(quotas.turn, principal),
-            approve,
         )
     )
 

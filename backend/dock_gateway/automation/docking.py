@@ -282,7 +282,7 @@ class AutomaticDocking:
             if action is None:
                 raise Unavailable(f"{decision.robot} has no docking server")
             message = action.parse_request(action.default_request)
-            goal = await action.submitter.submit(message, _key(identity), origin="automation")
+            goal = await action.submitter.submit(message, _key(identity), sender=None)
         except GatewayError as error:
             outcome = Outcome.HELD if error.code in STOPS else Outcome.REFUSED
             goal_id = error.extra.get("goal_id")

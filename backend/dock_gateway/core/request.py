@@ -1,7 +1,7 @@
 """The request that is being handled: known to everything that runs for it."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Hashable, Mapping
+from collections.abc import Callable, Coroutine, Hashable, Mapping
 from contextlib import AbstractAsyncContextManager, AbstractContextManager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -30,7 +30,6 @@ class Permit:
         watch: Calls a function as soon as it is no longer true, while a block runs.
         hold: Takes a place of the user while a block runs (`Quotas.hold`).
         turn: Waits for the user's turn (`Quotas.turn`).
-        approve: Waits until a person has allowed a goal, given its action and its message; None: no approval needed.
         acted_at: When the request acted last.
     """
 
@@ -38,7 +37,6 @@ class Permit:
     watch: Watch
     hold: Callable[[str, Hashable, str], AbstractContextManager[None]]
     turn: Callable[[str], AbstractAsyncContextManager[None]]
-    approve: Callable[[str, bytes], Awaitable[None]] | None = None
     acted_at: datetime = field(default_factory=utc_now)
 
 
@@ -84,20 +82,6 @@ def turn(what: str) -> AbstractAsyncContextManager[None]:
     """
     permit = PERMIT.get()
     return nullcontext() if permit is None else permit.turn(what)
-
-
-async def approve(action_name: str, goal: bytes) -> None:
-    """Wait until a person has allowed a goal, if the request is one whose goals a person has to allow.
-
-    Raises:
-        NotAllowed: A person has refused it (`approval_refused`), or nobody has answered (`approval_expired`).
-        Conflict: A stop was requested meanwhile (`stopped`).
-        NotAuthenticated: The login has ended (`invalid_token`).
-        TooManyRequests: Too many goals wait already (`too_many_approvals`).
-    """
-    permit = PERMIT.get()
-    if permit is not None and permit.approve is not None:
-        await permit.approve(action_name, goal)
 
 
 async def wait_while_permitted(waiting: Coroutine[Any, Any, None]) -> None:

@@ -1,7 +1,7 @@
 """One action: its goals, the operations on them, and its server's state."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -17,7 +17,7 @@ from dock_gateway.goals.idempotency import Submitter
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
-from dock_gateway.goals.submission import Delivery
+from dock_gateway.goals.submission import BeforeSend, Delivery
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionPort
@@ -60,6 +60,7 @@ class Action:
         pinned: bool = False,
         ping_idle: bool = False,
         limits: GoalLimits = LIMITS,
+        before_send: Sequence[BeforeSend] = (),
     ) -> None:
         self.port = port
         self.name = port.action_name
@@ -75,7 +76,14 @@ class Action:
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, interlock, limits)
         self.delivery = Delivery(
-            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
+            settings,
+            history,
+            self.tracker,
+            self.watch,
+            reasons,
+            interlock=interlock,
+            canceler=self.canceler,
+            before_send=before_send,
         )
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"monitoring {self.name}")

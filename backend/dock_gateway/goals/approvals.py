@@ -15,7 +15,7 @@ from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.goal import Json, Verb, fragment
-from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.core.request import hold, wait_while_permitted
 from dock_gateway.settings import Settings
 
@@ -96,7 +96,7 @@ class Approvals:
         self._asked = asyncio.Event()
 
     async def require(self, principal: Principal, action_name: str, goal: Json) -> None:
-        """Wait until a person has allowed a goal of an agent; at once if the robot is simulated.
+        """Wait until a person has allowed a goal of an agent; not at all if others send it, or the robot is simulated.
 
         Raises:
             NotAllowed: A person has refused it (`approval_refused`), or nobody has answered (`approval_expired`).
@@ -106,7 +106,7 @@ class Approvals:
             Unavailable: The gateway closes.
         """
         robot = self._robot_of(action_name)
-        if self._is_simulated(action_name, robot):
+        if principal.grant.role is not Role.AGENT or self._is_simulated(action_name, robot):
             return
         with hold("approvals"):
             approval = self._ask(principal, action_name, robot, goal)

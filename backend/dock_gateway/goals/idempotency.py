@@ -4,8 +4,9 @@ import asyncio
 import time
 from typing import Any
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.core.goal import Goal, GoalStatus, Origin
+from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.goals.submission import Claim, Delivery, outcome
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.settings import Settings
@@ -25,13 +26,13 @@ class Submitter:
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
         self._delivery = delivery
 
-    async def submit(self, message: Any, idempotency_key: str | None = None, *, origin: Origin = "gateway") -> Goal:
+    async def submit(self, message: Any, idempotency_key: str | None = None, *, sender: Principal | None) -> Goal:
         """Send a goal and wait until the action server has accepted it.
 
         Args:
             message: The goal as a ROS message.
             idempotency_key: A later submission with this key gets the first one's goal, unless that was never sent.
-            origin: Who sends it.
+            sender: Who sends it; None: a rule of automatic docking.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`) or was requested meanwhile (`stopped`), the server rejected the
@@ -41,7 +42,7 @@ class Submitter:
             TooManyRequests: Too many goals are waiting for an answer.
         """
         if idempotency_key is None:
-            return await asyncio.shield(self._delivery.start(message, origin=origin))
+            return await asyncio.shield(self._delivery.start(message, sender=sender))
         stops = self._delivery.stops
         again: Goal | None = None
         under_way = self._submitting.get(idempotency_key)
@@ -60,7 +61,7 @@ class Submitter:
                     return outcome(first)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
-            task = self._delivery.start(message, self._claim_of(idempotency_key), stops, again, origin=origin)
+            task = self._delivery.start(message, self._claim_of(idempotency_key), stops, again, sender=sender)
             self._submitting[idempotency_key] = (message, task)
             task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
         else:

@@ -23,6 +23,7 @@ from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.publication import GoalPublisher
+from dock_gateway.goals.submission import BeforeSend
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionKind, ActionPort
 from dock_gateway.ros.bridge import Bridge
@@ -84,6 +85,7 @@ class ActionRegistry:
         docking: Which of the actions dock and undock each robot.
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
         halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
+        before_send: What every goal that somebody sends waits for; what it raises refuses the goal.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.
@@ -112,6 +114,7 @@ class ActionRegistry:
         self._share = share
         self._limits = limits
         self._forget_after = forget_after
+        self.before_send: list[BeforeSend] = []
         self.on_sent: list[Callable[[Goal], None]] = []
         self.on_change: list[Callable[[Goal], None]] = []
         self.on_end: list[Callable[[Goal], None]] = []
@@ -188,6 +191,7 @@ class ActionRegistry:
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or of_configured_robot,
             limits=self._limits,
+            before_send=self.before_send,
         )
         for news, listeners in (
             (News.SENT, self.on_sent),

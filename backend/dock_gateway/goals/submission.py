@@ -2,15 +2,16 @@
 
 import asyncio
 import uuid
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
-from dock_gateway.core.request import act, approve, hold
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin
+from dock_gateway.core.request import act, hold
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import GoalMachine, News
@@ -20,6 +21,9 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
+
+# Waits until a goal may be sent, or raises why it may not: given who sends it, its action and its message.
+BeforeSend = Callable[[Principal, str, Json], Awaitable[None]]
 
 # Rejection codes that are passed on from an action server; any other becomes `goal_rejected`.
 KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
@@ -37,6 +41,16 @@ class Claim:
 class Delivery:
     """Delivers the goals of one action.
 
+    Args:
+        settings: Deadlines.
+        history: Stores goals.
+        tracker: The goals of the action.
+        watch: Whether it has a server.
+        reasons: Why goals were rejected.
+        interlock: The latched stops.
+        canceler: Cancels goals that a stop has overtaken.
+        before_send: Called with every goal that somebody sends, before it is stored.
+
     Attributes:
         stops: Number of stops requested.
         unanswered: The requests of goals that were given up, by the goals' ids.
@@ -52,6 +66,7 @@ class Delivery:
         *,
         interlock: Interlock,
         canceler: Canceler,
+        before_send: Sequence[BeforeSend] = (),
     ) -> None:
         self._settings = settings
         self._history = history
@@ -60,6 +75,7 @@ class Delivery:
         self._reasons = reasons
         self._interlock = interlock
         self._canceler = canceler
+        self._before_send = before_send
         self.stops = 0
         self.unanswered: dict[str, PendingCall] = {}
         tracker.on[News.RETIRED].append(self._forget)
@@ -90,7 +106,7 @@ class Delivery:
         stops: int | None = None,
         again: Goal | None = None,
         *,
-        origin: Origin = "gateway",
+        sender: Principal | None,
     ) -> "asyncio.Task[Goal]":
         """Deliver a goal in its own task, which continues if the client disconnects.
 
@@ -100,14 +116,13 @@ class Delivery:
             stops: The value of `stops` when the goal was requested; default: the current one.
             again: The goal itself, if it was stored before and never accepted. It keeps its id, which an action server
                 accepts only once.
-            origin: Who sends it.
+            sender: Who sends it; None: a rule of automatic docking.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
                 (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
             NotAuthenticated: Raised by the task: the sender's login has ended meanwhile (`invalid_token`).
-            NotAllowed: Raised by the task: a person had to allow it, and has not (`approval_refused`,
-                `approval_expired`).
+            NotAllowed: Raised by the task: `before_send` refuses it (`approval_refused`, `approval_expired`).
             Unavailable: There is no action server; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
                 is canceled at once.
@@ -118,7 +133,7 @@ class Delivery:
         stops = self.stops if stops is None else stops
         place = ExitStack()
         place.enter_context(hold("goals", of=action_name))
-        task = asyncio.create_task(self._deliver(message, claim, stops, again, origin))
+        task = asyncio.create_task(self._deliver(message, claim, stops, again, sender))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         task.add_done_callback(lambda _: place.close())
@@ -126,13 +141,17 @@ class Delivery:
 
     # ------------------------------------------------------------------ sending
 
-    async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None, origin: Origin) -> Goal:
+    async def _deliver(
+        self, message: Any, claim: Claim | None, stops: int, again: Goal | None, sender: Principal | None
+    ) -> Goal:
         """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
         port = self._tracker.port
         await self._watch.require()
-        self._act(origin)  # also right before it is sent; but then a goal that was refused is stored
-        if origin == "gateway":
-            await approve(port.action_name, port.encode_goal(message))
+        self._act(sender)  # also right before it is sent; but then a goal that was refused is stored
+        if sender is not None:
+            for wait in self._before_send:
+                await wait(sender, port.action_name, port.encode_goal(message))
+        origin: Origin = "automation" if sender is None else "gateway"
         goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
         if again is None:
             goal.goal = port.encode_goal(message)
@@ -144,7 +163,7 @@ class Delivery:
         self._tracker.apply(GoalMachine.add, goal)
         try:
             self.require_no_stop_since(stops, goal_id=goal.goal_id)
-            self._act(origin)
+            self._act(sender)
             call = port.send(goal.goal_id, message)
         except GatewayError as error:
             self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
@@ -153,9 +172,9 @@ class Delivery:
         return outcome(goal)
 
     @staticmethod
-    def _act(origin: Origin) -> None:
+    def _act(sender: Principal | None) -> None:
         """Check the login of who sends a goal; what the gateway does by itself needs none."""
-        if origin == "gateway":
+        if sender is not None:
             act()
 
     # ------------------------------------------------------------------ the answer

@@ -45,7 +45,7 @@ async def send_goal(parts: Parts, principal: Principal, order: SendGoal) -> tupl
     """
     if order.action is not None:
         action = await parts[ActionRegistry].find(order.action)
-        return action, await _submit(action, order)
+        return action, await _submit(action, principal, order)
     with parts[RobotActions].hinting(order.robot, principal.grant):
         return await _send_docking_goal(parts[RobotActions], principal, order)
 
@@ -59,18 +59,18 @@ async def _send_docking_goal(robot_actions: RobotActions, principal: Principal, 
     action = await robot_actions.find(order.verb, order.robot, principal.grant)
     stops = action.delivery.stops
     try:
-        return action, await _submit(action, order)
+        return action, await _submit(action, principal, order)
     except Unavailable:
         other = action if action.on_graph else await robot_actions.find(order.verb, order.robot, principal.grant)
         if other is action:
             raise
         action.delivery.require_no_stop_since(stops)
-        return other, await _submit(other, order)
+        return other, await _submit(other, principal, order)
 
 
-async def _submit(action: Action, order: SendGoal) -> Goal:
+async def _submit(action: Action, principal: Principal, order: SendGoal) -> Goal:
     message = await order.read(action)
-    return await action.submitter.submit(message, order.key)
+    return await action.submitter.submit(message, order.key, sender=principal)
 
 
 @dataclass(frozen=True)

@@ -70,8 +70,8 @@ class Robot:
             for name in self.names
         ]
 
-    async def submit(self, _: object, key: str, *, origin: str) -> Goal:
-        assert origin == "automation"
+    async def submit(self, _: object, key: str, *, sender: None) -> Goal:
+        assert sender is None
         self.on_submit()
         if self.refusal is not None:
             raise self.refusal

@@ -9,11 +9,11 @@ import pytest
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotAuthenticated, NotFound, TooManyRequests
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.request import PERMIT, approve
+from dock_gateway.core.request import PERMIT
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
-from tests.support.permits import acting, permit
+from tests.support.permits import acting, permit, user
 
 ROBOT, ACTION = "/robot1", "/robot1/dock"
 
@@ -162,7 +162,5 @@ async def test_only_what_is_surely_simulated_waits_for_nobody() -> None:
 
 
 async def test_requests_of_others_wait_for_nobody() -> None:
-    PERMIT.set(None)
-    await approve(ACTION, b"{}")
-    PERMIT.set(permit())
-    await approve(ACTION, b"{}")
+    for role in set(Role) - {Role.AGENT}:
+        await Site().approvals.require(user("ada", role), ACTION, b"{}")

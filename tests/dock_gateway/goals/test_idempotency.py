@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import STATUS, event_id, nanoseconds, utc_now
 from dock_gateway.core.fanout import Fanout
@@ -120,7 +121,7 @@ class Scene:
         self.delivery = delivery
 
     def submit(self, key: str | None = None, message: str = "{}") -> "asyncio.Task[Goal]":
-        return asyncio.create_task(self.submitter.submit(message, key))
+        return asyncio.create_task(self.submitter.submit(message, key, sender=ANYBODY))
 
     def fail(self) -> None:
         self.history.gate.set_exception(Unavailable("full", code="history_unavailable"))

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
@@ -98,7 +99,7 @@ class Scene:
 
     async def send(self) -> None:
         with suppress(GatewayError):
-            await self.action.submitter.submit("{}", str(uuid.uuid4()))
+            await self.action.submitter.submit("{}", str(uuid.uuid4()), sender=ANYBODY)
 
     # What may become of a goal:
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.core.access import ANYBODY, Principal
+from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
@@ -111,6 +112,8 @@ class Scene:
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.05)
         self.tracker = GoalTracker(self.port, fanout, self.history, self.reasons)
         self.settings = Settings(**{"accept_timeout": 30.0, "max_pending_goals": 2, **settings})
+        self.asked: list[tuple[Principal, str, bytes]] = []
+        self.refusal: NotAllowed | None = None
         self.canceler = Canceler(self.settings, self.tracker, self.interlock)
         self.delivery = Delivery(
             self.settings,
@@ -120,12 +123,18 @@ class Scene:
             self.reasons,
             interlock=self.interlock,
             canceler=self.canceler,
+            before_send=[self.allow],
         )
+
+    async def allow(self, sender: Principal, action_name: str, goal: bytes) -> None:
+        self.asked.append((sender, action_name, goal))
+        if self.refusal is not None:
+            raise self.refusal
 
     async def send(self, message: str = "{}", **more: Any) -> "asyncio.Task[Goal]":
         """Start to deliver a goal; return when it is sent."""
         sent = len(self.port.sent)
-        task = self.delivery.start(message, **more)
+        task = self.delivery.start(message, **{"sender": ANYBODY, **more})
         await until(lambda: task.done() or len(self.port.sent) > sent)
         return task
 
@@ -236,7 +245,7 @@ async def test_only_so_many_goals_wait_for_an_answer(scene: Scene) -> None:
         for _ in range(2):
             await scene.send()
         with pytest.raises(TooManyRequests, match="2 goals waiting for the answer of /dock: that is the share"):
-            scene.delivery.start("{}")
+            scene.delivery.start("{}", sender=ANYBODY)
         scene.answer(ACCEPTED)
         await until(lambda: len(scene.delivery._tasks) == 1)
         await scene.send()
@@ -252,13 +261,13 @@ async def test_a_goal_is_not_sent_without_a_server(scene: Scene) -> None:
 async def test_a_goal_is_refused_while_a_stop_is_latched(scene: Scene) -> None:
     scene.interlock.latched = ["/dock"]
     with pytest.raises(Conflict) as refused:
-        scene.delivery.start("{}")
+        scene.delivery.start("{}", sender=ANYBODY)
     assert refused.value.code == "stop_latched"
 
 
 @pytest.mark.parametrize("latched", [True, False])
 async def test_a_stop_on_the_way_keeps_a_goal_from_being_sent(scene: Scene, latched: bool) -> None:
-    tasks = [scene.delivery.start("{}") for _ in range(2)]
+    tasks = [scene.delivery.start("{}", sender=ANYBODY) for _ in range(2)]
     if latched:
         scene.interlock.latched = ["/dock"]
     else:
@@ -280,7 +289,7 @@ async def test_a_stop_on_the_way_keeps_a_goal_from_being_sent(scene: Scene, latc
 
 async def test_a_stop_since_the_request_counts_too(scene: Scene) -> None:
     scene.delivery.stop()
-    assert (await refusal(scene.delivery.start("{}", stops=0))).code == "stopped"
+    assert (await refusal(scene.delivery.start("{}", stops=0, sender=ANYBODY))).code == "stopped"
     task = await scene.send(stops=1)
     scene.answer(ACCEPTED)
     assert (await task).status is S.ACCEPTED
@@ -449,3 +458,14 @@ def test_what_the_sender_of_a_goal_that_did_not_start_is_told(
 def test_the_sender_of_a_goal_that_started_gets_it(status: GoalStatus, error: GoalError | None) -> None:
     goal = Goal(A, "/dock", "pkg/action/Dock", utc_now(), status=status, error=error)
     assert outcome(goal) is goal
+
+
+async def test_what_is_called_before_a_goal_is_sent_may_refuse_it(scene: Scene) -> None:
+    scene.refusal = NotAllowed("ada has refused the goal", code="approval_refused")
+    with pytest.raises(NotAllowed):
+        await (await scene.send('{"n":1}'))
+    assert scene.asked == [(ANYBODY, "/dock", b'{"n":1}')]
+    assert (scene.port.sent, scene.history.keys) == ({}, [])
+    automatic = await scene.send(sender=None)
+    assert len(scene.asked) == 1, "a rule asks nobody"
+    automatic.cancel()

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalStatus, ResultAnswer
@@ -318,7 +319,7 @@ class LateGoals:
     def _send(self) -> None:
         async def send() -> None:
             with suppress(GatewayError):
-                await self.action.submitter.submit(1)
+                await self.action.submitter.submit(1, sender=ANYBODY)
 
         task = asyncio.create_task(send())
         self._sending.add(task)

@@ -44,7 +44,7 @@ async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted()
     """The gateway may be killed before the goal ends."""
     recorded: list[int] = []
 
-    async def submit(*_: object) -> Any:
+    async def submit(*_: object, **__: object) -> Any:
         return make_goal(1, GoalStatus.EXECUTING)
 
     async def record(status: int) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.access import ANYBODY
+from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.doors.rest.goal_routes import DOCK, Place, goal_routes
 from dock_gateway.goals.goal_machine import News
@@ -39,7 +39,7 @@ class FakeAction:
     def parse_request(self, body: object) -> object:
         return body
 
-    async def submit(self, message: object, key: str | None) -> Any:
+    async def submit(self, message: object, key: str | None, *, sender: Principal) -> Any:
         if self.stopped:
             self.delivery.stop()
         if not self.server:
