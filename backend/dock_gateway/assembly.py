@@ -50,7 +50,6 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.echoes import EchoRegistry
 from dock_gateway.graph.parameters import Parameters
 from dock_gateway.graph.publishing import Publishing
 from dock_gateway.graph.relays import Relays
@@ -264,7 +263,6 @@ async def _open(
             Cameras: closed_by(stack, Cameras(settings, fanout, robots, graph, relays)),
             Recordings: recordings,
             Work: work,
-            EchoRegistry: closed_by(stack, EchoRegistry(bridge, graph, work)),
             ServiceCalls: closed_by(stack, ServiceCalls(settings, bridge, interlock)),
             Parameters: closed_by(stack, Parameters(settings, bridge)),
             Publishing: publishing,
@@ -357,7 +355,7 @@ def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Rel
     """Make what reads the graph, and the messages of any topic, and what decodes them."""
     stack.push_async_callback(in_turn.close)
     graph, work = closed_by(stack, GraphCache(bridge)), closed_by(stack, Work())
-    return graph, closed_by(stack, Relays(bridge, graph)), work
+    return graph, closed_by(stack, Relays(bridge, graph, work)), work
 
 
 def _record(

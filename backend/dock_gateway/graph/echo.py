@@ -1,4 +1,4 @@
-"""A watched topic: one subscription for all viewers, decoded at the rate of the fastest viewer."""
+"""The newest messages of a topic for its viewers, decoded at the rate of the fastest viewer."""
 
 import asyncio
 import logging
@@ -8,21 +8,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, moment, notice, utc_now
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.goal import fragment
-from dock_gateway.core.graph import Topic
 from dock_gateway.core.tasks import cancel
 from dock_gateway.core.work import Work
-from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.subscription import TopicSubscription, listening_for
-from dock_gateway.ros.bridge import Bridge
+from dock_gateway.graph.subscription import TopicSubscription, wait
 from dock_gateway.ros.raw_port import EchoType, Heard, Reading, read_message
 
 log = logging.getLogger(__name__)
 
-# Seconds between two rate events and two checks of the topic. A rate is the average of the last WINDOW seconds.
+# Seconds between two rate events. A rate is the average of the last WINDOW seconds.
 TICK = 1.0
 WINDOW = 3
 # After a message is decoded, its topic rests for this many times the decoding time, for the sake of other work.
@@ -47,81 +43,82 @@ class Viewer:
 
 
 class Echo:
-    """One topic, for all its viewers.
+    """The viewers of one topic. It runs while there are some.
 
     Args:
-        bridge: Runs calls on the ROS thread.
-        graph: Knows the endpoints of the topic.
-        topic: The current state of the topic.
+        subscription: The subscription to the topic.
         work: Decodes messages.
         tick: See `TICK`.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, work: Work, tick: float = TICK) -> None:
+    def __init__(self, subscription: TopicSubscription, work: Work, tick: float = TICK) -> None:
         self._tick = tick
         self._work = work
-        self._subscription = TopicSubscription(bridge, graph, topic)
+        self._subscription = subscription
         self._viewers: set[Viewer] = set()
+        self._news = asyncio.Event()
         self._unreadable: str | None = None
-        self._past: deque[tuple[float, Heard]] = deque([(time.monotonic(), Heard())], maxlen=WINDOW + 1)
+        self._unreadable_kind: EchoType | None = None  # whose messages could not be read
+        self._first = 0  # the number of messages that were received before the first viewer came
+        self._past: deque[tuple[float, Heard]] = deque(maxlen=WINDOW + 1)
         self._task: asyncio.Task[None] | None = None
-
-    async def open(self) -> None:
-        """Subscribe to the topic.
-
-        Raises:
-            Unavailable: `ros_unavailable`, when the ROS thread is down.
-        """
-        await self._subscription.listen(listening_for(self._subscription.topic, None))
-        self._task = asyncio.create_task(self._run())
-
-    async def close(self) -> None:
-        """End the subscription."""
-        if self._task is not None:
-            await cancel(self._task)
-        self._subscription.close()
 
     def add(self, viewer: Viewer) -> None:
         """Add a viewer. It gets the topic's state, the newest message, and later ones."""
         self._viewers.add(viewer)
         viewer.subscriber.put(self._topic_event())
-        self._subscription.news.set()
+        if self._task is None:
+            heard = self._subscription.heard
+            self._first = heard.messages
+            self._past.clear()
+            self._past.append((time.monotonic(), heard._replace(newest=None)))
+            self._task = asyncio.create_task(self._run())
+        self._news.set()
 
     def remove(self, viewer: Viewer) -> None:
         """Remove a viewer."""
         self._viewers.discard(viewer)
+        if not self._viewers and self._task is not None:
+            self._task.cancel()
+            self._task = None
+
+    async def close(self) -> None:
+        """Show no more messages."""
+        if self._task is not None:
+            await cancel(self._task)
 
     @property
     def viewed(self) -> bool:
         """Whether the topic has viewers."""
         return bool(self._viewers)
 
+    def changed(self) -> None:
+        """Show that the topic or the subscription has changed."""
+        self._send(self._viewers, self._topic_event())
+        self._news.set()
+
     async def _run(self) -> None:
         tick = time.monotonic() + self._tick
         while True:
             try:
-                await self._subscription.wait(min(tick, self._next_due()) - time.monotonic())
+                await wait(self._news, min(tick, self._next_due()) - time.monotonic())
                 await self._show()
                 if time.monotonic() >= tick:
                     tick = time.monotonic() + self._tick
                     self._tell_rate()
-                    await self._look_again()
-            except GatewayError as error:
-                log.warning("cannot subscribe to %s: %s", self._subscription.topic.name, error.detail)
             except Exception:
                 log.exception("while reading %s", self._subscription.topic.name)
                 await asyncio.sleep(self._tick)
 
     def _waiting(self) -> list[Viewer]:
         heard = self._subscription.heard
-        if heard.newest is None or self._subscription.kind is None or not self._subscription.kind.installed:
+        if heard.newest is None or not self._subscription.is_readable:
             return []
         return [viewer for viewer in self._viewers if viewer.seen < heard.messages]
 
     def _next_due(self) -> float:
-        port = self._subscription.port
-        if not self._waiting() and port is not None:
-            port.tell_next()  # a message that arrives right now wakes us, or is seen in the next line
+        if not self._waiting():
+            self._subscription.tell_next(self._news)  # what arrives right now wakes us, or is seen in the next line
         return min((viewer.due for viewer in self._waiting()), default=float("inf"))
 
     async def _show(self) -> None:
@@ -145,7 +142,8 @@ class Echo:
             viewer.seen, viewer.due = heard.messages, began + max(viewer.period, rest)
 
     async def _read(self, kind: EchoType, message: bytes) -> Reading | None:
-        before, self._unreadable = self._unreadable, None
+        before = self._hint_of(kind)
+        self._unreadable, self._unreadable_kind = None, kind
         reading: Reading | None = None
         try:
             reading = await self._work(len(message), read_message, kind.name, message)
@@ -158,7 +156,7 @@ class Echo:
         return reading
 
     def _tell_rate(self) -> None:
-        if self._subscription.kind is None or not self._subscription.kind.installed:  # nothing is received
+        if not self._subscription.is_readable:
             return
         now, heard = time.monotonic(), self._subscription.heard
         self._past.append((now, heard._replace(newest=None)))
@@ -168,19 +166,13 @@ class Echo:
             self._subscription.topic.name,
             hz=round((heard.messages - before.messages) / (now - then), 2),
             bytes_per_s=round((heard.size - before.size) / (now - then)),
-            messages=heard.messages,
+            messages=heard.messages - self._first,
         )
         self._send(self._viewers, event)
 
-    async def _look_again(self) -> None:
-        kind = self._subscription.kind
-        try:
-            changed = await self._subscription.look_again()
-        finally:
-            if self._subscription.kind is not kind:
-                self._unreadable = None
-        if changed:
-            self._send(self._viewers, self._topic_event())
+    def _hint_of(self, kind: EchoType | None) -> str | None:
+        """Return why the last message could not be read, if it was of this type."""
+        return self._unreadable if kind is self._unreadable_kind else None
 
     def _topic_event(self) -> Event:
         kind = self._subscription.kind
@@ -188,8 +180,8 @@ class Echo:
             "topic",
             self._subscription.topic.document(),
             message_type=kind and kind.name,
-            installed=kind is not None and kind.installed,
-            hint=self._unreadable or (kind and kind.hint),
+            installed=self._subscription.is_readable,
+            hint=self._hint_of(kind) or (kind and kind.hint),
         )
 
     @staticmethod

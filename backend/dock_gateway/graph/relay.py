@@ -1,17 +1,19 @@
-"""A relayed topic: one subscription for all who read its messages as bytes."""
+"""A topic that is read: one subscription for all who read its messages as bytes, and all who view them decoded."""
 
 import asyncio
 import logging
 from asyncio import Task
 from typing import Protocol
 
-from dock_gateway.core.errors import GatewayError, NotFound
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.graph import Topic
 from dock_gateway.core.tasks import cancel
+from dock_gateway.core.work import Work
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.earlier import EarlierMessages
+from dock_gateway.graph.echo import Echo, Viewer
 from dock_gateway.graph.received import Received
-from dock_gateway.graph.subscription import Listening, TopicSubscription, listening_for
+from dock_gateway.graph.subscription import Listening, TopicSubscription, listening_for, wait
 from dock_gateway.ros.bridge import Bridge
 
 log = logging.getLogger(__name__)
@@ -20,8 +22,6 @@ log = logging.getLogger(__name__)
 TICK = 1.0
 # Where all readers are patient: seconds between two takes, and how many times longer a check takes to come.
 PAUSE, SELDOM = 0.25, 5
-# Messages that are kept while earlier ones are encoded.
-KEEP = 200
 
 
 class Outlet(Protocol):
@@ -42,18 +42,22 @@ class Relay:
         bridge: Runs calls on the ROS thread.
         graph: Knows the endpoints of the topic.
         topic: The current state of the topic.
+        work: Decodes messages for viewers.
         tick: See `TICK`.
 
     Attributes:
-        outlets: The readers.
+        outlets: The readers of every message.
         joining: Those that get the earlier messages first.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, tick: float = TICK) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, work: Work, tick: float = TICK) -> None:
         self.outlets: set[Outlet] = set()
         self.joining: set[Outlet] = set()
         self._tick = tick
-        self._subscription = TopicSubscription(bridge, graph, topic, KEEP)
+        self._check_at = float("-inf")
+        self._news = asyncio.Event()
+        self._subscription = TopicSubscription(bridge, graph, topic)
+        self._echo = Echo(self._subscription, work, tick)
         self._earlier = EarlierMessages()
         self._task: Task[None] | None = None
 
@@ -63,6 +67,22 @@ class Relay:
         kind = self._subscription.kind
         return "" if kind is None else kind.name
 
+    @property
+    def hint(self) -> str | None:
+        """Why its messages cannot be read: their package is not installed. None if they can be."""
+        kind = self._subscription.kind
+        return None if kind is None else kind.hint
+
+    @property
+    def viewed(self) -> bool:
+        """Whether it has viewers."""
+        return self._echo.viewed
+
+    @property
+    def used(self) -> bool:
+        """Whether it has readers or viewers."""
+        return bool(self.outlets or self.joining) or self.viewed
+
     async def open(self, type_name: str | None) -> None:
         """Subscribe to the topic.
 
@@ -70,22 +90,38 @@ class Relay:
             type_name: Its type, if nobody has the topic yet.
 
         Raises:
-            NotFound: Its messages cannot be read: their package is not installed (`interface_not_found`).
+            Conflict: `topic_in_use`: the gateway itself uses the topic with another type.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
         subscription = self._subscription
         types = subscription.topic.types or [type_name or ""]
         at_first = Listening(types[0], reliable=False, latched=False)
         await subscription.listen(listening_for(subscription.topic, at_first))
-        if (kind := subscription.kind) is None or not kind.installed:
-            raise NotFound(f"{subscription.topic.name}: {kind and kind.hint}", code="interface_not_found")
+        self._check_at = asyncio.get_running_loop().time() + self._tick
         self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
         """End the subscription."""
         if self._task is not None:
             await cancel(self._task)
+        await self._echo.close()
         self._subscription.close()
+
+    def view(self, viewer: Viewer) -> None:
+        """Show the topic to a viewer."""
+        if self.used and not self.viewed:  # its publishers may have been checked some seconds ago
+            self._check_at = float("-inf")
+            self._news.set()
+        self._echo.add(viewer)
+
+    def hide(self, viewer: Viewer) -> None:
+        """Show the topic to a viewer no more."""
+        self._echo.remove(viewer)
+
+    def join(self, outlet: Outlet) -> None:
+        """Note that a reader is about to be added, so that the topic stays open."""
+        self.joining.add(outlet)
+        self._arrange()
 
     async def add(self, outlet: Outlet) -> None:
         """Add one of those that are joining. It gets the `EarlierMessages`, if the topic's publishers keep any."""
@@ -99,23 +135,30 @@ class Relay:
         """Remove a reader, if it is one or is joining."""
         self.outlets.discard(outlet)
         self.joining.discard(outlet)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        self._subscription.keep_all(wanted=bool(self.outlets or self.joining))
+        self._news.set()
 
     @property
     def _patient(self) -> bool:
         return bool(self.outlets) and all(getattr(outlet, "patient", False) for outlet in self.outlets)
 
     async def _run(self) -> None:
-        loop = asyncio.get_running_loop()
-        tick = loop.time() + self._tick
+        now = asyncio.get_running_loop().time
+        self._news.set()
         while True:
             try:
                 if self._patient:
                     await asyncio.sleep(PAUSE)
-                await self._subscription.wait(tick - loop.time())
+                await wait(self._news, self._check_at - now())
                 await self._pass_on()
-                if loop.time() >= tick:
-                    tick = loop.time() + self._tick * (SELDOM if self._patient else 1)
-                    await self._subscription.look_again()
+                if now() >= self._check_at:
+                    self._check_at = now() + self._tick * (SELDOM if self._patient and not self.viewed else 1)
+                    if await self._subscription.look_again():
+                        self._echo.changed()
+                        self._news.set()
             except GatewayError as error:
                 log.warning("cannot subscribe to %s: %s", self._subscription.topic.name, error.detail)
             except Exception:
@@ -124,9 +167,9 @@ class Relay:
 
     async def _pass_on(self) -> None:
         heard = self._subscription
-        if heard.port is None or heard.kind is None:
+        if heard.port is None or heard.kind is None or not heard.keeps_all:
             return
-        heard.port.tell_next()  # before the take: what comes after it is told, and does not wait for the next message
+        heard.tell_next(self._news)  # before the take: what comes after it is told, and does not wait for the next one
         for arrival in heard.port.take():
             message = Received(heard.topic.name, heard.kind, arrival, heard.offer)
             for outlet in tuple(self.outlets):

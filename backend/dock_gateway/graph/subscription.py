@@ -1,4 +1,8 @@
-"""The gateway's subscription to any topic: of the type and the quality that the topic's publishers have."""
+"""The gateway's subscription to any topic: of the type and the quality that the topic's publishers have.
+
+Its readers wait each for themselves, so that a slow one delays no other: one that reads every message, and one that
+reads the newest at its own pace.
+"""
 
 import asyncio
 from dataclasses import dataclass
@@ -12,6 +16,8 @@ from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard
 
 # The most messages that count as kept for later subscribers.
 MOST_KEPT = 1_000
+# Messages that are kept while earlier ones are encoded.
+KEEP = 200
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,6 @@ class TopicSubscription:
         bridge: Runs calls on the ROS thread.
         graph: Knows the endpoints of the topic.
         topic: The current state of the topic.
-        keep: Number of messages that are kept until they are taken, besides the newest one.
 
     Attributes:
         topic: The topic, as it was last seen.
@@ -53,33 +58,53 @@ class TopicSubscription:
         listening: How it is subscribed to; None before `listen`.
         port: The subscription on the ROS thread; None before `listen`.
         offer: What the publishers offer; the last ones, while there are none.
-        news: Set when a message has come, as `EchoPort.tell_next` asks for.
     """
 
-    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic, keep: int = 0) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic) -> None:
         self.topic = topic
         self.kind: EchoType | None = None
         self.listening: Listening | None = None
         self.port: EchoPort | None = None
         self.offer = OFFER
-        self.news = asyncio.Event()
         self._bridge = bridge
         self._graph = graph
-        self._keep = keep
+        self._all = False
+        self._waiting: set[asyncio.Event] = set()
 
     @property
     def heard(self) -> Heard:
         """What has come so far."""
         return Heard() if self.port is None else self.port.heard
 
-    async def wait(self, seconds: float) -> None:
-        """Wait for news, at most so long."""
-        try:
-            async with asyncio.timeout(max(0.0, seconds)):
-                await self.news.wait()
-        except TimeoutError:
-            pass
-        self.news.clear()
+    @property
+    def is_readable(self) -> bool:
+        """Whether its messages can be decoded. Others are not received."""
+        return self.kind is not None and self.kind.installed
+
+    @property
+    def keeps_all(self) -> bool:
+        """Whether every message is kept until it is taken: those of a latched topic for readers that come later."""
+        return self._all or (self.listening is not None and self.listening.latched)
+
+    def keep_all(self, *, wanted: bool) -> None:
+        """Keep every message from now on, or only the newest one."""
+        self._all = wanted
+        self._keep()
+
+    def _keep(self) -> None:
+        if self.port is not None:
+            self.port.keep(KEEP if self.keeps_all else 0)
+
+    def tell_next(self, news: asyncio.Event) -> None:
+        """Set an event at the next message."""
+        self._waiting.add(news)
+        if self.port is not None:
+            self.port.tell_next()
+
+    def _tell(self) -> None:
+        waiting, self._waiting = self._waiting, set()
+        for news in waiting:
+            news.set()
 
     async def look_again(self) -> bool:
         """Follow the topic's publishers; return whether the topic or the subscription has changed.
@@ -110,6 +135,7 @@ class TopicSubscription:
         if self.kind is None or self.kind.name != listening.kind:
             self.kind = await asyncio.to_thread(EchoType, listening.kind)
         kind, before = self.kind, self.port
+        keep = KEEP if self._all or listening.latched else 0
 
         def change() -> EchoPort:
             if before is not None:
@@ -120,19 +146,30 @@ class TopicSubscription:
                 kind,
                 reliable=listening.reliable,
                 latched=listening.latched,
-                on_news=self.news.set,
+                on_news=self._tell,
                 heard=self.heard,
-                keep=self._keep,
+                keep=keep,
             )
 
         self.port, self.listening = await self._bridge.call(change, undo=EchoPort.close), listening
+        self._keep()  # a reader may have come or left while the port was made
         self.offer = offer_of(self.topic, listening)
-        self.news.set()  # a message may have come already
+        self._tell()  # a message may have come already
 
     def close(self) -> None:
         """End the subscription."""
         if self.port is not None:
             self._bridge.to_ros(self.port.close)
+
+
+async def wait(news: asyncio.Event, seconds: float) -> None:
+    """Wait until an event is set, at most so long, and clear it."""
+    try:
+        async with asyncio.timeout(max(0.0, seconds)):
+            await news.wait()
+    except TimeoutError:
+        pass
+    news.clear()
 
 
 def listening_for(topic: Topic, now: Listening | None) -> Listening:

@@ -146,7 +146,7 @@ class EchoPort:
         heard: Heard,
         keep: int = 0,
     ) -> None:
-        depth = LARGE_DEPTH if kind.name in LARGE else DEPTH
+        self._depth = depth = LARGE_DEPTH if kind.name in LARGE else DEPTH
         self._kept: deque[Arrival] = deque(maxlen=min(keep, depth))
         self.heard = heard._replace(newest=None)
         self._bridge = bridge
@@ -169,6 +169,11 @@ class EchoPort:
         """Leave the topic."""
         if self._subscription is not None:
             self._bridge.node.destroy_subscription(self._subscription)
+
+    def keep(self, keep: int) -> None:
+        """Keep another number of messages until they are taken. Those that are kept already are forgotten."""
+        if self._kept.maxlen != (most := min(keep, self._depth)):
+            self._kept = deque(maxlen=most)
 
     def tell_next(self) -> None:
         """Call `on_news` once, at the next message."""

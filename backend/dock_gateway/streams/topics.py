@@ -5,7 +5,7 @@ from fastapi import APIRouter, Depends, WebSocket
 from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.graph.echoes import EchoRegistry
+from dock_gateway.graph.relays import Relays
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.quotas import Quotas
@@ -37,7 +37,7 @@ async def echo_topic(websocket: WebSocket, parts: AllParts) -> None:
         subscribed(parts, principal, EventFilter(topics=frozenset())) as subscriber,
         parts[Quotas].hold(principal, "views", topic),
     ):
-        async with parts[EchoRegistry].watch(topic, subscriber, max_rate):
+        async with parts[Relays].watch(topic, subscriber, max_rate):
             await websocket.accept()
             events = write_events(websocket, parts, subscriber, follow(parts, subscriber))
             await until_one_ends(events, ignore_input(websocket))

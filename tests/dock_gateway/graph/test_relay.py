@@ -7,8 +7,10 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.core.graph import Topic
+from dock_gateway.core.work import Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relay import Relay
+from dock_gateway.graph.subscription import KEEP
 from dock_gateway.ros.raw_port import Arrival
 from tests.support.waiting import PATIENCE
 
@@ -29,6 +31,9 @@ class FakePort:
         if not self._told:
             self._told = True
             asyncio.get_running_loop().call_soon(self._on_news)
+
+    def keep(self, keep: int) -> None:
+        assert keep == KEEP
 
     def tell_next(self) -> None:
         self._told = False
@@ -69,9 +74,10 @@ class Listener:
 @pytest.mark.parametrize("patient", [False, True])
 async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch, *, patient: bool) -> None:
     monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
-    relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), tick=3600.0)
+    relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), Work(), tick=3600.0)
     listener = Listener(patient=patient)
-    relay.outlets.add(listener)
+    relay.join(listener)
+    await relay.add(listener)
     await relay.open("std_msgs/msg/String")
     try:
         assert await asyncio.wait_for(listener.sizes.get(), PATIENCE) == len(FIRST)

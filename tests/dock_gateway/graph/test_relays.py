@@ -8,6 +8,7 @@ from typing import Any, cast
 import pytest
 
 from dock_gateway.core.graph import Topic
+from dock_gateway.core.work import Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.raw_port import Arrival, EchoType
@@ -26,6 +27,9 @@ class FakePort:
 
     def __init__(self, _: object, topic: str, *__: object, **___: object) -> None:
         self._topic = topic
+
+    def keep(self, _: int) -> None:
+        """Nothing to keep."""
 
     def tell_next(self) -> None:
         """Nothing to tell."""
@@ -72,7 +76,7 @@ class Reader:
 async def relays(monkeypatch: pytest.MonkeyPatch) -> Relays:
     monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
     FakePort.closed = []
-    return Relays(cast("Any", FakeBridge()), cast("Any", FakeGraph()))
+    return Relays(cast("Any", FakeBridge()), cast("Any", FakeGraph()), Work())
 
 
 async def start_to_join(relays: Relays, reader: Reader) -> "asyncio.Task[None]":
