@@ -6,13 +6,14 @@ import sys
 import time
 from collections.abc import AsyncIterator, Awaitable, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 from dock_gateway.core.event import Event, event_id
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.storage import GoalFilter, History, MemoryHistory
+from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.retention import Limits
 from dock_gateway.storage.spool import Spool
 from dock_gateway.storage.sql import SqlHistory
@@ -39,13 +40,12 @@ def make_event(number: int, topic: str = "goals", *, droppable: bool = False, go
 
 
 START_NS = time.time_ns()
+GENEROUS = Limits(10**9, 10**9, 10**9, 10**12, 10**9, 10**9)
 
 
 def history_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> SqlHistory:
     """A history that is not open yet; limits as `Limits` has them."""
-    generous = {"event_age": 10**9, "event_bytes": 10**9, "goal_age": 10**9, "goal_bytes": 10**12}
-    generous |= {"audit_age": 10**9, "audit_entries": 10**9}
-    keep = Limits(**generous | limits)  # type: ignore[arg-type]
+    keep = replace(GENEROUS, **limits)  # type: ignore[arg-type]
     return SqlHistory(url, Spool(folder / "spool"), max_waiting=max_waiting, limits=keep)
 
 
@@ -60,19 +60,26 @@ async def open_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: 
         await history.close()
 
 
-class HistoryInMemory(MemoryHistory):
-    """An opened history in memory, which needs no closing."""
+class HistoryInMemory(SqlHistory):
+    """A history in memory, which needs no closing.
+
+    Its writer runs if it is made on an event loop. What it has not written yet is read as if it were, except by
+    statistics.
+    """
 
     def __init__(self) -> None:
-        super().__init__(5000)
+        super().__init__("memory:", Spool(None), max_waiting=10_000, limits=GENEROUS)
+        try:
+            asyncio.get_running_loop()
+        except RuntimeError:
+            return
+        self.writer.start()
+        self._tasks = [asyncio.create_task(self._sealer.run())]
 
 
 @asynccontextmanager
 async def open_place(url: str, folder: Path, **limits: int) -> AsyncIterator[History]:
     """A history in memory or in a database, closed in the end."""
-    if url == "memory:":
-        yield HistoryInMemory()
-        return
     async with open_at(url, folder, **limits) as history:
         yield history
 

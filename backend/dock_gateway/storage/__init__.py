@@ -1,12 +1,12 @@
-"""Storage of goals, their events and idempotency keys: SQLite by default, PostgreSQL by URL, or memory."""
+"""Storage of goals, their events and idempotency keys: SQLite by default, PostgreSQL by URL, or SQLite in memory."""
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.settings import Settings
 from dock_gateway.storage.database import Incident
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.protocol import (
     Acknowledgement,
     AuditStore,
@@ -21,7 +21,7 @@ from dock_gateway.storage.protocol import (
     RobotLabel,
     fingerprint_of,
 )
-from dock_gateway.storage.retention import Limits
+from dock_gateway.storage.retention import Limits, in_memory
 from dock_gateway.storage.spool import AuditSpool, Spool
 from dock_gateway.storage.sql import SqlHistory
 
@@ -38,7 +38,6 @@ __all__ = [
     "HistoryStats",
     "Incident",
     "LaterEvents",
-    "MemoryHistory",
     "Note",
     "RobotLabel",
     "fingerprint_of",
@@ -49,22 +48,18 @@ __all__ = [
 @asynccontextmanager
 async def open_history(settings: Settings) -> AsyncIterator[History]:
     """Open the history that the settings name; close it when the block ends."""
-    if settings.database_url == "memory:":
-        yield MemoryHistory(settings.max_goals)
-        return
-    history = SqlHistory(
-        settings.database,
-        Spool(settings.spool_folder),
-        max_waiting=settings.history_queue,
-        limits=Limits(
-            event_age=settings.retention_hours * 3600,
-            event_bytes=settings.retention_mb * 1_000_000,
-            goal_age=settings.goal_retention_days * 86_400,
-            goal_bytes=settings.goal_retention_mb * 1_000_000,
-            audit_age=settings.audit_retention_days * 86_400,
-            audit_entries=settings.audit_max_entries,
-        ),
+    limits = Limits(
+        event_age=settings.retention_hours * 3600,
+        event_bytes=settings.retention_mb * 1_000_000,
+        goal_age=settings.goal_retention_days * 86_400,
+        goal_bytes=settings.goal_retention_mb * 1_000_000,
+        audit_age=settings.audit_retention_days * 86_400,
+        audit_entries=settings.audit_max_entries,
     )
+    folder: Path | None = settings.spool_folder
+    if settings.database == "memory:":
+        limits, folder = in_memory(limits, settings.max_goals), None
+    history = SqlHistory(settings.database, Spool(folder), max_waiting=settings.history_queue, limits=limits)
     try:
         await history.open()
         yield history

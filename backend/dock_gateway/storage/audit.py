@@ -1,4 +1,4 @@
-"""The audit log in a database that several gateways may share, or in memory. Rows are only added, never changed."""
+"""The audit log in a database that several gateways may share. Rows are only added, never changed."""
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime
@@ -23,7 +23,6 @@ from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.tables import audit, audit_chain
 
 CHUNK = 1000  # rows deleted in a transaction, and read at a time
-MEMORY_ROWS = 10_000
 
 _FAILED = 500
 _STATUSES = {
@@ -31,6 +30,13 @@ _STATUSES = {
     Outcome.REFUSED: audit.c.status.between(400, _FAILED - 1),
     Outcome.FAILED: audit.c.status >= _FAILED,
 }
+
+# Built once: that takes longer than SQLite takes to run them.
+_CHAIN = sa.select(audit_chain.c.head_sequence, audit_chain.c.head_digest).with_for_update()
+_STORED = sa.select(audit.c.entry_id).where(audit.c.entry_id.in_(sa.bindparam("names", expanding=True)))
+_HIGHEST = sa.select(sa.func.max(audit.c.sequence))
+_ADD = sa.insert(audit)
+_ADVANCE = sa.update(audit_chain).values(head_sequence=sa.bindparam("sequence"), head_digest=sa.bindparam("digest"))
 
 
 class SqlAudit:
@@ -54,38 +60,18 @@ class SqlAudit:
         return await self._reader.read_much(_page, wanted, limit, before)
 
 
-class MemoryAudit:
-    """The newest rows of an audit log that ends with the process."""
-
-    def __init__(self) -> None:
-        self._rows: list[AuditRow] = []
-
-    async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
-        """Store entries in their order; return the new rows."""
-        added = list(extend(self._rows[-1].link if self._rows else START, entries))
-        self._rows = [*self._rows, *added][-MEMORY_ROWS:]
-        return added
-
-    async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:
-        """Return rows, newest first."""
-        earlier = (row for row in reversed(self._rows) if before is None or row.sequence < before)
-        found = (row for row in earlier if wanted.matches(row.entry))
-        return [row for row, _ in zip(found, range(limit), strict=False)]
-
-
 def append(connection: sa.Connection, entries: Sequence[AuditEntry]) -> list[AuditRow]:
     """Add rows to the chain, one gateway at a time: the others wait for the lock on the row of the chain."""
     head = _lock_chain(connection)
-    names = [entry.entry_id for entry in entries]
-    stored = set(connection.scalars(sa.select(audit.c.entry_id).where(audit.c.entry_id.in_(names))))
+    stored = set(connection.scalars(_STORED, {"names": [entry.entry_id for entry in entries]}))
     # A row that somebody else has added must not keep the gateway from adding its own.
-    highest = connection.scalar(sa.select(sa.func.max(audit.c.sequence))) or 0
+    highest = connection.scalar(_HIGHEST) or 0
     start = Link(max(head.sequence, highest), head.digest)
     rows = list(extend(start, (entry for entry in entries if entry.entry_id not in stored)))
     if rows:
         values = [{"sequence": row.sequence, **vars(row.entry), "digest": row.digest} for row in rows]
-        connection.execute(sa.insert(audit), values)
-        connection.execute(sa.update(audit_chain).values(head_sequence=rows[-1].sequence, head_digest=rows[-1].digest))
+        connection.execute(_ADD, values)
+        connection.execute(_ADVANCE, {"sequence": rows[-1].sequence, "digest": rows[-1].digest})
     return rows
 
 
@@ -98,11 +84,10 @@ def _lock_chain(connection: sa.Connection) -> Link:
         "head_sequence": START.sequence,
         "head_digest": START.digest,
     }
-    query = sa.select(audit_chain.c.head_sequence, audit_chain.c.head_digest).with_for_update()
-    row = connection.execute(query).first()
+    row = connection.execute(_CHAIN).first()
     if row is None:  # somebody has deleted it; `verify` finds that rows are missing or too many
         connection.execute(insert_into(connection.dialect.name, audit_chain).on_conflict_do_nothing(), first)
-        row = connection.execute(query).one()
+        row = connection.execute(_CHAIN).one()
     return Link(*row)
 
 

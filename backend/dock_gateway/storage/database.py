@@ -40,9 +40,12 @@ class Database(ABC):
         lost: Whether its data is gone, because it is not the same database as before. The writer writes what is known
             again, and resets this.
         shared: Whether several gateways may use it.
+        volatile: Whether it ends with the process. Then what waits to be written is as safe as what is written, and
+            nothing has to wait for it.
     """
 
     shared = False
+    volatile = False
 
     def __init__(self) -> None:
         self.prepared = False
@@ -62,6 +65,10 @@ class Database(ABC):
     @abstractmethod
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """Run a read transaction."""
+
+    async def read_much(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
+        """Run a read transaction that may take seconds."""
+        return await self.read(work, *args)
 
     @abstractmethod
     async def close(self) -> None:

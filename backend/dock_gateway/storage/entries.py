@@ -1,4 +1,4 @@
-"""Entries by key, each stored as a JSON document: in a database that several gateways may share, or in memory."""
+"""Entries by key, each stored as a JSON document in a database that several gateways may share."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Generic
@@ -28,6 +28,7 @@ class SqlEntries(Generic[EntryT]):
         self._writer = writer
         self._kind = kind
         self._json = TypeAdapter(model)
+        self._all = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == kind)
 
     async def read(self) -> dict[str, EntryT]:
         """Return all entries by their keys.
@@ -58,8 +59,8 @@ class SqlEntries(Generic[EntryT]):
         await self._writer.write(self._write, key, entry, check, dependency)
 
     def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
-        query = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == self._kind)
-        return {key: self._json.validate_json(document, extra="ignore") for key, document in connection.execute(query)}
+        rows = connection.execute(self._all)
+        return {key: self._json.validate_json(document, extra="ignore") for key, document in rows}
 
     def _write(
         self,
@@ -87,31 +88,3 @@ class SqlEntries(Generic[EntryT]):
         row = identity | {"document": self._json.dump_json(entry)}
         insert = insert_into(connection.dialect.name, documents)
         connection.execute(insert.on_conflict_do_update(index_elements=[*identity], set_=row), row)
-
-
-class MemoryEntries(Generic[EntryT]):
-    """Keyed entries in memory."""
-
-    def __init__(self) -> None:
-        self._known: dict[str, EntryT] = {}
-
-    async def read(self) -> dict[str, EntryT]:
-        """Return all entries by their keys."""
-        return dict(self._known)
-
-    async def write(
-        self,
-        key: str,
-        entry: EntryT | None,
-        check: Callable[[Mapping[str, EntryT]], None] | None = None,
-        dependency: Dependency | None = None,
-    ) -> None:
-        """Store an entry, replacing the earlier one; None deletes it."""
-        if dependency is not None:
-            dependency.check(await dependency.entries.read())
-        if check is not None:
-            check(self._known)
-        if entry is None:
-            self._known.pop(key, None)
-        else:
-            self._known[key] = entry

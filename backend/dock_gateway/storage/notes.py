@@ -51,57 +51,6 @@ class SqlNotes:
         return await self._writer.write(_replace_tags, goal_id, tags)
 
 
-class MemoryNotes:
-    """Notes and tags in memory."""
-
-    def __init__(self) -> None:
-        self._notes: dict[str, list[Note]] = {}
-        self._tags: dict[str, tuple[str, ...]] = {}
-
-    async def of(self, goal_id: str) -> GoalNotes:
-        """Return the notes and tags of a goal."""
-        return GoalNotes(self._tags.get(goal_id, ()), tuple(self._notes.get(goal_id, ())))
-
-    async def tags_of(self, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
-        """Return the tags of those of the goals that have any, sorted."""
-        return {goal_id: self._tags[goal_id] for goal_id in goal_ids if goal_id in self._tags}
-
-    async def all_tags(self) -> list[str]:
-        """Return the tags of all goals, sorted."""
-        return sorted({tag for tags in self._tags.values() for tag in tags})[:MAX_TAGS_LISTED]
-
-    async def add(self, goal_id: str, note: Note) -> GoalNotes:
-        """Store a note; return what the goal has then."""
-        notes = self._notes.get(goal_id, [])
-        _require_room(len(notes))
-        self._notes[goal_id] = [*notes, note]
-        return await self.of(goal_id)
-
-    async def remove(self, goal_id: str, note_id: str) -> GoalNotes:
-        """Delete a note; return what the goal has then."""
-        notes = self._notes.get(goal_id, [])
-        kept = [note for note in notes if note.note_id != note_id]
-        _require_removed(len(notes) - len(kept), note_id)
-        self._notes[goal_id] = kept
-        return await self.of(goal_id)
-
-    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> GoalNotes:
-        """Store the tags of a goal; return what it has then."""
-        self._tags.pop(goal_id, None)
-        if tags:
-            self._tags[goal_id] = tuple(sorted(tags))
-        return await self.of(goal_id)
-
-    def with_one_of(self, tags: Collection[str]) -> set[str]:
-        """Return the goals that have one of these tags."""
-        return {goal_id for goal_id, its in self._tags.items() if not set(its).isdisjoint(tags)}
-
-    def forget(self, goal_id: str) -> None:
-        """Delete everything about a goal."""
-        self._notes.pop(goal_id, None)
-        self._tags.pop(goal_id, None)
-
-
 def delete_of(connection: sa.Connection, goal_ids: Collection[str]) -> None:
     """Delete the notes and tags of goals."""
     for table in (goal_notes, goal_tags):

@@ -46,6 +46,12 @@ def _insert_new_goals(dialect_name: str) -> "sa.Executable":
     return insert_into(dialect_name, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
 
 
+@cache
+def _insert_new_events(dialect_name: str) -> "sa.Executable":
+    """Return an insert of the events that are not stored yet."""
+    return insert_into(dialect_name, events).on_conflict_do_nothing()
+
+
 # ---------------------------------------------------------------------- write
 
 
@@ -56,7 +62,7 @@ def write(connection: sa.Connection, batch: Batch) -> None:
             claim(connection, key)
     if batch.events:
         rows = sorted(map(event_row, batch.events), key=lambda row: (str(row["key"]), str(row["id"])))
-        connection.execute(insert_into(connection.dialect.name, events).on_conflict_do_nothing(), rows)
+        connection.execute(_insert_new_events(connection.dialect.name), rows)
     if batch.gaps:
         raise_horizons(connection, batch.gaps)
     if batch.goals:  # last: these locks block other gateways that write the same goals until the commit

@@ -57,7 +57,7 @@ class Reader:
                 raise Unavailable(AWAY, code="history_unavailable")
             try:
                 async with asyncio.timeout(MUCH_TIMEOUT) as deadline:
-                    return await self._database.read(work, *args)
+                    return await self._database.read_much(work, *args)
             except DATABASE_ERRORS as error:
                 if deadline.expired():  # a slow query does not mean that the database is down
                     raise Unavailable(TOO_MUCH, code="history_unavailable") from error

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from typing import Any, TypeVar
@@ -22,6 +22,8 @@ log = logging.getLogger(__name__)
 
 INTERVAL = 60.0  # seconds between two runs
 TIMEOUT = 10.0  # seconds per transaction
+# The same of a history in memory, and how much of it is kept: events, and rows of the audit log and keys.
+MEMORY_INTERVAL, MEMORY_EVENT_BYTES, MEMORY_ROWS = 15.0, 5_000_000, 10_000
 # The maximum number of events, and of goals (with their events), deleted per transaction, to keep it short.
 CHUNK, GOAL_CHUNK = 1000, 20
 # The maximum number of transactions of one kind in a run: what is added meanwhile is for the next one.
@@ -59,6 +61,9 @@ class Limits:
         goal_bytes: Maximum size of goals with their status and result events; about their size in the file.
         audit_age: Maximum age of the entries of the audit log, in seconds.
         audit_entries: Maximum number of them.
+        goals: Maximum number of ended goals whose idempotency key is not valid; None: there is none.
+        keys: Maximum number of idempotency keys; None: there is none.
+        interval: Seconds between two runs.
     """
 
     event_age: float
@@ -67,6 +72,21 @@ class Limits:
     goal_bytes: int
     audit_age: float
     audit_entries: int
+    goals: int | None = None
+    keys: int | None = None
+    interval: float = INTERVAL
+
+
+def in_memory(limits: Limits, most_goals: int) -> Limits:
+    """Return the limits of a history in memory: smaller ones, enforced more often."""
+    return replace(
+        limits,
+        event_bytes=min(limits.event_bytes, MEMORY_EVENT_BYTES),
+        audit_entries=min(limits.audit_entries, MEMORY_ROWS),
+        goals=most_goals,
+        keys=MEMORY_ROWS,
+        interval=MEMORY_INTERVAL,
+    )
 
 
 class Retention:
@@ -86,9 +106,9 @@ class Retention:
         self._limits = limits
 
     async def run(self) -> None:
-        """Enforce the limits every minute, until canceled."""
+        """Enforce the limits again and again, until canceled."""
         while True:
-            await asyncio.sleep(INTERVAL)
+            await asyncio.sleep(self._limits.interval)
             if self._database.prepared:
                 try:
                     await self.enforce()
@@ -107,8 +127,10 @@ class Retention:
             deleted += await self._delete_excess(_delete_goals_of_site, partial(_excess_of_a_site, limits.goal_bytes))
         else:
             deleted += await self._delete_excess(_delete_goals, partial(_last_goal_beyond, limits.goal_bytes))
+        if limits.goals is not None:
+            deleted += await self._delete_excess(_delete_goals, partial(_last_goal_but, limits.goals))
         async with asyncio.timeout(TIMEOUT):
-            await self._database.write(_delete_old_keys, durable=False)
+            await self._database.write(_delete_old_keys, limits.keys, durable=False)
         await self._delete_audit()
         return deleted
 
@@ -150,8 +172,12 @@ class Retention:
             return await self._database.read(find)
 
 
-def _delete_old_keys(connection: sa.Connection) -> None:
-    connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= datetime.now(UTC)))
+def _delete_old_keys(connection: sa.Connection, most: int | None) -> None:
+    last = datetime.now(UTC)
+    if most is not None:
+        expiry = idempotency_keys.c.expires_at
+        last = connection.scalar(sa.select(expiry).order_by(expiry.desc()).offset(most).limit(1)) or last
+    connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= last))
 
 
 def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[Any], oldest: sa.Select[Any]) -> Any:
@@ -207,6 +233,13 @@ def _last_goal_beyond(most: int, connection: sa.Connection) -> datetime | None:
     of_goal = total.where(events.c.goal_id == goals.c.goal_id).scalar_subquery()
     oldest = sa.select(goals.c.created_at, sa.func.coalesce(of_goal, 0)).where(_HAS_ENDED, _has_no_key())
     last: datetime | None = _last_beyond(connection, most, total, oldest.order_by(goals.c.created_at).limit(GOAL_LOOK))
+    return last
+
+
+def _last_goal_but(most: int, connection: sa.Connection) -> datetime | None:
+    """Return the time of the newest goal that must go so that `most` are left; None if none must go."""
+    query = sa.select(goals.c.created_at).where(_HAS_ENDED, _has_no_key())
+    last: datetime | None = connection.scalar(query.order_by(goals.c.created_at.desc()).offset(most).limit(1))
     return last
 
 

@@ -36,11 +36,14 @@ SpooledT = TypeVar("SpooledT")
 class Files(ABC, Generic[SpooledT]):
     """The spool in a folder. All file operations run in order on one thread.
 
+    Args:
+        folder: The folder. None: nothing can be spooled, as nothing shall outlive the process.
+
     Attributes:
         lost: Whether the current file was deleted. The caller writes what it has in memory again, and resets this.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path | None) -> None:
         self._folder = folder
         self._executor = ThreadPoolExecutor(1, thread_name_prefix="spool")
         self._files: dict[Path, int] = {}  # own and adopted files → the descriptor that holds the lock
@@ -106,6 +109,8 @@ class Files(ABC, Generic[SpooledT]):
         return path
 
     def _create(self) -> tuple[Path, int]:
+        if self._folder is None:
+            raise OSError("a history in memory has no spool")
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         while True:
             path = self._folder / f"{time.time_ns()}-{uuid.uuid4().hex[:8]}.jsonl"
@@ -138,7 +143,7 @@ class Files(ABC, Generic[SpooledT]):
 
     def _adopt(self) -> list[Path]:
         adopted = []
-        for path in sorted(self._folder.glob("*.jsonl")):
+        for path in [] if self._folder is None else sorted(self._folder.glob("*.jsonl")):
             with suppress(OSError):
                 if path not in self._files and self._hold(path, os.open(path, os.O_RDWR | os.O_APPEND | os.O_CLOEXEC)):
                     with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""The history in a database. Reads include the entries that are not written yet."""
+"""The history in a database, or in one in memory. Reads include the entries that are not written yet."""
 
 import asyncio
 import logging
@@ -55,7 +55,7 @@ class SqlHistory:
     """Goals, events and keys in SQLite or PostgreSQL, with a spool as fallback.
 
     Args:
-        url: `sqlite:///path` or `postgresql://…`.
+        url: `sqlite:///path`, `postgresql://…` or `memory:`.
         spool: Takes entries while the database does not answer.
         max_waiting: The maximum number of events, and of goals, that wait in memory.
         limits: How much is kept, and for how long.
@@ -204,11 +204,13 @@ class SqlHistory:
     def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
         """Record a goal, then store it and its events now, if the database answers; return them as stored."""
         self.record(goal)
-        if events:
+        if events and not self.database.volatile:
             self._waiting.held[goal.goal_id] += 1
         return self._seal(copy(goal), events)
 
     async def _seal(self, goal: Goal, events: Sequence[Event]) -> list[Event] | None:
+        if self.database.volatile:
+            return list(events)
         try:
             if not (self.writer.reachable and not self._sealer.slow if events else self.writer.answers):
                 return None
@@ -331,9 +333,13 @@ class SqlHistory:
 
 
 def open_database(url: str) -> Database:
-    """Return the database at `sqlite:///path` or `postgresql://…`, not connected yet."""
+    """Return the database at `sqlite:///path` or `postgresql://…`, not connected yet, or a new one for `memory:`."""
+    if url == "memory:":
+        from dock_gateway.storage.memory import MemoryDatabase  # noqa: PLC0415 - only the driver that is used
+
+        return MemoryDatabase()
     if url.startswith("sqlite:///"):
-        from dock_gateway.storage.sqlite import SqliteDatabase  # noqa: PLC0415 - only the driver that is used
+        from dock_gateway.storage.sqlite import SqliteDatabase  # noqa: PLC0415
 
         return SqliteDatabase(Path(url.removeprefix("sqlite:///")))
     from dock_gateway.storage.postgresql import PostgresqlDatabase  # noqa: PLC0415

@@ -15,7 +15,7 @@ import numpy.typing as npt
 import sqlalchemy as sa
 
 from dock_gateway.core.filters import GoalFilter
-from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.goal import GoalStatus
 from dock_gateway.storage.queries import conditions
 from dock_gateway.storage.tables import goals
 
@@ -86,29 +86,6 @@ def merged(tallies: Iterable[Tally]) -> Tally:
     for tally in tallies:
         total.add(tally)
     return total
-
-
-# ---------------------------------------------------------------------- in memory
-
-
-def tally_goals(found: Sequence[Goal], wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
-    """Tally the goals in memory, for each span."""
-    return [
-        _tallies(_row(goal, by_action=by_action) for goal in filter(_within(wanted, span).matches, found))
-        for span in spans
-    ]
-
-
-def _row(goal: Goal, *, by_action: bool) -> "tuple[Any, ...]":
-    durations = None
-    if goal.status is GoalStatus.SUCCEEDED and goal.finished_at is not None:
-        durations = str(round((goal.finished_at - goal.created_at) / _MILLISECOND))
-    known = int(goal.retries is not None)
-    name = goal.action_name if by_action else ""
-    return name, goal.status, goal.error and goal.error.code, 1, goal.retries or 0, known, durations
-
-
-# ---------------------------------------------------------------------- in a database
 
 
 def read_rows(

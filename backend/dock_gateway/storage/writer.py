@@ -39,10 +39,10 @@ class Writer:
     """
 
     def __init__(self, database: Database, spool: Spool, waiting: Waiting, on_loss: Callable[[], None]) -> None:
-        self.reachable = False
+        self.reachable = database.prepared
         # Why the database does not answer; None says that it does. Set while it is reachable, it is slow: it kept a
         # goal waiting and has not answered since.
-        self.last_error: str | None = "the database has not been used yet"
+        self.last_error: str | None = None if self.reachable else "the database has not been used yet"
         self.evicted = 0  # entries that are in the spool and no longer in memory
         self.answered = asyncio.Event()  # set after the first access to the database, successful or not
         self._database = database
@@ -60,7 +60,9 @@ class Writer:
 
     def start(self) -> None:
         """Start the background tasks."""
-        self._tasks = [asyncio.create_task(self._write_on()), asyncio.create_task(self._spool_on())]
+        self._tasks = [asyncio.create_task(self._write_on())]
+        if not self._database.volatile:
+            self._tasks.append(asyncio.create_task(self._spool_on()))
 
     @property
     def answers(self) -> bool:
@@ -118,6 +120,8 @@ class Writer:
         if key is not None:
             self._waiting.put_key(key)
         self.notice(must_keep=True)
+        if self._database.volatile:
+            return
         self._urgent.set()
         if self.answers:
             with suppress(*DATABASE_ERRORS):

@@ -275,13 +275,13 @@ async def test_pending_comes_before_what_the_server_says(scene: Scene) -> None:
     submission.cancel()
 
 
-def stored_before(scene: Scene, key: str, **more: object) -> Goal:
+async def stored_before(scene: Scene, key: str, **more: object) -> Goal:
     """A goal that a gateway stored under a key, and was killed before it sent it."""
     goal = Goal("77777777-0000-4000-8000-000000000000", "/dock", "pkg/action/Dock", utc_now(), goal=b"{}")
     for name, value in more.items():
         setattr(goal, name, value)
     scene.history.record(goal)
-    scene.history._keys[key] = (goal.goal_id, fingerprint_of("/dock", b"{}"), float("inf"))
+    await scene.history.claim(key, goal.goal_id, fingerprint_of("/dock", b"{}"))
     return goal
 
 
@@ -291,7 +291,7 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_the_retry_under_it
 ) -> None:
     monkeypatch.setattr(scene.settings, "__dict__", scene.settings.__dict__ | {"accept_timeout": 0.2})
     scene.history.gate.set_result(None)
-    goal = stored_before(scene, "key")
+    goal = await stored_before(scene, "key")
     if taken_up:
         scene.tracker.take_up(goal)
         scene.tracker.apply(
@@ -309,7 +309,7 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_the_retry_under_it
 
 async def test_a_goal_that_runs_is_not_ended_when_the_server_refuses_its_id_once_more(scene: Scene) -> None:
     scene.history.gate.set_result(None)
-    goal = stored_before(scene, "key")
+    goal = await stored_before(scene, "key")
     scene.tracker.take_up(goal)
     scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
     submission = scene.submit("key")

@@ -68,6 +68,7 @@ class Client:
         goal.created_at = datetime.fromisoformat(at)
         goal.finished_at = goal.created_at + timedelta(seconds=took) if status.terminal else None
         self.history.record(goal)
+        asyncio.run(self.history.writer.flush())
 
     def group(self, robot: str, *groups: str) -> None:
         asyncio.run(self.labels.replace(robot, RobotLabel(None, groups)))

@@ -6,7 +6,7 @@ import pytest
 
 from dock_gateway.core.event import KINDS, Event, event_id, moment
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.storage import History, MemoryHistory
+from dock_gateway.storage import History
 from dock_gateway.storage.event_reader import is_complete
 from tests.support.history import EVERYTHING, START_NS, make_event, make_goal, open_at, open_place, settled, written
 
@@ -121,13 +121,6 @@ async def test_what_was_dropped_for_want_of_memory_is_missing(sqlite_url: str, t
         await written(history)
         assert not await history.knows_all_of(started(0, 5))
         assert await history.knows_all_of(started(0, 3)), "those of others were dropped"
-
-
-async def test_what_memory_has_forgotten_is_missing() -> None:
-    history = MemoryHistory(10, event_limit=3)
-    for number in range(5):
-        history.record_event(make_event(number, droppable=number > 0))
-    assert not await history.knows_all_of(started(0, 4))
 
 
 @pytest.mark.parametrize(("last_event_id", "whole"), [(None, True), ("1", False)])

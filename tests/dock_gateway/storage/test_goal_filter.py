@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.core.goal import GoalError, GoalStatus
-from dock_gateway.storage import GoalFilter, History, MemoryHistory
+from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.sql import SqlHistory
 from tests.support.history import NOW, make_goal, open_at, page_of, written
 
@@ -31,12 +31,6 @@ def place(request: pytest.FixtureRequest) -> tuple[str, str]:
 @pytest.fixture
 async def history(place: tuple[str, str], tmp_path: Path) -> AsyncIterator[History]:
     kind, url = place
-    if kind == "memory":
-        memory = MemoryHistory(100)
-        for goal in GOALS:
-            memory.record(goal)
-        yield memory
-        return
     async with open_at(url, tmp_path) as history:
         await fill(history)
         if kind == "waiting":

@@ -9,7 +9,6 @@ import sqlalchemy as sa
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.storage import GoalNotes, History, Note, immediate, sqlite
-from dock_gateway.storage.memory import MemoryHistory
 from dock_gateway.storage.notes import MAX_NOTES
 from dock_gateway.storage.tables import goal_notes, goal_tags
 from tests.support.history import NOW, locked, make_goal, open_at, open_place, page_of, settled, written
@@ -123,16 +122,6 @@ async def test_they_go_with_their_goal(database_url: str, tmp_path: Path) -> Non
             query = sa.select(table.c.goal_id)
             stored = await history.database.read(lambda db, query: list(db.scalars(query)), query)
             assert stored == [new.goal_id]
-
-
-async def test_they_go_with_their_goal_in_memory() -> None:
-    history = MemoryHistory(1)
-    history.record(make_goal(1))
-    await history.notes.add("goal-0001", note(1))
-    await history.notes.replace_tags("goal-0001", ["blocked"])
-    history.record(make_goal(2))
-    assert await history.notes.of("goal-0001") == NOTHING
-    assert await history.notes.all_tags() == []
 
 
 async def test_a_database_that_is_locked_takes_none(

@@ -6,8 +6,8 @@ import pytest
 from pydantic import ValidationError
 
 from dock_gateway.settings import Settings
-from dock_gateway.storage import MemoryHistory, open_history
-from tests.support.history import make_goal
+from dock_gateway.storage import HistoryStats, Spool, open_history
+from tests.support.history import make_goal, page_of
 
 
 async def test_in_the_data_directory_of_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -31,9 +31,25 @@ async def test_where_the_settings_say(tmp_path: Path) -> None:
     assert path.exists()
 
 
-async def test_in_memory() -> None:
-    async with open_history(Settings(database_url="memory:")) as history:
-        assert isinstance(history, MemoryHistory)
+def files_in(folder: Path) -> list[Path]:
+    return sorted(folder.rglob("*"))
+
+
+async def test_in_memory(tmp_path: Path) -> None:
+    """It leaves what gateways with a database have on the disk as it is, and adds nothing."""
+    settings = Settings(database_url="memory:", spool_path=tmp_path / "spool")
+    other = Spool(settings.spool_folder)
+    await other.append([make_goal(1)])
+    await other.close()
+    files = files_in(tmp_path)
+    async with open_history(settings) as history:
+        await history.add(make_goal(2), "key")
+        assert await history.get("goal-0001") is None
+        assert await history.by_key("key") is not None
+        assert history.stats() == HistoryStats(waiting=history.stats().waiting)
+    assert files_in(tmp_path) == files
+    async with open_history(settings) as history:
+        assert await page_of(history) == []
 
 
 async def test_on_postgresql(postgresql_url: str, tmp_path: Path) -> None:

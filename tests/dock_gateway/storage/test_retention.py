@@ -15,6 +15,7 @@ from dock_gateway.storage import open_history, retention
 from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.tables import events, goals, idempotency_keys
 from tests.support.history import EVERYTHING, START_NS, make_event, make_goal, open_at, written
+from tests.support.waiting import until
 
 HOUR_NS = 3600 * 10**9
 
@@ -130,6 +131,38 @@ async def test_old_goals_go_with_all_that_there_is_of_them(database_url: str, tm
         await history.database.write(lambda db: db.execute(sa.delete(idempotency_keys)) and None)
         await history.retention.enforce()
         assert await history.get("goal-0500") is None
+
+
+async def test_memory_keeps_a_number_of_goals_and_of_keys(tmp_path: Path) -> None:
+    async with open_history(Settings(database_url="memory:", max_goals=10)) as history:
+        assert isinstance(history, SqlHistory)
+        with_key = [made(number, 3) for number in range(2)]
+        for number, goal in enumerate(with_key):
+            await history.add(goal, f"key-{number}")
+        running = made(9, 3, GoalStatus.EXECUTING)
+        await keep(history, [running, *(made(100 + number, 2) for number in range(30))])
+        await history.retention.enforce()
+        newest = [f"goal-{120 + number:04d}" for number in range(10)]
+        assert await goals_left(history) == ["goal-0000", "goal-0001", "goal-0009", *newest]
+        await history.database.write(retention._delete_old_keys, 1)
+        await history.retention.enforce()
+        left_over = {number for number, key in enumerate(("key-0", "key-1")) if await history.by_key(key) is not None}
+        assert len(await goals_left(history)) == 12
+        assert left_over == {1}
+
+
+async def test_memory_is_checked_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(retention, "MEMORY_INTERVAL", 0.01)
+    async with open_history(Settings(database_url="memory:", retention_hours=1)) as history:
+        now = time.time_ns() - START_NS
+        history.record_event(make_event(now - 2 * HOUR_NS, "battery", droppable=True))
+        assert isinstance(history, SqlHistory)
+        await until(lambda: not history.stats().waiting)
+        for _ in range(1000):
+            if not await left(history):
+                return
+            await asyncio.sleep(0.01)
+    raise AssertionError("nothing was deleted")
 
 
 async def test_the_oldest_goals_go_where_they_are_too_much(database_url: str, tmp_path: Path) -> None:

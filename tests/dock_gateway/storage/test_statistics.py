@@ -1,4 +1,4 @@
-"""How goals ended is counted the same in memory and in databases, and as by hand."""
+"""How goals ended is counted the same in all databases, and as by hand."""
 
 import asyncio
 import statistics
@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.storage import GoalFilter, History, queries
 from dock_gateway.storage import statistics as tallies
-from dock_gateway.storage.rows import MAX_CODE
+from dock_gateway.storage.memory import MemoryDatabase
+from dock_gateway.storage.rows import MAX_CODE, Batch
 from dock_gateway.storage.statistics import Span, Tally, merged
 from tests.support.history import NOW, make_goal, open_at, open_place, page_of, settled
 
@@ -87,11 +88,21 @@ async def filled(history: History, goals: list[Goal]) -> None:
     await settled(history)
 
 
+def tallied(goals: list[Goal], spans: list[Span]) -> list[tallies.Tallies]:
+    database = MemoryDatabase()
+
+    async def rows() -> Any:
+        await database.write(queries.write, Batch(goals=goals))
+        return await database.read(tallies.read_rows, GoalFilter(), spans, True)
+
+    return tallies.tally_rows(asyncio.run(rows()))
+
+
 @given(st.lists(some_goals, max_size=30, unique_by=lambda goal: goal.goal_id), st.integers(0, 2000))
-def test_any_goals_in_memory_are_counted_as_by_hand(goals: list[Goal], second: int) -> None:
+def test_the_goals_of_any_span_are_counted_as_by_hand(goals: list[Goal], second: int) -> None:
     middle = NOW + timedelta(seconds=second)
     spans = [(EVER[0], middle), (middle, EVER[1]), (middle, middle)]
-    for span, found in zip(spans, tallies.tally_goals(goals, GoalFilter(), spans, by_action=True), strict=True):
+    for span, found in zip(spans, tallied(goals, spans), strict=True):
         for action, tally in found.items():
             check(tally, [goal for goal in goals if goal.action_name == action], span)
         check(merged(found.values()), goals, span)
@@ -170,7 +181,7 @@ def test_percentiles_are_interpolated() -> None:
 
 
 def test_a_goal_without_its_end_has_no_duration() -> None:
-    (found,) = tallies.tally_goals([ended(1, took=None)], GoalFilter(), [EVER], by_action=True)
+    (found,) = tallied([ended(1, took=None)], [EVER])
     assert (found["/dock"].ended, found["/dock"].percentiles(50)) == (1, [None])
 
 
