@@ -7,17 +7,15 @@ the loop itself, because a stop must not wait for the ROS thread (docs/decisions
 import threading
 import time
 from collections.abc import Callable, Iterable
-from functools import partial
 
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 
 from dock_gateway.core.graph import Endpoint
 from dock_gateway.ros.graph import read_topic
 from dock_gateway.ros.listener import Handler
-from dock_gateway.ros.typed_topics import TypedTopics
+from dock_gateway.ros.typed_topics import GatewayEndpoints, TypedTopics
 from robot_io.qos import LATCHED, LISTEN
 from robot_io.rclpy_private import Taken, take_bool
 
@@ -71,35 +69,30 @@ class LatchPort:
         self._topic = topic
         self._own: tuple[tuple[int, int], ...] = ()  # our publish calls; read on the listener's thread
         self._latched: bool | None = None  # what we published last; None: nothing, or it was withdrawn
-        self._publisher: Publisher | None = None
-        self._subscriptions: dict[str, list[Subscription]] = {}
-        self._topics = [
-            topics.join(name, Bool, topic, partial(self._join, name), partial(self._leave, name))
-            for name in dict.fromkeys((topic, *others))
-        ]
+        self._joined = topics.join(
+            topic,
+            Bool,
+            topic,
+            GatewayEndpoints(
+                ((self._handler(topic, latched=True), LATCHED), (self._handler(topic), LISTEN)),
+                publish=LATCHED,
+                on_open=self._repeat,
+            ),
+        )
+        self._topics = [self._joined]
+        for other in dict.fromkeys(others):
+            if other != topic:
+                hear = self._handler(other)
+                self._topics.append(
+                    topics.join(other, Bool, topic, GatewayEndpoints(((hear, LATCHED), (hear, LISTEN))))
+                )
 
-    def _join(self, topic: str) -> None:
-        if topic == self._topic:
-            self._publisher = self._make_publisher()
-        subscriptions: list[Subscription] = []
-        self._subscriptions[topic] = subscriptions
-        try:
-            subscriptions.extend(self._listen(topic, quality) for quality in (LATCHED, LISTEN))
-        except Exception:
-            self._leave(topic)
-            raise
-        if topic == self._topic and (latched := self._latched) is not None:
-            self.publish(latched=latched)
+    def _repeat(self) -> None:
+        if (latched := self._latched) is not None:
+            self._publish(self._joined.publisher, latched=latched)
 
-    def _leave(self, topic: str) -> None:
-        for subscription in self._subscriptions.pop(topic):
-            self._bridge.node.destroy_subscription(subscription)
-        if topic == self._topic:
-            publisher, self._publisher = self._publisher, None
-            self._bridge.node.destroy_publisher(publisher)
-
-    def _listen(self, topic: str, quality: QoSProfile) -> Subscription:
-        latched = topic == self._topic and quality is LATCHED
+    def _handler(self, topic: str, *, latched: bool = False) -> Handler:
+        """Return what handles the messages of a topic: of those who keep them, if `latched`."""
 
         def hear(taken: Taken, _: None) -> None:
             if latched:
@@ -113,7 +106,7 @@ class LatchPort:
             return taken is not None
 
         handler = Handler(hear, take=take)
-        return self._bridge.node.create_subscription(Bool, topic, handler, quality)
+        return handler
 
     def _hear_gateway(self, taken: Taken) -> None:
         self._gateways.add(taken.publisher)
@@ -178,9 +171,6 @@ class LatchPort:
         with self._lock:
             self._holding = frozenset(publisher for publisher in self._holding if self._endpoint(publisher))
 
-    def _make_publisher(self) -> Publisher:
-        return self._bridge.node.create_publisher(Bool, self._topic, LATCHED)
-
     def close(self) -> None:
         """Leave the topics."""
         for topic in self._topics:
@@ -193,7 +183,10 @@ class LatchPort:
             RuntimeError: The topic is of another type on the ROS graph.
             Exception: ROS does not take the message.
         """
-        self._latched, publisher = latched, self._publisher
+        self._latched = latched
+        self._publish(self._joined.publisher, latched=latched)
+
+    def _publish(self, publisher: Publisher | None, *, latched: bool) -> None:
         if publisher is None:
             raise RuntimeError(f"{self._topic} is of another type on the ROS graph than std_msgs/msg/Bool")
         first = time.time_ns()
@@ -213,10 +206,6 @@ class LatchPort:
 
         def withdraw() -> None:
             self._latched = None
-            if self._publisher is None:
-                return
-            # Create the new publisher first: the loop may publish at any time.
-            old, self._publisher = self._publisher, self._make_publisher()
-            self._bridge.node.destroy_publisher(old)
+            self._joined.replace_publisher()
 
         await self._bridge.call(withdraw, even_late=True)

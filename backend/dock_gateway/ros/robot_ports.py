@@ -8,9 +8,7 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.subscription import Subscription
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.core.battery import BOUNDS, CELL_BOUNDS, infinities
@@ -18,7 +16,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.ros.typed_topics import TypedTopics
+from dock_gateway.ros.typed_topics import GatewayEndpoints, TypedTopics
 from robot_io.qos import LISTEN, TALK
 
 # The maximum number of facts about goals and simulators taken from one message.
@@ -55,8 +53,6 @@ class BatteryPort:
     def __init__(self, topics: TypedTopics, topic: str, on_battery: OnBattery, stop_topic: str) -> None:
         self._bridge = topics.bridge
         self.codec = codec(BatteryState)
-        self._publisher: Publisher | None = None
-        self._subscription: Subscription | None = None
         inbox = self._bridge.inbox()
 
         def hear(message: BatteryState, info: dict[str, Any]) -> None:
@@ -64,27 +60,9 @@ class BatteryPort:
             infinite = infinities({name: getattr(message, name) for name in FLOATS})
             inbox.offer(len(state), on_battery, state, info["source_timestamp"], infinite)
 
-        def make() -> None:
-            overrides = QoSOverridingOptions.with_default_policies()
-            node = self._bridge.node
-            self._publisher = node.create_publisher(BatteryState, topic, TALK, qos_overriding_options=overrides)
-            try:
-                self._subscription = node.create_subscription(
-                    BatteryState, topic, Handler(hear), LISTEN, qos_overriding_options=overrides
-                )
-            except Exception:
-                self._leave()
-                raise
-
-        self._topic = topics.join(topic, BatteryState, stop_topic, make, self._leave)
-
-    def _leave(self) -> None:
-        publisher, self._publisher = self._publisher, None
-        subscription, self._subscription = self._subscription, None
-        if subscription is not None:
-            self._bridge.node.destroy_subscription(subscription)
-        if publisher is not None:
-            self._bridge.node.destroy_publisher(publisher)
+        overrides = {"qos_overriding_options": QoSOverridingOptions.with_default_policies()}
+        endpoints = GatewayEndpoints(((Handler(hear), LISTEN),), publish=TALK, options=overrides)
+        self._topic = topics.join(topic, BatteryState, stop_topic, endpoints)
 
     def close(self) -> None:
         """Leave the topic."""
@@ -99,12 +77,12 @@ class BatteryPort:
         """
 
         def publish() -> Json:
-            if self._publisher is None:
+            if self._topic.publisher is None:
                 detail = f"{self._topic.name} is of another type than {self._topic.type} on the ROS graph"
                 raise Conflict(f"{detail}; see the alerts", code="wrong_topic_type")
             if stamp:
                 message.header.stamp = self._bridge.node.get_clock().now().to_msg()
-            self._publisher.publish(message)
+            self._topic.publisher.publish(message)
             return self.codec.encode(message)
 
         return await self._bridge.call(publish)

@@ -8,10 +8,12 @@ Topics are joined and left on the ROS thread; `update` is called on the loop.
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from rclpy.exceptions import InvalidTopicNameException
+from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
@@ -24,6 +26,23 @@ from robot_io.rclpy_private import RCLError
 log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True)
+class GatewayEndpoints:
+    """What the gateway has on a topic.
+
+    Attributes:
+        handlers: Get each message, each by a subscription of its own of this quality.
+        publish: The quality of a publisher; None if nothing is published.
+        on_open: Called on the ROS thread when the endpoints have been made.
+        options: Further options of the endpoints, as rclpy names them.
+    """
+
+    handlers: tuple[tuple[Handler, QoSProfile], ...]
+    publish: QoSProfile | None = None
+    on_open: Callable[[], None] = lambda: None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
 class TypedTopic:
     """A topic and our endpoints on it.
 
@@ -32,10 +51,10 @@ class TypedTopic:
         name: Absolute name.
         kind: The message class.
         stop_topic: The topic that tells who is a gateway.
-        make: Makes our endpoints.
-        destroy: Destroys them.
+        endpoints: Our endpoints.
 
     Attributes:
+        publisher: Our publisher, while the type fits.
         open: Whether we have our endpoints.
     """
 
@@ -45,17 +64,17 @@ class TypedTopic:
         name: str,
         kind: type,
         stop_topic: str,
-        *,
-        make: Callable[[], None],
-        destroy: Callable[[], object],
+        endpoints: GatewayEndpoints,
     ) -> None:
         self.name = name
         self.type = type_name(kind)
         self.open = False
+        self.publisher: Publisher | None = None
+        self._kind = kind
+        self._endpoints = endpoints
+        self._subscriptions: list[Subscription] = []
         self._topics = topics
         self._stop_topic = stop_topic
-        self._make = make
-        self._destroy = destroy
         self._mixed = self._failed = False
 
     def is_settled(self, types: Sequence[str]) -> bool:
@@ -94,6 +113,39 @@ class TypedTopic:
         self._mixed = bool(types - {self.type})
         return not self._mixed or self.type in topic.types_but_of(find_gateways(node, self._stop_topic))
 
+    def _make(self) -> None:
+        """Make our endpoints: all, or none."""
+        node, endpoints = self._topics.bridge.node, self._endpoints
+        try:
+            if endpoints.publish is not None:
+                self.publisher = self._make_publisher(endpoints.publish)
+            for handler, quality in endpoints.handlers:
+                subscription = node.create_subscription(self._kind, self.name, handler, quality, **endpoints.options)
+                self._subscriptions.append(subscription)
+            endpoints.on_open()
+        except Exception:
+            self._destroy()
+            raise
+
+    def _make_publisher(self, quality: QoSProfile) -> Publisher:
+        options = {name: value for name, value in self._endpoints.options.items() if name != "raw"}
+        return self._topics.bridge.node.create_publisher(self._kind, self.name, quality, **options)
+
+    def _destroy(self) -> None:
+        node = self._topics.bridge.node
+        while self._subscriptions:
+            node.destroy_subscription(self._subscriptions.pop())
+        publisher, self.publisher = self.publisher, None
+        if publisher is not None:
+            node.destroy_publisher(publisher)
+
+    def replace_publisher(self) -> None:
+        """Replace the publisher, so that late subscribers no longer get its last message; on the ROS thread."""
+        if self.publisher is not None and self._endpoints.publish is not None:
+            # Create the new publisher first: the loop may publish at any time.
+            old, self.publisher = self.publisher, self._make_publisher(self._endpoints.publish)
+            self._topics.bridge.node.destroy_publisher(old)
+
     def close(self) -> None:
         """Leave the topic for good."""
         self._topics.leave(self)
@@ -114,11 +166,9 @@ class TypedTopics:
         self._topics: dict[TypedTopic, None] = {}  # in their order
         self._types: Mapping[str, Sequence[str]] | None = None  # at the last scan
 
-    def join(
-        self, name: str, kind: type, stop_topic: str, make: Callable[[], None], destroy: Callable[[], object]
-    ) -> TypedTopic:
+    def join(self, name: str, kind: type, stop_topic: str, endpoints: GatewayEndpoints) -> TypedTopic:
         """Join a topic as soon as its type fits; parameters as those of `TypedTopic`."""
-        topic = TypedTopic(self, name, kind, stop_topic, make=make, destroy=destroy)
+        topic = TypedTopic(self, name, kind, stop_topic, endpoints)
         topic.follow(None if self._types is None else self._types.get(name, ()))
         self._topics[topic] = None
         return topic
@@ -127,12 +177,7 @@ class TypedTopics:
         self, name: str, kind: type, stop_topic: str, handler: Handler, quality: QoSProfile, **options: Any
     ) -> TypedTopic:
         """Join a topic with one subscription; `handler` gets each message."""
-        node, subscriptions = self.bridge.node, list[Subscription]()
-
-        def make() -> None:
-            subscriptions.append(node.create_subscription(kind, name, handler, quality, **options))
-
-        return self.join(name, kind, stop_topic, make, lambda: node.destroy_subscription(subscriptions.pop()))
+        return self.join(name, kind, stop_topic, GatewayEndpoints(((handler, quality),), options=options))
 
     def leave(self, topic: TypedTopic) -> None:
         """Forget a topic."""

@@ -132,7 +132,7 @@ async def test_a_battery_state_answered_with_503_is_not_published_later(bridge: 
     port = await bridge.call(
         lambda: BatteryPort(TypedTopics(bridge), "/battery_status", lambda *_: None, "/stop_latched")
     )
-    await until(lambda: bool(port._publisher.get_subscription_count() == 2))
+    await until(lambda: bool(port._topic.publisher.get_subscription_count() == 2))
     await port.publish(BatteryState(voltage=1.0), stamp=False)
     await asyncio.to_thread(heard.wait_for, lambda message: message.voltage == 1)
     with blocked(bridge), pytest.raises(Unavailable):
