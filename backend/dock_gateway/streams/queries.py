@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Annotated
 
 from fastapi import Depends, Query
+from pydantic import WithJsonSchema
 
 from dock_gateway.core.errors import FieldError, InvalidField, got, not_covered
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
@@ -21,16 +22,19 @@ from dock_gateway.settings import Settings
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
 INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots", "map", "maps", "scan", "path")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
+# As they are described: they are read as those of WebSockets are, with the same errors.
+FlagText = Annotated[str, WithJsonSchema({"type": "boolean"})]
+RateText = Annotated[str, WithJsonSchema({"type": "number", "minimum": MIN_RATE, "maximum": MAX_RATE})]
 
 
 async def _read_stream_query(
     *,
-    feedback: Annotated[str | None, Query(description="`false`: without feedback")] = None,
+    feedback: Annotated[FlagText | None, Query(description="`false`: without feedback")] = None,
     after: Annotated[
         str | None,
         Query(description="Id of the event to resume after", json_schema_extra={"pattern": f"^{EVENT_ID.pattern}$"}),
     ] = None,
-    max_rate: Annotated[str | None, Query(description="Feedback messages per second, at most")] = None,
+    max_rate: Annotated[RateText | None, Query(description="Feedback messages per second, at most")] = None,
 ) -> dict[str, str]:
     query = {"feedback": feedback, "after": after, "max_rate": max_rate}
     return {name: value for name, value in query.items() if value is not None}

@@ -7152,11 +7152,11 @@ export interface operations {
         parameters: {
             query?: {
                 /** @description `false`: without feedback */
-                feedback?: string | null;
+                feedback?: boolean | null;
                 /** @description Id of the event to resume after */
                 after?: string | null;
                 /** @description Feedback messages per second, at most */
-                max_rate?: string | null;
+                max_rate?: number | null;
             };
             header?: never;
             path: {
@@ -7244,11 +7244,11 @@ export interface operations {
         parameters: {
             query?: {
                 /** @description `false`: without feedback */
-                feedback?: string | null;
+                feedback?: boolean | null;
                 /** @description Id of the event to resume after */
                 after?: string | null;
                 /** @description Feedback messages per second, at most */
-                max_rate?: string | null;
+                max_rate?: number | null;
             };
             header?: never;
             path: {
@@ -7336,11 +7336,11 @@ export interface operations {
         parameters: {
             query?: {
                 /** @description `false`: without feedback */
-                feedback?: string | null;
+                feedback?: boolean | null;
                 /** @description Id of the event to resume after */
                 after?: string | null;
                 /** @description Feedback messages per second, at most */
-                max_rate?: string | null;
+                max_rate?: number | null;
             };
             header?: never;
             path: {
@@ -7428,11 +7428,11 @@ export interface operations {
         parameters: {
             query?: {
                 /** @description `false`: without feedback */
-                feedback?: string | null;
+                feedback?: boolean | null;
                 /** @description Id of the event to resume after */
                 after?: string | null;
                 /** @description Feedback messages per second, at most */
-                max_rate?: string | null;
+                max_rate?: number | null;
             };
             header?: never;
             path: {
