@@ -71,3 +71,22 @@ def test_an_action_is_there_although_a_viewer_asked_for_its_topics_first(domain:
             wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
             answer = gateway.http.post("/actions/fibonacci/goals", json={"order": 2}, headers={"Prefer": "wait=60"})
             assert (answer.status_code, answer.json()["status"]) == (200, "succeeded")
+
+
+@pytest.mark.parametrize("part", ["status", "feedback"])
+def test_an_action_is_there_although_another_node_lied_about_its_topics_first(
+    domain: int, observer: Observer, part: str
+) -> None:
+    topic = f"/fibonacci/_action/{part}"
+    with (
+        running_gateway(domain) as gateway,
+        client_of(gateway) as viewer,
+        observer.publishing(String(), topic, heard=False),
+    ):
+        wait_until(lambda: gateway.http.get(f"/graph/topics{topic}").status_code == 200, "the topic")
+        viewer.send("subscribe", topic=topic)
+        viewer.error(f"the gateway uses {topic} as ")
+        with running_program(domain, "fibonacci_action_server"):
+            wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+            answer = gateway.http.post("/actions/fibonacci/goals", json={"order": 2}, headers={"Prefer": "wait=60"})
+            assert (answer.status_code, answer.json()["status"]) == (200, "succeeded")

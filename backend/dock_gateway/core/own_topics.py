@@ -1,12 +1,14 @@
 """Topics whose type follows from their name, because the gateway itself uses them.
 
 A DDS participant has one type for each topic. If a client could choose that of a robot's stop before the robot is
-there, the gateway could not publish the stop.
+there, the gateway could not publish the stop. If another node could choose that of an action's status, the gateway
+could not use the action.
 """
 
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
-from dock_gateway.core.graph import TRANSFORMS
+from dock_gateway.core.graph import ACTION_PART, FEEDBACK, STATUS, TRANSFORMS
 from dock_gateway.settings import Settings
 from robot_io.velocity_types import TYPES as VELOCITY
 
@@ -17,7 +19,7 @@ class OwnTopic:
 
     Attributes:
         name: Its name; a relative one is that of each robot.
-        types: Its types.
+        types: Its types; `*` in one stands for any text.
         fixed: Whether it is never used with another type. Otherwise one that a node has there can be read: PX4 has a
             `battery_status` of its own.
     """
@@ -29,6 +31,10 @@ class OwnTopic:
     def is_at(self, topic: str) -> bool:
         """Return whether an absolute name is this topic."""
         return topic == self.name or (self.name[0] != "/" and topic.endswith(f"/{self.name}"))
+
+    def has(self, kind: str) -> bool:
+        """Return whether a type is one of its types."""
+        return any(fnmatchcase(kind, each) for each in self.types)
 
 
 class OwnTopics:
@@ -44,6 +50,8 @@ class OwnTopics:
             *(OwnTopic(name, frozenset({"std_msgs/msg/Bool"}), fixed=True) for name in stops),
             OwnTopic(settings.cmd_vel_topic, frozenset(VELOCITY), fixed=True),
             OwnTopic("initialpose", frozenset({"geometry_msgs/msg/PoseWithCovarianceStamped"}), fixed=True),
+            OwnTopic(f"{ACTION_PART[1:]}{STATUS}", frozenset({"action_msgs/msg/GoalStatusArray"}), fixed=True),
+            OwnTopic(f"{ACTION_PART[1:]}{FEEDBACK}", frozenset({"*/action/*_FeedbackMessage"}), fixed=True),
             OwnTopic(settings.battery_topic, frozenset({"sensor_msgs/msg/BatteryState"})),
             OwnTopic(settings.diagnostics_topic, frozenset({"diagnostic_msgs/msg/DiagnosticArray"})),
             OwnTopic("/tf", frozenset({TRANSFORMS})),

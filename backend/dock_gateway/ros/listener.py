@@ -292,7 +292,7 @@ class ListeningNode(Node):  # type: ignore[misc]
 
     def _require_own_type(self, msg_type: Any, topic: str) -> None:
         own = None if self._own_topics is None else self._own_topics.find(topic)
-        if own is None or (kind := type_name(msg_type)) in own.types:
+        if own is None or own.has(kind := type_name(msg_type)):
             return
         if own.fixed or kind not in read_topic(self, topic).types_but_of({self.get_fully_qualified_name()}):
             types = " or ".join(sorted(own.types))
