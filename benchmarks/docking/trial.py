@@ -21,7 +21,7 @@ from docking.simulation.marker import MarkerSettings
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
 
-LONGEST = 600.0
+LONGEST = 1200.0
 """Simulated seconds after which a trial is given up."""
 TRAIL_PERIOD = 0.2
 """Simulated seconds between two points of a trail."""
@@ -53,7 +53,7 @@ class Trial:
         retries: How often the robot backed off and tried again.
         bumps: How often it ran into the dock outside the contact zone.
         contacts: The speeds of the wheels when the robot came onto the dock's contacts or ran into the dock, in m/s.
-        hits: The speeds of the wheels just before it ran into something that is not the dock, in m/s.
+        hits: The speeds of the wheels just before it drove into something that is not the dock, in m/s.
         aside: How far the robot stands to the left or right of the docked pose in the end, in m.
         askew: How far it is turned against the docked pose, in rad.
         v_linear: The highest that was told or driven, in m/s.
@@ -161,7 +161,7 @@ def run_trial(
         period = settings.control_period * (1.0 + random.uniform(-case.jitter, case.jitter))
         bumps, touches, speed = simulation.bumps, len(simulation.touches), abs(simulation.robot.velocity.linear_x)
         simulation.run(period, step.velocity)
-        if simulation.bumps > bumps and len(simulation.touches) == touches:
+        if simulation.bumps > bumps and len(simulation.touches) == touches and speed > 0.0:
             hits.append(speed)
         speeds.driven(simulation.robot.velocity)
         if simulation.time >= TRAIL_PERIOD * len(trail):

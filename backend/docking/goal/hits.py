@@ -7,8 +7,8 @@ from docking.core.geometry import Pose
 
 AROUND = 0.35
 """How far around such a place the robot is slow, in m: what it has run into may be some centimetres nearer."""
-PASSED = 0.05
-"""How far behind the robot such a place is passed, in m: by odometry, what it stands against may be behind it."""
+PASSED = 0.15
+"""How far behind the robot such a place is passed, in m: odometry drifts, most of all while the robot pushes."""
 KEPT_FOR = 600.0
 """Seconds after which such a place is forgotten: what stood there may be gone."""
 MOST = 20

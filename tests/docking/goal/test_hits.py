@@ -28,7 +28,13 @@ NEXT = 0.3
 """In m: a hit that is nearer to the first one is at the same place."""
 
 
-def run(simulation: Simulation, memory: DockMemory, noticed: list[Pose], retries: int = 3) -> list[tuple[float, float]]:
+def run(
+    simulation: Simulation,
+    memory: DockMemory,
+    noticed: list[Pose],
+    retries: int = 3,
+    controller: ControllerName = ControllerName.DOCK_POSE,
+) -> list[tuple[float, float]]:
     """Dock once.
 
     Args:
@@ -36,11 +42,12 @@ def run(simulation: Simulation, memory: DockMemory, noticed: list[Pose], retries
         memory: Of its docking server.
         noticed: Where it stood when it was noticed that it is blocked; more are added.
         retries: At most.
+        controller: How.
 
     Returns:
         How fast it ran into something, and how far that was from the nearest place that had been noticed before.
     """
-    settings = settings_of(ControllerName.DOCK_POSE)
+    settings = settings_of(controller)
     settings = replace(settings, timeouts=replace(settings.timeouts, max_retries=retries))
     goal = Goal(make_plan(settings), Docking(settings.timeouts, memory), simulation.time)
     step, hits = goal.step(simulation.observe()), []
@@ -75,6 +82,16 @@ def test_wherever_something_round_stands_the_next_hit_there_is_slow(seed: int) -
     radius = min(random.uniform(0.03, 0.2), 0.9 * start.distance_to(Pose(x, y)) - simulation.robot.radius)
     simulation.settings = replace(simulation.settings, obstacles=(Obstacle(x, y, max(0.02, radius), low=True),))
     assert all(speed <= SLOW or far > NEXT for speed, far in run(simulation, DockMemory(), [], retries=1))
+
+
+def test_a_place_that_odometry_takes_to_be_passed_is_slow_all_the_same() -> None:
+    """The wheels slip while the robot pushes: here odometry has the place 6 cm behind it at the second hit."""
+    simulation = simulation_of(ControllerName.INFRARED, 500021)
+    simulation.set_fault(Fault.OCCUPIED_DOCK, True)
+    first, *later = run(simulation, DockMemory(), [], retries=1, controller=ControllerName.INFRARED)
+    assert first[0] > SLOW
+    assert later
+    assert all(speed <= SLOW for speed, _ in later)
 
 
 @pytest.mark.parametrize("controller", [ControllerName.DOCK_POSE, ControllerName.INFRARED])
