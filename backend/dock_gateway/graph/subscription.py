@@ -84,7 +84,10 @@ class TopicSubscription:
     @property
     def keeps_all(self) -> bool:
         """Whether every message is kept until it is taken: those of a latched topic for readers that come later."""
-        return self._all or (self.listening is not None and self.listening.latched)
+        return self._keeps(self.listening)
+
+    def _keeps(self, listening: Listening | None) -> bool:
+        return self._all or (listening is not None and listening.latched)
 
     def keep_all(self, *, wanted: bool) -> None:
         """Keep every message from now on, or only the newest one."""
@@ -135,7 +138,7 @@ class TopicSubscription:
         if self.kind is None or self.kind.name != listening.kind:
             self.kind = await asyncio.to_thread(EchoType, listening.kind)
         kind, before = self.kind, self.port
-        keep = KEEP if self._all or listening.latched else 0
+        keep = KEEP if self._keeps(listening) else 0
 
         def change() -> EchoPort:
             if before is not None:

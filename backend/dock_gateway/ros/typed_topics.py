@@ -128,8 +128,7 @@ class TypedTopic:
             raise
 
     def _make_publisher(self, quality: QoSProfile) -> Publisher:
-        options = {name: value for name, value in self._endpoints.options.items() if name != "raw"}
-        return self._topics.bridge.node.create_publisher(self._kind, self.name, quality, **options)
+        return self._topics.bridge.node.create_publisher(self._kind, self.name, quality, **self._endpoints.options)
 
     def _destroy(self) -> None:
         node = self._topics.bridge.node

@@ -70,8 +70,7 @@ def take_turn(connection: sa.Connection, batch: Batch, after: str | None, wanted
         wanted_ns: The stamp up to which the gateway wants to publish, in nanoseconds.
     """
     reached = stamp_of(_lock(connection))
-    stored: Stored = {}
-    stored |= _by_key(connection, [event.key for event in batch.events])
+    stored: Stored = {**_by_key(connection, [event.key for event in batch.events])}
     states: dict[str | None, Event | None] = {}  # the last one of each goal
     new: list[Event] = []
     for event in batch.events:

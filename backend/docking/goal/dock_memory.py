@@ -15,7 +15,7 @@ TURNED = 0.35
 """The same in rad."""
 MOST = 1000
 """Docks that are remembered: goals may describe docks that have no name."""
-MOST_TOLD = 20
+MOST_RECORDED = 20
 """Those of them that a recording knows."""
 
 
@@ -89,8 +89,8 @@ class DockMemory:
 
     def as_json(self, now: float) -> str:
         """What is remembered at this moment, on a clock that is at zero now: a replay begins with it."""
-        told = dict(list(self.dockings.items())[-MOST_TOLD:])
-        return json.dumps(asdict(replace(self.shifted(-now), dockings=told)))
+        recorded = dict(list(self.dockings.items())[-MOST_RECORDED:])
+        return json.dumps(asdict(replace(self.shifted(-now), dockings=recorded)))
 
     def note(self, docked: bool, at: Pose | None, now: float = math.inf) -> None:
         """Remember how a goal has ended, where, and when by the clock of observations."""

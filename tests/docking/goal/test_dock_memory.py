@@ -3,7 +3,7 @@ from pydantic import TypeAdapter
 
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.dock_memory import MOST, MOST_TOLD, MOVED, TURNED, DockMemory, LastDocking
+from docking.goal.dock_memory import MOST, MOST_RECORDED, MOVED, TURNED, DockMemory, LastDocking
 from docking.goal.objective import Progress
 from docking.nodes.dock_server import docking_objective
 from docking.parameters import Dock, DockDirection, DockSettings, Staging
@@ -102,7 +102,7 @@ def test_a_place_that_is_not_known_is_that_of_the_time_before() -> None:
     assert memory.last_at("home", Dock()) == LastDocking(Dock(), Pose(1.0))
 
 
-def test_what_is_remembered_is_told_for_a_replay_whose_clock_is_another_one() -> None:
+def test_what_is_remembered_is_recorded_for_a_replay_whose_clock_is_another_one() -> None:
     memory = DockMemory()
     memory.note(True, Pose(1.0, 2.0, 3.0), 7.0)
     memory.heads_for(FRONT, "lab_dock", Pose(1.0, 2.0, 3.0))
@@ -114,9 +114,9 @@ def test_what_is_remembered_is_told_for_a_replay_whose_clock_is_another_one() ->
     assert (later.since, later.hits.places) == (107.0, [(Pose(4.0), 105.0)])
 
 
-def test_only_some_docks_are_told() -> None:
+def test_only_some_docks_are_recorded() -> None:
     memory = DockMemory()
     for number in range(MOST):
         memory.docked_at(str(number), LastDocking(Dock()))
     read = TypeAdapter(DockMemory).validate_json(memory.as_json(0.0))
-    assert list(read.dockings) == [str(number) for number in range(MOST - MOST_TOLD, MOST)]
+    assert list(read.dockings) == [str(number) for number in range(MOST - MOST_RECORDED, MOST)]
