@@ -20,8 +20,8 @@ AHEAD = 0.4
 """How far ahead the robot looks, in m: for obstacles, and for where to steer."""
 PROGRESS = 10.0
 """Seconds within which the robot has to get on."""
-LITTLE = 0.02
-"""What it has to get on by, in m or rad."""
+LITTLE = 0.005
+"""What it has to get on by, in m or rad: centimetres beside its goal it steers slowly."""
 
 
 class Ride:

@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from docking.core.geometry import Pose, normalize_angle
@@ -51,6 +51,7 @@ def drive(simulation: Simulation, target: Pose, longest: float = 120.0) -> Ride:
 
 @settings(max_examples=20)
 @given(PLACES, PLACES, st.floats(-math.pi, math.pi), st.integers(0, 100))
+@example((-1.0, 0.0), (-1.0, 0.047), 0.0, 0)  # it steers slowly where it is centimetres beside its goal
 def test_a_ride_touches_nothing_and_ends_where_it_should(
     start: tuple[float, float], goal: tuple[float, float], heading: float, seed: int
 ) -> None:
