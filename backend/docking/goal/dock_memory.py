@@ -2,10 +2,12 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from typing import Any
 
 from docking.core.geometry import Pose
+from docking.core.parameter import from_values
 from docking.goal.hits import Hits
 from docking.parameters import Dock, Staging
 
@@ -30,10 +32,17 @@ class LastDocking:
         camera: How far the camera was from where tf has it, in base_link; no way where nothing was measured.
     """
 
-    dock: Dock | Staging
+    dock: Staging
     place: Pose | None = None
     turn: float = 0.0
     camera: Pose = field(default_factory=Pose)
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any]) -> "LastDocking":
+        """The same, of its values by name."""
+        place = values["place"]
+        dock, camera = from_values(Dock, values["dock"]), Pose(**values["camera"])
+        return cls(dock, place and Pose(**place), values["turn"], camera)
 
 
 @dataclass
@@ -91,6 +100,26 @@ class DockMemory:
         """What is remembered at this moment, on a clock that is at zero now: a replay begins with it."""
         recorded = dict(list(self.dockings.items())[-MOST_RECORDED:])
         return json.dumps(asdict(replace(self.shifted(-now), dockings=recorded)))
+
+    @classmethod
+    def from_json(cls, text: str) -> "DockMemory":
+        """What `as_json` has recorded, on the same clock.
+
+        Raises:
+            Exception: Something else has made the text.
+        """
+        values = json.loads(text)
+        at, staging, places = values["at"], values["staging"], values["hits"]["places"]
+        return cls(
+            docked=values["docked"],
+            at=at and Pose(**at),
+            since=values["since"],
+            staging=staging and from_values(Staging, staging),
+            dock_type=values["dock_type"],
+            charges=values["charges"],
+            dockings={name: LastDocking.from_values(each) for name, each in values["dockings"].items()},
+            hits=Hits([(Pose(**place), moment) for place, moment in places]),
+        )
 
     def note(self, docked: bool, at: Pose | None, now: float = math.inf) -> None:
         """Remember how a goal has ended, where, and when by the clock of observations."""

@@ -1,5 +1,4 @@
 import pytest
-from pydantic import TypeAdapter
 
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
@@ -108,7 +107,7 @@ def test_what_is_remembered_is_recorded_for_a_replay_whose_clock_is_another_one(
     memory.heads_for(FRONT, "lab_dock", Pose(1.0, 2.0, 3.0))
     memory.docked_at("lab", LastDocking(Dock(staging_x_offset=-0.8), Pose(1.0), 0.1, Pose(0.0, 0.03)))
     memory.hits.add(Pose(4.0), 5.0)
-    read = TypeAdapter(DockMemory).validate_json(memory.as_json(10.0))
+    read = DockMemory.from_json(memory.as_json(10.0))
     assert read.shifted(10.0) == memory
     later = read.shifted(110.0)
     assert (later.since, later.hits.places) == (107.0, [(Pose(4.0), 105.0)])
@@ -118,5 +117,5 @@ def test_only_some_docks_are_recorded() -> None:
     memory = DockMemory()
     for number in range(MOST):
         memory.docked_at(str(number), LastDocking(Dock()))
-    read = TypeAdapter(DockMemory).validate_json(memory.as_json(0.0))
+    read = DockMemory.from_json(memory.as_json(0.0))
     assert list(read.dockings) == [str(number) for number in range(MOST - MOST_RECORDED, MOST)]
