@@ -485,7 +485,7 @@ async def _watch_graph(bridge: Bridge, *steps: Callable[[Scan], Awaitable[bool |
 
 
 def _following(departures: Departures) -> Callable[[Scan], Awaitable[None]]:
-    return lambda found: departures.look(found, time.monotonic())
+    return lambda found: departures.check(found, time.monotonic())
 
 
 @contextmanager

@@ -53,10 +53,10 @@ class StopVotes:
         node, relays = ("", False) if before is None else (before.node, before.relays)
         self._votes[publisher] = Vote(latched, number, self._moment, node, relays)
 
-    def look(
+    def update_graph(
         self, publishers: Mapping[bytes, str], listeners: set[str], keeping: AbstractSet[bytes] = frozenset()
     ) -> None:
-        """See who is there.
+        """Update which publishers and subscribers are on the topic.
 
         Args:
             publishers: The publishers that are on the topic now, with the names of their nodes.

@@ -93,8 +93,8 @@ BOUNDS = {
     "rosbridge.fragments:Fragments.add": OF_CONNECTION,
     "rosbridge.goals:ClientGoals.on_events": OF_CONNECTION,
     "rosbridge.goals:ClientGoals.submit": OF_CONNECTION,
-    "rosbridge.publications:Publications._look": OF_CONNECTION,
-    "rosbridge.publications:Publications.advertise.look": OF_CONNECTION,
+    "rosbridge.publications:Publications._prepare": OF_CONNECTION,
+    "rosbridge.publications:Publications.advertise.advertise": OF_CONNECTION,
     "rosbridge.subscriptions:Subscriptions.subscribe": OF_CONNECTION,
     "sites.identity:Verifier._use": OF_SITES,  # 1,667 requests a second of one hub
     "sites.tunnel.answer:Asker.send": OF_GATEWAY,

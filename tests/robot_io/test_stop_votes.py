@@ -26,7 +26,7 @@ class Topic:
         return self.looked()
 
     def looked(self) -> bool:
-        self.votes.look(self.there, GATEWAYS)
+        self.votes.update_graph(self.there, GATEWAYS)
         return self.votes.held
 
     def leaves(self, publisher: bytes) -> bool:
@@ -98,7 +98,7 @@ def test_a_gateway_may_release_a_stop_and_leave_before_its_name_is_known(topic: 
     topic.says(FIRST, latched=True)
     for number, latched in ((1, True), (2, False)):
         topic.votes.hear(SECOND, number, latched=latched)
-        topic.votes.look({**NODES, SECOND: ""}, GATEWAYS, {FIRST, SECOND})
+        topic.votes.update_graph({**NODES, SECOND: ""}, GATEWAYS, {FIRST, SECOND})
         assert topic.votes.held is latched
     assert not topic.leaves(SECOND)
     assert topic.says(FIRST, latched=True)
@@ -106,7 +106,7 @@ def test_a_gateway_may_release_a_stop_and_leave_before_its_name_is_known(topic: 
 
 def test_who_keeps_what_it_said_counts_for_itself_once_its_name_is_known(topic: Topic) -> None:
     topic.votes.hear(BUTTON, 1, latched=True)
-    topic.votes.look({**NODES, BUTTON: ""}, GATEWAYS, {BUTTON})
+    topic.votes.update_graph({**NODES, BUTTON: ""}, GATEWAYS, {BUTTON})
     assert topic.says(FIRST, latched=False)
     topic.votes.hear(BUTTON, 2, latched=False)
     assert not topic.looked()
@@ -115,11 +115,11 @@ def test_who_keeps_what_it_said_counts_for_itself_once_its_name_is_known(topic: 
 def test_who_is_not_known_by_name_counts_like_others() -> None:
     votes = StopVotes()
     votes.hear(BUTTON, 1, latched=True)
-    votes.look({BUTTON: ""}, set())
+    votes.update_graph({BUTTON: ""}, set())
     assert votes.unknown
     votes.hear(SCANNER, 1, latched=False)
-    votes.look({SCANNER: ""}, set())  # it left before its name came
+    votes.update_graph({SCANNER: ""}, set())  # it left before its name came
     assert votes.held
     votes.hear(FIRST, 1, latched=False)
-    votes.look({FIRST: "/gateway_1"}, GATEWAYS)
+    votes.update_graph({FIRST: "/gateway_1"}, GATEWAYS)
     assert not votes.held

@@ -113,7 +113,7 @@ class Fog(ObstacleWatch):
         super().__init__(settings, Outline().points)
         self._is_free = clear
 
-    def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
+    def check(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
         waits = not self._is_free(observation.now)
         self.reason = "fog" if waits else ""
         self._count(waits, dt)

@@ -40,7 +40,7 @@ def test_one_base_and_others_that_listen_to_its_velocity_are_no_rivals(domain: i
         observer.record(Twist, "cmd_vel")
         wait_until(lambda: observer.node.count_subscribers("cmd_vel") >= 2, "both subscribers of cmd_vel")
         reports.wait_for(name=SENSORS, message="ok")
-        observer.call(rivals.look)
+        observer.call(rivals.scan)
         assert rivals.faults == {}
 
 

@@ -57,10 +57,10 @@ class Credentials(ABC, Generic[CredentialT]):
         principal = None if found is None else self.principal(found[0])
         if found is None or principal is None:
             raise NotAuthenticated(self.refusal, code="invalid_token")
-        self._used[found[0]] = utc_now()  # `look` records it
+        self._used[found[0]] = utc_now()  # `refresh` records it
         return principal
 
-    async def look(self) -> None:
+    async def refresh(self) -> None:
         """Record which were used, and read changes of other gateways."""
         used, self._used = self._used, {}
         for key, at in used.items():

@@ -48,7 +48,7 @@ class Logins:
         history: Stores them.
         sso: An identity provider, where people and services log in as well.
         where: The database, for the log.
-        sync_interval: Seconds between two looks at what other gateways have changed.
+        sync_interval: Seconds between two reads of what other gateways have changed.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Logins:
 
     async def open(self) -> None:
         """Read who may log in, and watch that from now on."""
-        await self.look()
+        await self.refresh()
         if self.sso is not None:
             self.sso.provider.open()
         elif await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
@@ -89,16 +89,16 @@ class Logins:
     async def _run(self) -> None:
         while True:
             await asyncio.sleep(self._sync_interval)
-            await self.look()
+            await self.refresh()
 
-    async def look(self) -> None:
+    async def refresh(self) -> None:
         """End the streams whose login has ended or changed, record uses, and read changes of other gateways."""
         self._end_streams()
-        await self.tokens.look()
-        await self._sessions.look()  # before the users: a new session's user is known
+        await self.tokens.refresh()
+        await self._sessions.refresh()  # before the users: a new session's user is known
         await self._users.book.sync()
         await self._sessions.sweep()
-        await self.people.look()
+        await self.people.refresh()
         await self.people.sweep()
         self._end_streams()
 
@@ -351,7 +351,7 @@ class Logins:
 
         user = await self._users.change(name, change)
         assert user is not None
-        # The streams end with the next `look`: by then the browser has the new session.
+        # The streams end with the next `refresh`: by then the browser has the new session.
         return await self._sessions.create(name, user.era)
 
     # ------------------------------------------------------------------ users

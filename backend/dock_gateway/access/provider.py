@@ -25,7 +25,7 @@ DISCOVERY = "/.well-known/openid-configuration"
 # Seconds for one request with its whole answer.
 TIMEOUT = 5.0
 MAX_ANSWER = 262_144  # bytes
-# Seconds between two looks at the provider while nobody logs in; and after one that failed.
+# Seconds between two reads of the provider while there are no logins, and after a read that failed.
 INTERVAL, RETRY_INTERVAL = 600.0, 30.0
 # Seconds for which what the provider said is recent enough for a new login, or for a key that is not known.
 RECENT = 10.0
@@ -78,7 +78,7 @@ class Provider:
         self._secret = None if secret is None else secret.get_secret_value()
         self._clock = clock
         self._http: httpx2.AsyncClient | None = None
-        self._looking = asyncio.Lock()
+        self._refreshing = asyncio.Lock()
         self._looked_at = self._failed_at = float("-inf")
         self._failure = ""
         self._tasks = Tasks("asking the identity provider")
@@ -90,7 +90,7 @@ class Provider:
     async def _run(self) -> None:
         while True:
             try:
-                await self.look()
+                await self.refresh()
             except Unavailable:
                 await asyncio.sleep(RETRY_INTERVAL)
             else:
@@ -102,7 +102,7 @@ class Provider:
         if self._http is not None:
             await self._http.aclose()
 
-    async def look(self) -> Endpoints:
+    async def refresh(self) -> Endpoints:
         """Read the addresses and the keys of the provider, unless they were read a moment ago.
 
         Whoever asks for an unknown key makes the gateway do this, but not more often, and one at a time.
@@ -110,7 +110,7 @@ class Provider:
         Raises:
             Unavailable: It does not answer, or not as a provider does (`provider_unavailable`).
         """
-        async with self._looking:
+        async with self._refreshing:
             now = self._clock()
             if self.endpoints is not None and now - self._looked_at < RECENT:
                 return self.endpoints
@@ -144,7 +144,7 @@ class Provider:
             NotAuthenticated: The code is not valid (`login_failed`).
             Unavailable: The provider does not answer (`provider_unavailable`).
         """
-        endpoints = self.endpoints or await self.look()
+        endpoints = self.endpoints or await self.refresh()
         body = {
             "grant_type": "authorization_code",
             "code": code,
@@ -172,7 +172,7 @@ class Provider:
         Raises:
             Unavailable: The provider does not answer (`provider_unavailable`).
         """
-        endpoints = self.endpoints or await self.look()
+        endpoints = self.endpoints or await self.refresh()
         if endpoints.userinfo is None:
             return {}
         return await self._get(endpoints.userinfo, {"Authorization": f"Bearer {access_token}"})

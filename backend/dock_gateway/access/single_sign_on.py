@@ -88,7 +88,7 @@ class SingleSignOn:
             Unavailable: The provider does not answer (`provider_unavailable`).
         """
         client_id = self._require_client()
-        endpoints = await self.provider.look()
+        endpoints = await self.provider.refresh()
         attempt = LoginAttempt.begin(page, self._clock())
         asked = {
             "response_type": "code",
@@ -210,7 +210,7 @@ class SingleSignOn:
     async def _learn_key(self, token: str) -> None:
         header = read_header(token)
         if header.algorithm in self._algorithms and self.provider.keys.find(header) is None:
-            await self.provider.look()
+            await self.provider.refresh()
 
     def identify(self, token: str) -> Principal:
         """Return who shows an access token.

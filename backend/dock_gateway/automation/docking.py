@@ -1,4 +1,4 @@
-"""Automatic docking: looks at the robots once a second, and docks those that a rule says should dock."""
+"""Automatic docking: checks the robots once a second, and docks those that a rule says should dock."""
 
 import asyncio
 import logging
@@ -29,7 +29,7 @@ from dock_gateway.storage.shared_entries import SharedBook
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks at the robots.
+# Seconds between two checks of the robots.
 INTERVAL = 1.0
 MAX_RULES = 50
 # Looks between two reads of what other gateways have stored.
@@ -81,7 +81,7 @@ class AutomaticDocking:
         self._answers: bool | None = None  # whether the history does
         self._off_since: dict[str, float] = {}  # docked robots whose batteries discharge
         self._deciding: set[str] = set()  # robots
-        self._looks = 0
+        self._evaluations = 0
         self._tasks = Tasks("docking automatically")
         self._tasks.spawn(self._run())
 
@@ -148,23 +148,25 @@ class AutomaticDocking:
             ],
         }
 
-    # ------------------------------------------------------------------ looking
+    # ------------------------------------------------------------------ checking
 
     async def _run(self) -> None:
         while True:
             try:
-                await self._look()
+                await self._evaluate()
             except Exception:
-                log.exception("while looking which robots should dock")
+                log.exception("while checking which robots should dock")
             await asyncio.sleep(self._interval)
 
-    async def _look(self) -> None:
-        if self._looks % self._sync_every == 0:
+    async def _evaluate(self) -> None:
+        if self._evaluations % self._sync_every == 0:
             answers = await self._rules.sync()
-            if answers and (self._active or self._looks == 0 or self.decisions.unsaved or self.decisions.given_up()):
+            if answers and (
+                self._active or self._evaluations == 0 or self.decisions.unsaved or self.decisions.given_up()
+            ):
                 answers = await self.decisions.sync()
             self._heard(answers=answers)
-        self._looks += 1
+        self._evaluations += 1
         if not self._active:
             self._activity.watch(set())
             self._waits = {}
@@ -172,7 +174,7 @@ class AutomaticDocking:
         states = self._fleet.states()
         self._activity.keep({state.name for state in states})
         facts = self._facts(states)
-        verdict = self._policy.look(self._rules.all(), facts, self.decisions.all(), utc_now(), time.monotonic())
+        verdict = self._policy.decide(self._rules.all(), facts, self.decisions.all(), utc_now(), time.monotonic())
         self._waits = verdict.waits
         self._activity.watch(verdict.watched)
         if not self._answers:

@@ -85,7 +85,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Case:
-    """A rule that applies to a robot, now; arguments as for `DockingPolicy.look`.
+    """A rule that applies to a robot, now; arguments as for `DockingPolicy.decide`.
 
     `last_due` and `next_due` are the last and the next time of day of the rule, if it has any.
     """
@@ -107,7 +107,7 @@ class DockingPolicy:
         self._late: dict[Key, tuple[datetime, Wait]] = {}  # robots that could not be docked at a time of day
         self._at_dock: dict[Key, datetime] = {}  # robots that were docked at a time of day
 
-    def look(
+    def decide(
         self,
         rules: Mapping[str, RuleEntry],
         robots: Iterable[RobotFacts],

@@ -49,7 +49,7 @@ class Part:
             self._command, env=self._environment, start_new_session=True, preexec_fn=end_with_parent
         )
 
-    def look(self) -> None:
+    def restart_if_dead(self) -> None:
         """Restart the process if it has died, after a growing delay."""
         now = time.monotonic()
         if self._restart_at is not None:
@@ -144,7 +144,7 @@ async def supervise(
             if time.monotonic() < started_by and parts[0].process.poll() is not None:
                 return False  # starting it again would not help
             for part in parts:
-                part.look()
+                part.restart_if_dead()
             await asyncio.sleep(0.1)
     finally:
         announcing.cancel()

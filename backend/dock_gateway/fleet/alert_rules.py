@@ -48,7 +48,7 @@ class AlertRules:
         self._split_since: dict[tuple[str, str], tuple[datetime, float]] = {}  # by the namespaces of both parts
         self._found_since: dict[tuple[str, str | None], datetime] = {}  # by kind and robot
 
-    def look(
+    def evaluate(
         self,
         states: list[RobotState],
         strays: Iterable[Goal],

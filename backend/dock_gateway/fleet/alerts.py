@@ -72,7 +72,7 @@ class AlertBoard:
         self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
         self._task = asyncio.create_task(self._sync())
 
-    def look(
+    def update(
         self,
         states: list[RobotState],
         strays: list[Goal],
@@ -87,7 +87,7 @@ class AlertBoard:
             duplicates: By robot, the actions that have more than one server.
             split: Robots that are probably in two namespaces.
         """
-        found = self._rules.look(
+        found = self._rules.evaluate(
             states,
             strays,
             utc_now(),

@@ -54,7 +54,7 @@ class Departures:
         self._bases: set[str] = set()  # the robots that have had a base
         self._looked_at = float("-inf")
 
-    async def look(self, scan: Scan, seconds: float) -> None:
+    async def check(self, scan: Scan, seconds: float) -> None:
         """Check which robots are present; remove those that have been away for long and are not needed.
 
         Args:

@@ -33,7 +33,7 @@ UNHEARD = "Messages there do not stop the robot."
 READ_AGAIN_AFTER = 5.0
 # Seconds after which a node counts as there: while a base restarts, the old one may still be on the graph.
 SETTLED = 5.0
-# The maximum number of topics that are read at one look: a node may offer thousands of a wrong type.
+# The maximum number of topics that are read at one scan: a node may offer thousands of a wrong type.
 MAX_READ = 50
 
 # Topics that are read at a time on the ROS thread: a few milliseconds.
@@ -97,7 +97,7 @@ class GraphWatch:
         suspects = list(islice(self._suspects(scan), MAX_READ))
         self._read = {topic: self._read[topic] for _, topic, _ in suspects if topic in self._read}
         for robot, name, expected in suspects:
-            topic, gateways = await self._look(robot, name, frozenset(scan.topics[name]))
+            topic, gateways = await self._read_topic(robot, name, frozenset(scan.topics[name]))
             if (finding := wrong_type(robot, topic, expected, gateways)) is not None:
                 found.append(finding)
         return found
@@ -160,10 +160,10 @@ class GraphWatch:
         """Return the topics of velocity and odometry with several subscribers or publishers, which is quick to see."""
         node = self._bridge.node
 
-        def look(few: list[tuple[str, str]]) -> list[tuple[str, str]]:
+        def connected(few: list[tuple[str, str]]) -> list[tuple[str, str]]:
             return [pair for pair in few if count_subscribers(node, pair[0]) > 1 or count_publishers(node, pair[1]) > 1]
 
-        return [pair for few in _in_parts(pairs) for pair in await self._bridge.call(partial(look, few))]
+        return [pair for few in _in_parts(pairs) for pair in await self._bridge.call(partial(connected, few))]
 
     async def _topics(self, names: list[str]) -> dict[str, Topic]:
         """Return topics by name, read a few at a time."""
@@ -203,7 +203,7 @@ class GraphWatch:
             ),
         }
 
-    async def _look(self, robot: str | None, name: str, types: frozenset[str]) -> tuple[Topic, frozenset[str]]:
+    async def _read_topic(self, robot: str | None, name: str, types: frozenset[str]) -> tuple[Topic, frozenset[str]]:
         """Return a topic, and the nodes of gateways."""
         before = self._read.get(name)
         if before is not None and before[0] == types and time.monotonic() - before[1] < READ_AGAIN_AFTER:

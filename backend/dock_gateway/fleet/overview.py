@@ -171,15 +171,15 @@ class Fleet:
         while True:
             await asyncio.sleep(INTERVAL)
             try:
-                self.look()
+                self.update()
             except Exception:
                 log.exception("while updating the overview of robots")
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Update the alerts; publish the robots that have changed, if there are subscribers."""
         states, strays = self._see()
         sights = self._robot_actions.sights()
-        self._alerts.look(states, strays, self._duplicates(), split_robots(sights))
+        self._alerts.update(states, strays, self._duplicates(), split_robots(sights))
         if not self._fanout.watched(TOPIC):
             self._published = {}
             return

@@ -11,7 +11,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.robots.registry import Robot
 
-LOOK_INTERVAL = 0.25  # seconds between two looks at the running goals
+SCAN_INTERVAL = 0.25  # seconds between two scans of the running goals
 # Nanoseconds between two stored poses of a goal; doubled each time this number of poses has been stored.
 INTERVAL_NS, THIN_AFTER = 200_000_000, 1500
 # What has moved by less, in metres and radians, is where it was.
@@ -87,10 +87,10 @@ class PoseRecorder:
 
     async def _run(self) -> None:
         while True:
-            self.look()
-            await asyncio.sleep(LOOK_INTERVAL)
+            self.scan()
+            await asyncio.sleep(SCAN_INTERVAL)
 
-    def look(self) -> None:
+    def scan(self) -> None:
         """Find the running goals."""
         before, self._goals = self._goals.keys(), {}
         running = self._running()

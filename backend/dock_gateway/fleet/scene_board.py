@@ -32,7 +32,7 @@ class SceneBoard:
         self._fanout = fanout
         self._robots = robots
         self._wanted: set[str] = set()
-        self._heard: dict[str, tuple[Scene, float]] = {}  # with the time of the look before
+        self._heard: dict[str, tuple[Scene, float]] = {}  # with the time of the scan before
         self._published: dict[str, Scene] = {}
         self._now = self._due = 0.0  # on the monotonic clock
         self._changed: Callable[[], None] = lambda: None
@@ -42,7 +42,7 @@ class SceneBoard:
     async def _run(self) -> None:
         while True:
             try:
-                self.look(time.monotonic())
+                self.scan(time.monotonic())
             except Exception:
                 log.exception("while publishing the scenes of all robots")
             await asyncio.sleep(INTERVAL)
@@ -59,7 +59,7 @@ class SceneBoard:
         """Take up a robot's scene."""
         self._heard[robot] = scene, self._now
 
-    def look(self, now: float) -> None:
+    def scan(self, now: float) -> None:
         """Find the robots that are wanted, and publish their scenes if something has moved or it is time."""
         self._now = now
         wanted = set(self._robots()) if self._fanout.watched(TOPIC) else set()

@@ -4,7 +4,7 @@ DDS tells neither a death nor SIGSTOP in time, but a server that drives a robot 
 base with a command timeout stops by itself; one without goes on driving.
 
 A gateway that has just stalled must not take that for the silence of a server. So commands count from when they
-arrived, those that wait are heard before the robot is stopped, and two looks in a row have to find the same silence.
+arrived, those that wait are heard before the robot is stopped, and two scans in a row have to find the same silence.
 """
 
 import asyncio
@@ -21,7 +21,7 @@ from dock_gateway.robots.wheels import Command
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks.
+# Seconds between two scans.
 INTERVAL = 0.05
 # A server that is slower than usual has this many of its own intervals, up to the longest silence in seconds.
 MISSED, LONGEST = 1.5, 2.0
@@ -56,7 +56,7 @@ class WheelsWatch:
         self._goals: dict[str, set[str]] = {}  # of each robot, those that run
         self._ended_at: dict[str, float] = {}
         self._names: dict[bytes, str] = {}
-        self._silent: dict[str, Command] = {}  # of robots whose commands had ended at the last look, the last one
+        self._silent: dict[str, Command] = {}  # of robots whose commands had ended at the last scan, the last one
         self._stopped: dict[str, Finding] = {}
         self._changed: Callable[[], None] = lambda: None
         self._wake = asyncio.Event()
@@ -117,7 +117,7 @@ class WheelsWatch:
 
     async def _run(self) -> None:
         while True:
-            self.look(time.monotonic())
+            self.scan(time.monotonic())
             if self._goals or self._ended_at:
                 await asyncio.sleep(INTERVAL)
             else:
@@ -125,7 +125,7 @@ class WheelsWatch:
                 self._wake.clear()
                 await self._wake.wait()
 
-    def look(self, now: float) -> None:
+    def scan(self, now: float) -> None:
         """Stop the robots whose commands have ended.
 
         Args:
@@ -173,7 +173,7 @@ class WheelsWatch:
             wheels.publish_zero()
         except Exception:
             log.exception("the commands of %s have ended, and zero velocity could not be published", robot)
-            wheels.last = last  # again at the next look
+            wheels.last = last  # again at the next scan
             return
         if last.publisher is None:
             return  # none was heard since the goal began: it may stand still as well

@@ -20,7 +20,7 @@ from dock_gateway.streams.rights import Rights
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks at the graph.
+# Seconds between two scans of the graph.
 LOOK = 2.0
 # Channels or services in one message: a definition has kilobytes, and a client may not read.
 AT_ONCE = 20
@@ -37,7 +37,7 @@ class GraphView:
         services: The client's services.
         subscriptions: The client's subscriptions, which end with their channels.
         send: Sends a message to the client.
-        look: Seconds between two looks at the graph.
+        look: Seconds between two scans of the graph.
 
     Attributes:
         channels: The client's channels.

@@ -52,12 +52,12 @@ class Publications:
             raise TooManyRequests(f"this connection already publishes on {MAX_ADVERTISED} channels")
         topic = self._parts[Settings].resolve(channel.topic, "")
 
-        async def look() -> None:
+        async def advertise() -> None:
             wanted = operations.Advertise(topic, full_type(channel.schema_name))
             found, kind = await operations.advertise(self._parts, self._rights.principal, wanted)
             self._channels[channel.id] = Advertised(topic, found.type, channel.encoding, MessageForm(kind))
 
-        await self._rights.carry_out(operations.advertise, {"topic": topic}, look)
+        await self._rights.carry_out(operations.advertise, {"topic": topic}, advertise)
 
     def unadvertise(self, identity: int) -> None:
         """Forget a channel. The publisher leaves after a minute without messages."""

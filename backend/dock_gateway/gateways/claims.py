@@ -77,7 +77,7 @@ class Gateways:
         news = address != self._own.address
         self._own = replace(self._own, address=address)
         if self._shared and news:
-            self._tasks.spawn(self.look())
+            self._tasks.spawn(self.renew())
 
     async def open(self) -> None:
         """Claim the robots, and keep the claim.
@@ -176,11 +176,11 @@ class Gateways:
         while True:
             await asyncio.sleep(self._beat)
             try:
-                await self.look()
+                await self.renew()
             except Exception:
                 log.exception("while claiming robots")
 
-    async def look(self) -> None:
+    async def renew(self) -> None:
         """Store the claim again, and read those of the others.
 
         A gateway that was cut off from the database for long may find its robots claimed by another one. It goes on

@@ -88,7 +88,7 @@ async def goal_as_csv(history: History, goal: Goal) -> AsyncGenerator[bytes]:
     sheet = FeedbackSheet()
     last = ""
     async for events in pieces(history, goal.goal_id, {FEEDBACK}):
-        await asyncio.to_thread(sheet.look_at, [event.data for event in events])
+        await asyncio.to_thread(sheet.add_columns, [event.data for event in events])
         last = events[-1].id or last
     yield sheet.head()
     async for events in pieces(history, goal.goal_id, {FEEDBACK}, until=last):

@@ -103,7 +103,7 @@ class FeedbackSheet:
     def __init__(self) -> None:
         self._tree: dict[str, Any] = {}
 
-    def look_at(self, events: Iterable[bytes]) -> None:
+    def add_columns(self, events: Iterable[bytes]) -> None:
         """Add the columns of encoded feedback events."""
         for event in events:
             for path, _ in flatten(orjson.loads(event)["feedback"]):

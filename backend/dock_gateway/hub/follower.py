@@ -241,7 +241,7 @@ class Follower:
         reading.newest = max((reading.newest, *(read_event_id(each) for each in ids if each is not None)))
         found = await self._take(documents, reading)
         found |= await self._read_pages(reading)
-        await self._look_for_unfinished(found)
+        await self._find_unfinished(found)
         reading.gap = False
         self._news.cursor = reading.newest or id_before(read_time(message.get("time")))
         self._more.set()
@@ -282,7 +282,7 @@ class Follower:
             query = f"limit={PAGE}&cursor={read_goal_id(cursor)}"
         return found
 
-    async def _look_for_unfinished(self, found: set[str]) -> None:
+    async def _find_unfinished(self, found: set[str]) -> None:
         """Ask for the goals that run as far as the hub knows, and that the site has not named."""
         running = GoalFilter(statuses=RUNNING, namespace=f"/{self._site}")
         for known in await self._history.page(running, limit=MAX_GOALS):

@@ -86,7 +86,7 @@ class Overview:
         self._ids: set[str] = set()
         self._published: dict[str, bytes] = {}
         self.on_change: list[Any] = []
-        self._tasks = Tasks("looking after the overview of sites")
+        self._tasks = Tasks("updating the overview of sites")
         self._tasks.spawn(self._run())
         self._tasks.spawn(self._sync())
 
@@ -162,7 +162,7 @@ class Overview:
         site = None if alert.robot is None else alert.robot[1:]
         return alert.document(self._acknowledgements.get(alert.id)) | {"site": site}
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         own = []
         if (incident := self._history.incident) is not None:
             own.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
@@ -235,7 +235,7 @@ class Overview:
         while True:
             await asyncio.sleep(INTERVAL)
             try:
-                self._look()
+                self._check()
                 self._publish()
             except Exception:
                 log.exception("while updating the overview of sites")

@@ -33,8 +33,8 @@ from dock_gateway.storage.sql import SqlHistory
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks for sites that are silent.
-LOOK_INTERVAL = 0.5
+# Seconds between two checks for silent sites.
+CHECK_INTERVAL = 0.5
 # Seconds that the process of a site may take to show that it is there.
 PROBE_TIMEOUT = 1.0
 # Hellos that are being answered, and those of one site in a second. More are dropped unread: each comes again.
@@ -85,7 +85,7 @@ class Sites:
         self._states: dict[str, State] = {}
         self._quiet_since: dict[str, float] = {}
         self._refusals: dict[str, tuple[str, str]] = {}
-        self._tasks = Tasks("looking after sites")
+        self._tasks = Tasks("checking sites")
         self._hellos = Tasks("answering hellos")
         self._second, self._heard = 0, Counter[str]()  # hellos of each site in this second
         self._following = asyncio.Lock()
@@ -94,7 +94,7 @@ class Sites:
 
     async def open(self) -> None:
         """Read which sites are known, and answer hellos from now on."""
-        self._tasks.spawn(self._look())
+        self._tasks.spawn(self._check())
         await self._read_known()
         await self._broker.subscribe(subjects.HELLOS, self._on_hello)
 
@@ -105,7 +105,7 @@ class Sites:
                 known = await self._entries.read()
             except Unavailable as error:
                 log.warning("%s; no site is welcome until it does", error.detail)
-                await asyncio.sleep(LOOK_INTERVAL)
+                await asyncio.sleep(CHECK_INTERVAL)
             else:
                 break
         self._directory = Directory(__version__, {name: entry.installation for name, entry in known.items()})
@@ -238,10 +238,10 @@ class Sites:
             log.info("the site %s is no longer connected", name)
             await follower.close()
 
-    async def _look(self) -> None:
+    async def _check(self) -> None:
         """Leave sites that are silent, and forget those that never were welcome."""
         while True:
-            await asyncio.sleep(LOOK_INTERVAL)
+            await asyncio.sleep(CHECK_INTERVAL)
             now = time.monotonic()
             for name, site in list(self._directory.sites.items()):
                 state = site.state(now)

@@ -56,13 +56,13 @@ class Publications:
             GatewayError: Nothing may be published on it, or others have another type there.
         """
 
-        async def look() -> None:
+        async def advertise() -> None:
             if len(self._types) >= MAX_ADVERTISED:
                 self._types.clear()
             self._types[topic] = wanted
-            await self._look(topic)
+            await self._prepare(topic)
 
-        await self._rights.carry_out(operations.advertise, {"topic": topic}, look)
+        await self._rights.carry_out(operations.advertise, {"topic": topic}, advertise)
 
     def unadvertise(self, topic: str) -> None:
         """Forget a topic. Its publisher leaves after a minute without messages."""
@@ -81,7 +81,7 @@ class Publications:
         )
 
     async def _publish(self, topic: str, message: Any) -> None:
-        known = self._advertised.get(topic) or await self._look(topic)
+        known = self._advertised.get(topic) or await self._prepare(topic)
         if known.has_header and isinstance(message, dict):
             header = message.get("header") or {}
             if isinstance(header, dict) and header.get("stamp") is None:
@@ -91,7 +91,7 @@ class Publications:
         order = operations.Publish(topic, message, known.type)
         await operations.publish(self._parts, self._rights.principal, order)
 
-    async def _look(self, topic: str) -> Advertised:
+    async def _prepare(self, topic: str) -> Advertised:
         wanted = operations.Advertise(topic, self._types.get(topic))
         found, kind = await operations.advertise(self._parts, self._rights.principal, wanted)
         header = kinds(kind).get("header")

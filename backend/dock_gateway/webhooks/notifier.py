@@ -25,7 +25,7 @@ from dock_gateway.webhooks.webhook import WebhookEntry
 log = logging.getLogger(__name__)
 
 MAX_WEBHOOKS = 20
-# Seconds between two looks at the alerts.
+# Seconds between two scans of the alerts.
 INTERVAL = 1.0
 # Looks between two reads of the webhooks, which other gateways may have changed, and of the deliveries, in which what
 # is outdated is deleted: a multiple.
@@ -70,7 +70,7 @@ class Notifier:
         self._share = share
         self._started, self._settled = utc_now(), False
         self._settled_at = time.monotonic() + settled_after
-        self._looks = 0
+        self._scans = 0
         self._raised: dict[tuple[str, str], Document] = {}  # alerts that were sent, by webhook and alert
         self._news: deque[tuple[EventType, str, str, Document]] = deque()  # to be stored, then sent
         self._testing: set[str] = set()
@@ -178,22 +178,22 @@ class Notifier:
         finally:
             self._testing.discard(webhook_id)
 
-    # ------------------------------------------------------------------ looking
+    # ------------------------------------------------------------------ scanning
 
     async def _run(self) -> None:
         while True:
             try:
-                await self._look()
+                await self._scan()
             except Exception:
-                log.exception("while looking which alerts to send")
+                log.exception("while checking which alerts to send")
             await asyncio.sleep(self._interval)
 
-    async def _look(self) -> None:
-        if self._looks % self._read_every == 0:
+    async def _scan(self) -> None:
+        if self._scans % self._read_every == 0:
             answers = await self._webhooks.sync()
-            if answers and self._looks % self._tidy_every == 0:
+            if answers and self._scans % self._tidy_every == 0:
                 await self._outbox.tidy()
-        self._looks += 1
+        self._scans += 1
         self._compare()
         while self._news:
             await self._outbox.add(*self._news.popleft())

@@ -95,7 +95,7 @@ class Approach:
         too_far = slides and left < GATE and not self._is_straight(off, 1.0 if left < COMMITTED else 0.5)
         if left < self._until or (not too_far and self._touches(left, odometry, dt)):
             return Done()
-        failure = self._sight.look(left, dt) or (None if slides else self._fault(off, left))
+        failure = self._sight.check(left, dt) or (None if slides else self._fault(off, left))
         if failure is not None:
             return Failed(failure)
         held = self._hold(left, dt)

@@ -72,12 +72,12 @@ class KeepInSight:
         self._out_of_sight = math.inf if math.isinf(settings.blind_distance) else 0.0
         self._peeks_from: float | None = None
 
-    def look(self, left: float, dt: float) -> DockingError | None:
+    def check(self, left: float, dt: float) -> DockingError | None:
         """Note whether the dock is in sight.
 
         Args:
             left: To the docked pose, in m.
-            dt: Seconds since the last look.
+            dt: Seconds since the last step.
 
         Returns:
             The error if the dock is lost, else None.

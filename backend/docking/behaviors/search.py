@@ -66,7 +66,7 @@ class Search:
         if odometry is None:
             return STANDSTILL
         if self._sees(observation.now):
-            return self._look(odometry.pose, self._motion.with_braking(observation.braking))
+            return self._center(odometry.pose, self._motion.with_braking(observation.braking))
         heading = odometry.pose.theta
         if self._towards is not None:
             error = normalize_angle(self._towards - heading)
@@ -82,7 +82,7 @@ class Search:
             self._leftwards = self._been_right = True
         return Velocity(0.0, self._speed if self._leftwards else -self._speed)
 
-    def _look(self, robot: Pose, motion: MotionLimits) -> Velocity:
+    def _center(self, robot: Pose, motion: MotionLimits) -> Velocity:
         """Turn until the dock is in the middle of the view."""
         bearing = self._bearing(robot)
         if bearing is None or abs(normalize_angle(bearing)) < CENTERED:

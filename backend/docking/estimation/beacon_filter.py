@@ -160,7 +160,7 @@ class BeaconFilter:
         if (
             reading is not None
             and self._is_new(reading, observation.now)
-            and not self.repeated.look(reading, odometry.pose)
+            and not self.repeated.check(reading, odometry.pose)
         ):
             self._waiting.append(reading)
         while self._waiting and self._waiting[0].stamp <= odometry.stamp:

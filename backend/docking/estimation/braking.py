@@ -31,7 +31,7 @@ class Braking:
         self._at_rest, self._least = at_rest, least
         self._moments: deque[tuple[float, float, float]] = deque()  # time, measured, commanded
 
-    def look(self, now: float, measured: float, commanded: float) -> None:
+    def add(self, now: float, measured: float, commanded: float) -> None:
         """Take in the velocity, as measured and as commanded, in m/s or rad/s."""
         moments = self._moments
         if moments and (now <= moments[-1][0] or now > moments[-1][0] + SPAN or measured * moments[-1][1] < 0.0):

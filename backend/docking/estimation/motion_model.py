@@ -47,7 +47,7 @@ class MotionModel:
     """Compares commands with odometry.
 
     Attributes:
-        commanded: The velocity since the last look.
+        commanded: The velocity since the last step.
         history: The motion of the last seconds.
         lag: Seconds from a command until odometry shows the motion.
         dead_zone: Learned dead zone: smaller commands do not move the base.
@@ -86,15 +86,15 @@ class MotionModel:
         self._moves = False  # forward or backward, ever
         self._obeys_since = math.inf
 
-    def look(self, now: float, pose: Pose) -> None:
-        """Update with odometry; `commanded` applied since the last look."""
+    def update(self, now: float, pose: Pose) -> None:
+        """Update with odometry; `commanded` applied since the last step."""
         history = self.history
         if history.add(now, pose, self.commanded):
             self._learn_lag()
             self._learn_dead_zone(now)
             velocity = history.velocity
-            self.braking.look(now, velocity.linear_x, self.commanded.linear_x)
-            self.turn_braking.look(now, velocity.angular_z, self.commanded.angular_z)
+            self.braking.add(now, velocity.linear_x, self.commanded.linear_x)
+            self.turn_braking.add(now, velocity.angular_z, self.commanded.angular_z)
         elif history.known_since == now:
             self._still_since = [math.inf, math.inf]
             self._stood_since = [math.inf, math.inf]

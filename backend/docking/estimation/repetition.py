@@ -32,7 +32,7 @@ class Repetition:
         self._way, self._turn = way, turn
         self._first: Pose | None = None
 
-    def look(self, robot: Pose, *, same: bool) -> bool:
+    def check(self, robot: Pose, *, same: bool) -> bool:
         """Take in a reading, and say whether it is repeated.
 
         Args:
@@ -55,7 +55,7 @@ class RepeatedScan:
         self._last: Points | None = None
         self._stamp = -math.inf
 
-    def look(self, scan: Scan, robot: Pose) -> bool:
+    def check(self, scan: Scan, robot: Pose) -> bool:
         """Take in a scan, and say whether it is repeated.
 
         Args:
@@ -73,7 +73,7 @@ class RepeatedScan:
             and shape.shape == last.shape
             and bool(np.allclose(shape, last, rtol=0.0, atol=EXACT))
         )
-        return self._repetition.look(robot, same=same)
+        return self._repetition.check(robot, same=same)
 
 
 class RepeatedRanges:
@@ -89,7 +89,7 @@ class RepeatedRanges:
         """Whether the last reading was repeated."""
         return self._repetition.repeats
 
-    def look(self, reading: InfraredReading, robot: Pose) -> bool:
+    def check(self, reading: InfraredReading, robot: Pose) -> bool:
         """Take in a reading, and say whether it is repeated.
 
         Args:
@@ -99,4 +99,4 @@ class RepeatedRanges:
         ranges = reading.left, reading.center, reading.right
         sees = any(np.isfinite(ranges))
         last, self._last = self._last, ranges
-        return self._repetition.look(robot, same=sees and ranges == last)
+        return self._repetition.check(robot, same=sees and ranges == last)

@@ -106,7 +106,7 @@ class Docking(Objective):
         odometry = observation.odometry
         robot = odometry.pose if odometry is not None and makes_sense(odometry.pose) else None
         if robot is not None:
-            self._motion.look(observation.now, robot)
+            self._motion.update(observation.now, robot)
         self.memory.heads_for(self._staging, self._dock_type, robot, charges=self._charging.charges)
         if battery is not None or not self.needs_battery:
             self._hear(observation.now, robot, battery, progress)

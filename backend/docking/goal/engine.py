@@ -181,7 +181,7 @@ class Goal:
                 return self._wait(self._stage, self._plan.lost.error_code, f"{doubt}: the robot waits", dt)
             # Where the robot will be when a command that is given now takes effect.
             ahead = observation if watch is None else watch.ahead(observation)
-            if obstacles is not None and not obstacles.look(ahead, self._plan.poses.filtered_dock, dt):
+            if obstacles is not None and not obstacles.check(ahead, self._plan.poses.filtered_dock, dt):
                 code = ErrorCode.SCAN_LOST if obstacles.lost else ErrorCode.OBSTRUCTED
                 return self._wait(Stage.WAIT_FOR_CLEARANCE, code, obstacles.reason, dt)
             velocity = self._move(observation, ahead, dt)

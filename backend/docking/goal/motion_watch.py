@@ -63,14 +63,14 @@ class MotionWatch:
         self._odometry_timeout = odometry_timeout
         self._blocked_after = blocked_after
         self._heard_at = started_at
-        self._silent = False  # at the last look
+        self._silent = False  # at the last step
         self._first: Odometry | None = None  # of those with the same pose as the last
         self._repeats = self._has_velocity = False
         self._begins_at = self._looked_at = started_at
 
     @property
     def commanded(self) -> Velocity:
-        """The velocity since the last look."""
+        """The velocity since the last step."""
         return self.model.commanded
 
     @commanded.setter
@@ -104,7 +104,7 @@ class MotionWatch:
             since, self._silent = min(since, CARRIED_FOR), False
         self._looked_at = now
         jump = self._jump(now, since, sound.pose)
-        self.model.look(now, sound.pose)
+        self.model.update(now, sound.pose)
         if jump:
             self.restart()
             raise OdometryJumped(jump)
@@ -171,7 +171,7 @@ class MotionWatch:
 
         Args:
             now: The moment.
-            since: Seconds since the last look.
+            since: Seconds since the last step.
             pose: The pose by odometry.
         """
         last = self.model.history.last

@@ -62,13 +62,13 @@ class ObstacleWatch:
         """The longest wait, in s."""
         return self._settings.obstacle_timeout
 
-    def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
+    def check(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
         """Take in the scan, and say whether the robot may move.
 
         Args:
             observation: Sensor readings, with the robot where it will be when a command takes effect.
             docked: Where base_link stands when docked, in odom; None where that is not known.
-            dt: Seconds since the last look.
+            dt: Seconds since the last step.
 
         Returns:
             Whether the robot may move; `reason` says why not, but is empty while the first scan may yet come.
@@ -81,7 +81,7 @@ class ObstacleWatch:
         self.lost = scan is None or observation.now - scan.stamp > self._settings.scan_timeout
         repeats = False
         if scan is not None and odometry is not None:
-            repeats = self._repeated.look(scan, odometry.pose)
+            repeats = self._repeated.check(scan, odometry.pose)
             self._see(scan.points, odometry.pose, docked)
         self.lost |= repeats
         self.reason = ""

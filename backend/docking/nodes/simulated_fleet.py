@@ -23,8 +23,8 @@ from docking.nodes.simulator import DockSimulator
 from docking.ros.server_process import serve
 from robot_io.children import MAX_ROBOTS, end_with_parent
 
-LOOK_PERIOD = 0.5
-"""Seconds between two looks whether a signal has come or a robot has to be started again."""
+CHECK_PERIOD = 0.5
+"""Seconds between two checks whether a signal has come or a robot has to be started again."""
 
 _context = multiprocessing.get_context("fork")
 
@@ -70,7 +70,7 @@ def main(args: Sequence[str] | None = None) -> int:
         signal.signal(stop, lambda *_: sys.exit())  # in this process: the robots have their own
     try:
         while True:
-            wait([robot.sentinel for robot in robots.values()], LOOK_PERIOD)
+            wait([robot.sentinel for robot in robots.values()], CHECK_PERIOD)
             for number, robot in robots.items():
                 if robot.exitcode is not None:
                     print(f"/robot{number} ended ({robot.exitcode}); starting it again", file=sys.stderr)  # noqa: T201

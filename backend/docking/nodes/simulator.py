@@ -102,7 +102,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         # A simulated clock that stands still must not stop these.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(PERIOD, self._tick, clock=steady)
-        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._look_around, clock=steady)
+        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._check_graph, clock=steady)
 
     def _take_settings(self, settings: SimulatorSettings) -> None:
         self._settings = settings
@@ -309,8 +309,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             )
         self._report()
 
-    def _look_around(self) -> None:
-        self._stops.look()
+    def _check_graph(self) -> None:
+        self._stops.scan()
         self._report()
 
     def _report(self) -> None:

@@ -82,7 +82,7 @@ class GoalReporter:
         self._memory = memory
         self._stage = Stage.IDLE
         self._note = ""
-        self._rivals.look()
+        self._rivals.scan()
 
     def go_on(self, step: Command, goal_id: str) -> None:
         """Report what a goal does, where that has changed."""
@@ -113,9 +113,9 @@ class GoalReporter:
         self._report = report_on(outcome, goal_id)
         self._publish(self._report)
 
-    def look_around(self) -> None:
+    def refresh(self) -> None:
         """See who drives along, and publish the last report again; call it once a second."""
-        self._rivals.look()
+        self._rivals.scan()
         self.repeat()
 
     def repeat(self) -> None:

@@ -113,7 +113,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._control_timer = self.create_timer(FEEDBACK_PERIOD, self.control, clock=steady)
         self._control_timer.cancel()
-        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._look_around, clock=steady)
+        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._check_graph, clock=steady)
         self._show()
         if action.ends_with_charge:
             battery.on_connected = self.control  # at once, not at the next turn of the timer
@@ -359,13 +359,13 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     def _feedback(self) -> Any:
         return self._action.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
-    def _look_around(self) -> None:
+    def _check_graph(self) -> None:
         running = self._running is not None
-        self._drive.look_again(needed=running)
+        self._drive.follow_graph(needed=running)
         if not (running or self._drive.halting):
             self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
-        self._stops.look()
-        self._reporter.look_around()
+        self._stops.scan()
+        self._reporter.refresh()
 
     def _repeat_report(self) -> None:
         self._reporter.repeat()

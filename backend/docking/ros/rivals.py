@@ -39,8 +39,8 @@ class Rivals:
         self.faults: dict[str, str] = {}
         self._node = node
 
-    def look(self) -> None:
-        """Look again; call it before the robot drives, and once a second."""
+    def scan(self) -> None:
+        """Scan the graph; call it before the robot drives, and once a second."""
         self.faults = _find(self._node)
         if self.faults:
             self._node.get_logger().warning("; ".join(self.faults.values()), throttle_duration_sec=10.0)

@@ -79,17 +79,17 @@ class StopListener:
         while votes is not None and (taken := take_bool(subscription)) is not None:
             votes.hear(taken.publisher, taken.number, latched=taken.data)
             if votes.unknown:
-                self._look(topic)
+                self._scan(topic)
             self._update()
 
-    def look(self) -> None:
-        """See who is there; call it once a second."""
+    def scan(self) -> None:
+        """Update which publishers and subscribers there are; call it once a second."""
         for topic, subscriptions in self._subscriptions.items():
             if subscriptions:
-                self._look(topic)
+                self._scan(topic)
         self._update()
 
-    def _look(self, topic: str) -> None:
+    def _scan(self, topic: str) -> None:
         publishers = self._node.get_publishers_info_by_topic(topic)
         listeners = self._node.get_subscriptions_info_by_topic(topic)
         # As gateways do: they keep what they said for who comes later.
@@ -98,7 +98,7 @@ class StopListener:
             for info in publishers
             if topic == TOPIC and info.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
         }
-        self._votes[topic].look(
+        self._votes[topic].update_graph(
             {bytes(info.endpoint_gid): node_name(info) for info in publishers},
             {name for info in listeners if (name := node_name(info))},
             keeping,

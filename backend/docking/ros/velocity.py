@@ -18,8 +18,8 @@ from robot_io.halt import PERIOD, Halt
 
 WATCHDOG_TIMEOUT = 0.5
 """Seconds that a motion goes on without being renewed."""
-LOOK_PERIOD = 0.1
-"""Seconds between two looks for other nodes that drive, while zero velocity is repeated."""
+SCAN_PERIOD = 0.1
+"""Seconds between two scans for other nodes that drive, while zero velocity is repeated."""
 RECENT = 1.0
 """Seconds after a velocity in which the wheels still count as driven by us."""
 
@@ -50,10 +50,8 @@ class Drive:
         self._stopped_at = self._published_at = self._renewed_at = -math.inf
         self.publisher = VelocityPublisher(node)
         self._others = OtherCommands(node)
-        self._looks = node.create_timer(
-            LOOK_PERIOD, self._look_for_others, clock=Clock(clock_type=ClockType.STEADY_TIME)
-        )
-        self._looks.cancel()
+        self._scans = node.create_timer(SCAN_PERIOD, self._follow_others, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._scans.cancel()
         self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._check)
 
     def begin(self) -> None:
@@ -62,7 +60,7 @@ class Drive:
         self.publisher.add_wanted()
         self._others.listen()
 
-    def look_again(self, *, needed: bool) -> None:
+    def follow_graph(self, *, needed: bool) -> None:
         """Follow the subscribers of `cmd_vel`, and those who drive, too; call it once a second.
 
         Args:
@@ -134,13 +132,13 @@ class Drive:
         self._standstill = Standstill()
         self._halt = Halt(self._stopped_at)
         self._watchdog.feed(PERIOD)
-        self._looks.reset()
+        self._scans.reset()
 
-    def _look_for_others(self) -> None:
+    def _follow_others(self) -> None:
         """Hear a node that is new on the topic, too: it may be the next to drive, while zero is still repeated."""
         with self._lock:
             if self._halt is None:
-                self._looks.cancel()
+                self._scans.cancel()
                 return
         self._others.listen()
 
@@ -186,7 +184,7 @@ class Drive:
             time.sleep(PERIOD)
         self._watchdog.close()
         self._halt = None
-        self._looks.cancel()
+        self._scans.cancel()
         self._others.leave()
         self.publisher.close()
 

@@ -70,7 +70,7 @@ class Collisions:
         self._contact_since: float | None = None
         self._lip = Lip(dock)
 
-    def look(self, robot: Robot, obstacles: Sequence[Obstacle], now: float, *, driven: bool = True) -> None:
+    def resolve(self, robot: Robot, obstacles: Sequence[Obstacle], now: float, *, driven: bool = True) -> None:
         """Keep the robot out of everything solid.
 
         Args:

@@ -158,7 +158,7 @@ class MarkerCamera:
             and not any(obstacle.hides(camera_x, camera_y) for obstacle in obstacles)
         )
 
-    def look(
+    def detect(
         self, robot: Pose, now: float = 0.0, obstacles: Sequence[Obstacle | Box] = (), outliers: float = 0.0
     ) -> Pose | None:
         """One picture.

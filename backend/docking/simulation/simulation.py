@@ -335,7 +335,7 @@ class Simulation:
         return (commanded.linear_x - half) * dt, (commanded.linear_x + half) * dt, 0.0
 
     def _collide(self, *, driven: bool = True) -> None:
-        self._collisions.look(self.robot, self.obstacles, self.time, driven=driven)
+        self._collisions.resolve(self.robot, self.obstacles, self.time, driven=driven)
 
     def _random(self, part: str) -> Random:
         return Random(f"{self._seed} {part}")  # noqa: S311 - noise, not secrets
@@ -360,7 +360,7 @@ class Simulation:
         self._localization.step(now, JUMP if Fault.LOCALIZATION_JUMPS in self.faults else 0.0)
         if now >= self._picture_due:
             self._picture_due += 1.0 / self.settings.marker.rate
-            self._look()
+            self._take_picture()
         self._detect()
         if now >= self._ranges_due:
             self._ranges_due += 1.0 / self.settings.infrared.rate
@@ -387,7 +387,7 @@ class Simulation:
             self.reading = arrived
             self.track.add(*arrived)
 
-    def _look(self) -> None:
+    def _take_picture(self) -> None:
         if Fault.OCCLUDED_MARKER in self.faults:
             return
         settings, robot = self.settings.marker, self.robot.pose
@@ -395,11 +395,11 @@ class Simulation:
         room = self.settings.room
         hiding: tuple[Obstacle | Box, ...] = self.obstacles + (() if room is None else room.furniture)
         seen = [
-            camera.look(robot.relative_to(Pose(y=y)), self.time, [thing.seen_from(y) for thing in hiding], outliers)
+            camera.detect(robot.relative_to(Pose(y=y)), self.time, [thing.seen_from(y) for thing in hiding], outliers)
             for camera, y in zip(self._cameras, self.dock.places, strict=True)
         ]
         if settings.second_y != 0.0:
-            seen.append(self._second.look(robot.relative_to(Pose(y=settings.second_y)), self.time))
+            seen.append(self._second.detect(robot.relative_to(Pose(y=settings.second_y)), self.time))
         markers = self._detector_faults.pass_on(
             [marker for marker in seen if marker is not None],
             self.time,

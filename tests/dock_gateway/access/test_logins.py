@@ -183,19 +183,19 @@ async def test_a_session_expires(site: Site, logins: Logins, created: timedelta,
     secret = await log_in(logins)
     with watching(logins, secret) as ends:
         await site.age(secret, created=created, used=used)
-        await logins.look()
+        await logins.refresh()
         assert is_in(logins, secret) is valid
         assert bool(ends) is not valid
-    await logins.look()
+    await logins.refresh()
     assert len(await site.sessions.read()) == valid
 
 
 async def test_its_use_keeps_it(site: Site, logins: Logins) -> None:
     secret = await log_in(logins)
     await site.age(secret, used=timedelta(days=6))
-    await logins.look()
+    await logins.refresh()
     logins.identify(secret)
-    await logins.look()
+    await logins.refresh()
     (stored,) = (await site.sessions.read()).values()
     assert stored.used_at > stored.created_at
 
@@ -212,12 +212,12 @@ ENDINGS = {
 async def test_what_ends_all_sessions_of_a_user(site: Site, logins: Logins, ending: str) -> None:
     elsewhere = site.logins()
     secret, root = await log_in(logins), await log_in(logins, "root")
-    await elsewhere.look()
+    await elsewhere.refresh()
     with watching(logins, secret) as ends, watching(elsewhere, secret) as later, watching(logins, root) as others:
         await ENDINGS[ending](logins)
         assert (ends, later) == (["ended"], [])
         assert not is_in(logins, secret)
-        await elsewhere.look()
+        await elsewhere.refresh()
         assert later == ["ended"]
         assert not is_in(elsewhere, secret)
         assert others == []
@@ -240,7 +240,7 @@ async def test_who_is_enabled_or_added_again_has_to_log_in_again(logins: Logins)
 async def test_a_changed_role_holds_at_once_and_ends_streams(site: Site, logins: Logins) -> None:
     elsewhere = site.logins()
     secret = await log_in(logins)
-    await elsewhere.look()
+    await elsewhere.refresh()
     before = logins.identify(secret)
     with watching(logins, secret) as ends, watching(elsewhere, secret) as later:
         await logins.edit_user("ada", VIEWER)
@@ -248,7 +248,7 @@ async def test_a_changed_role_holds_at_once_and_ends_streams(site: Site, logins:
         assert logins.identify(secret).grant == VIEWER
         assert not logins.is_valid(before)
         assert elsewhere.is_valid(before)
-        await elsewhere.look()
+        await elsewhere.refresh()
         assert later == ["ended"]
         assert elsewhere.identify(secret).grant == VIEWER
 
@@ -313,7 +313,7 @@ async def test_an_outage_is_no_failed_login(site: Site, logins: Logins) -> None:
     for _ in range(10):
         with pytest.raises(Unavailable):
             await log_in(logins)
-    await logins.look()
+    await logins.refresh()
     assert is_in(logins, known)
     site.users.away = site.sessions.away = site.tokens.away = False
     assert is_in(logins, await log_in(logins))
@@ -336,7 +336,7 @@ async def test_old_sessions_make_room(site: Site, logins: Logins) -> None:
     for number in range(MAX_PER_USER + 2):
         secrets.append(await log_in(logins))
         await site.age(secrets[-1], used=timedelta(hours=100 - number))
-        await logins.look()
+        await logins.refresh()
     assert [is_in(logins, secret) for secret in secrets] == [False] * 2 + [True] * MAX_PER_USER
     assert is_in(logins, root)
 
@@ -468,14 +468,14 @@ async def test_two_gateways_on_one_database(database_url: str, tmp_path: Path) -
         await elsewhere.edit_user("ada", disabled=False)
         principal, secret = await elsewhere.log_in("ada", PASSWORD, HOME)
         assert principal.grant == limited
-        await here.look()
+        await here.refresh()
         assert here.identify(secret) == principal
         (stored, root) = await here.documents()
         assert (stored["created_by"], stored["sessions"], stored["disabled"]) == ("root", 1, False)
         edits = (here.edit_user("ada", Grant(role)) for role in Role)
         await asyncio.gather(elsewhere.log_in("ada", PASSWORD, HOME), *edits)
         await here.end_sessions("ada")
-        await elsewhere.look()
+        await elsewhere.refresh()
         assert not is_in(elsewhere, secret)
         await here.remove_user("ada")
         assert await elsewhere.documents() == [root]

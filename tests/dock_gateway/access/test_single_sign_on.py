@@ -156,7 +156,7 @@ async def test_a_state_is_used_once_at_all_gateways(site: Site, logins: Logins, 
     address, attempt = await begin(logins)
     async with site.gateway() as other:
         secret = await finish(other, attempt, fake.authorize(address))
-        await logins.look()
+        await logins.refresh()
         assert logins.identify(secret).name == "oidc:ada"
         with pytest.raises(NotAuthenticated, match="used already"):
             await finish(logins, attempt, fake.authorize(address))
@@ -269,7 +269,7 @@ async def test_what_ends_a_session(site: Site, logins: Logins, fake: FakeProvide
     async with site.gateway() as elsewhere:
         for end in ("log out", "admin", "expiry"):
             secret = await log_in(logins, fake)
-            await elsewhere.look()
+            await elsewhere.refresh()
             ends: list[str] = []
             with elsewhere.watch(elsewhere.identify(secret), lambda: ends.append("ended")):  # noqa: B023
                 match end:
@@ -283,7 +283,7 @@ async def test_what_ends_a_session(site: Site, logins: Logins, fake: FakeProvide
                         hours = session.expires_at - session.created_at
                         assert hours == timedelta(hours=12)
                         await logins.people.book.amend(key, replace(session, expires_at=session.created_at))
-                await elsewhere.look()
+                await elsewhere.refresh()
             assert ends == ["ended"]
             for each in (logins, elsewhere):
                 with pytest.raises(NotAuthenticated):
@@ -295,11 +295,11 @@ async def test_what_ends_a_session(site: Site, logins: Logins, fake: FakeProvide
 async def test_sessions_of_another_provider_are_not_valid(site: Site, logins: Logins, fake: FakeProvider) -> None:
     secret = await log_in(logins, fake)
     async with site.gateway(oidc_issuer="https://other.example") as other:
-        await other.look()
+        await other.refresh()
         with pytest.raises(NotAuthenticated):
             other.identify(secret)
     without = Logins(site.history)
-    await without.look()
+    await without.refresh()
     with pytest.raises(NotAuthenticated):
         without.identify(secret)
     assert logins.identify(secret)
@@ -314,12 +314,12 @@ async def test_two_gateways_on_one_database(site: Site, fake: FakeProvider, data
             site.history = other
             async with site.gateway() as elsewhere:
                 secret = await log_in(here, fake)
-                await elsewhere.look()
+                await elsewhere.refresh()
                 assert elsewhere.identify(secret) == here.identify(secret)
                 assert elsewhere.identify(secret).grant == Grant(Role.OPERATOR, ("/hall_a/*",))
-                await elsewhere.look()  # stores the use
+                await elsewhere.refresh()  # stores the use
                 await elsewhere.end_person("oidc:ada")
-                await here.look()
+                await here.refresh()
                 with pytest.raises(NotAuthenticated):
                     here.identify(secret)
 
@@ -492,7 +492,7 @@ async def test_keys_are_rotated(site: Site, logins: Logins, fake: FakeProvider) 
     fake.published = fake.published[1:]  # the first key is no longer trusted
     site.now += RECENT
     assert logins.sso is not None
-    await logins.sso.provider.look()
+    await logins.sso.provider.refresh()
     assert (logins.is_valid(old), logins.is_valid(new)) == (False, True)
     fake.key = first
     assert await refusal(logins, fake.access_token()) == "invalid_token"
@@ -518,10 +518,10 @@ async def test_a_stream_ends_when_its_token_expires(
     principal = await identify(logins, fake.access_token())
     ends: list[str] = []
     with logins.watch(principal, lambda: ends.append("ended")):
-        await logins.look()
+        await logins.refresh()
         assert ends == []
         monkeypatch.setattr(single_sign_on, "utc_now", lambda: principal.expires_at)
-        await logins.look()
+        await logins.refresh()
         assert set(ends) == {"ended"}
     with pytest.raises(NotAuthenticated):
         logins.require_valid(principal)
@@ -548,7 +548,7 @@ async def test_a_provider_that_is_down_keeps_nobody_out_who_is_in(
     assert await identify(logins, token) == service
     assert await refusal(logins, sign(rsa_key("x"), {"iss": ISSUER, "aud": AUDIENCE, "exp": 9e9})) == "invalid_token"
     async with site.gateway() as restarted:
-        await restarted.look()
+        await restarted.refresh()
         assert restarted.identify(secret).name == "oidc:ada"
         assert await refusal(restarted, token) == "provider_unavailable"
         fake.away = False

@@ -68,7 +68,7 @@ async def test_the_whole_digest_counts(site: Site) -> None:
     tokens = site.tokens()
     _, secret = await tokens.create("ada", Grant(Role.ADMIN))
     await site.change(secret, digest=digest_of(secret)[:ID_DIGITS] + "0" * 48)
-    await tokens.look()
+    await tokens.refresh()
     with pytest.raises(NotAuthenticated):
         tokens.identify(secret)
 
@@ -78,7 +78,7 @@ async def test_an_expired_token_is_refused(site: Site) -> None:
     _, secret = await tokens.create("ada", Grant(Role.ADMIN), utc_now() + timedelta(days=1))
     assert tokens.have_admin()
     await site.change(secret, expires_at=utc_now() - timedelta(seconds=1))
-    await tokens.look()
+    await tokens.refresh()
     assert not tokens.have_admin()
     with pytest.raises(NotAuthenticated):
         tokens.identify(secret)
@@ -88,10 +88,10 @@ async def test_an_expired_token_is_refused(site: Site) -> None:
 async def test_a_revocation_is_known_at_once_here_and_soon_elsewhere(site: Site) -> None:
     here, elsewhere = site.tokens(), site.tokens()
     document, secret = await here.create("ada", Grant(Role.ADMIN))
-    await elsewhere.look()
+    await elsewhere.refresh()
     await here.book.remove(document["id"])
     assert elsewhere.principal(document["id"]) is not None
-    await elsewhere.look()
+    await elsewhere.refresh()
     for tokens in (here, elsewhere):
         assert tokens.principal(document["id"]) is None
         with pytest.raises(NotAuthenticated):
@@ -103,10 +103,10 @@ async def test_a_revocation_is_known_at_once_here_and_soon_elsewhere(site: Site)
 async def test_the_use_of_a_token_does_not_bring_it_back(site: Site) -> None:
     here, elsewhere = site.tokens(), site.tokens()
     document, secret = await here.create("ada", Grant(Role.ADMIN))
-    await elsewhere.look()
+    await elsewhere.refresh()
     elsewhere.identify(secret)
     await here.book.remove(document["id"])
-    await elsewhere.look()
+    await elsewhere.refresh()
     assert await site.stored() == []
 
 
@@ -114,16 +114,16 @@ async def test_its_use_is_recorded_once_a_minute(site: Site) -> None:
     tokens = site.tokens()
     _, secret = await tokens.create("ada", Grant(Role.ADMIN))
     tokens.identify(secret)
-    await tokens.look()
+    await tokens.refresh()
     (first,) = await site.stored()
     assert first.used_at is not None
     tokens.identify(secret)
-    await tokens.look()
+    await tokens.refresh()
     assert await site.stored() == [first]
     await site.change(secret, used_at=first.used_at - timedelta(minutes=2))
-    await tokens.look()
+    await tokens.refresh()
     tokens.identify(secret)
-    await tokens.look()
+    await tokens.refresh()
     (later,) = await site.stored()
     assert later.used_at is not None
     assert later.used_at >= first.used_at
@@ -134,7 +134,7 @@ async def test_known_tokens_stay_valid_while_the_history_is_away(site: Site) -> 
     _, secret = await tokens.create("ada", Grant(Role.ADMIN))
     site.store.away = True
     tokens.identify(secret)
-    await tokens.look()
+    await tokens.refresh()
     assert tokens.identify(secret).name == "ada"
     with pytest.raises(Unavailable):
         await tokens.create("eve", Grant(Role.VIEWER))

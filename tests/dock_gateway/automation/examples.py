@@ -44,7 +44,7 @@ class Site:
 
     def decide(self, seconds: float, *robots: RobotFacts, outcome: Outcome = Outcome.SENT) -> list[Decision]:
         now = NOON + timedelta(seconds=seconds)
-        self.verdict = self.policy.look(self.rules, robots, self.decisions, now, seconds)
+        self.verdict = self.policy.decide(self.rules, robots, self.decisions, now, seconds)
         for identity in self.verdict.recovered:
             self.decisions[identity] = replace(self.decisions[identity], open=False)
         for decision in self.verdict.decisions:

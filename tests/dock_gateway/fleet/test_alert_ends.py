@@ -29,7 +29,7 @@ K = AlertKind
 
 @dataclass(frozen=True)
 class Life:
-    """What an alert is about and what ends it, as arguments of `AlertRules.look`.
+    """What an alert is about and what ends it, as arguments of `AlertRules.evaluate`.
 
     Attributes:
         holds: What holds while it is active.
@@ -92,7 +92,7 @@ OF_A_ROBOT = [
 
 def kinds(rules: AlertRules, seconds: float, what: dict[str, Any]) -> list[AlertKind]:
     look = {"states": [], "strays": []} | what
-    alerts = rules.look(
+    alerts = rules.evaluate(
         look.pop("states"), look.pop("strays"), NOON + timedelta(seconds=seconds), 1000 + seconds, **look
     )
     return [alert.kind for alert in alerts]

@@ -73,7 +73,7 @@ class Looks:
         self._watch = AlertRules(low_battery)
 
     def alerts(self, seconds: float, *robots: RobotState, strays: tuple[Goal, ...] = ()) -> list[Alert]:
-        return self._watch.look(list(robots), strays, NOON + timedelta(seconds=seconds), 1000 + seconds)
+        return self._watch.evaluate(list(robots), strays, NOON + timedelta(seconds=seconds), 1000 + seconds)
 
     def kinds(self, seconds: float, *robots: RobotState) -> list[str]:
         return [alert.kind.value for alert in self.alerts(seconds, *robots)]
@@ -245,7 +245,7 @@ def test_critical_ones_come_first_then_the_oldest() -> None:
 
 def test_what_happened_to_the_history_is_an_alert_of_no_robot() -> None:
     incident = Incident(NOON, "It was deleted.")
-    (alert,) = AlertRules(0.2).look([], [], NOON + timedelta(hours=1), 1000.0, incident=incident)
+    (alert,) = AlertRules(0.2).evaluate([], [], NOON + timedelta(hours=1), 1000.0, incident=incident)
     document = alert.document(None)
     named = {name: document[name] for name in ("kind", "robot", "severity", "since", "detail")}
     expected = {"kind": "history_lost", "robot": None, "severity": "warning", "since": NOON, "detail": incident.detail}
@@ -287,7 +287,7 @@ def test_two_servers_of_one_robot_are_one_alert() -> None:
 
     def look(seconds: float, **duplicates: list[str]) -> list[Alert]:
         by_robot = {f"/{name}": actions for name, actions in duplicates.items()}
-        return watch.look([], [], NOON + timedelta(seconds=seconds), seconds, duplicates=by_robot)
+        return watch.evaluate([], [], NOON + timedelta(seconds=seconds), seconds, duplicates=by_robot)
 
     look(0, robot1=["/robot1/undock"])
     (alert,) = look(5, robot1=["/robot1/undock", "/robot1/dock"])
@@ -305,7 +305,7 @@ def test_automatic_docking_that_gave_up_is_an_alert_of_a_robot_that_is_here() ->
     )
     given_up = {"/robot1": decision, "/gone": decision}
     states = [robot(), robot("/robot2")]
-    (alert,) = AlertRules(0.2).look(states, [], NOON, 0.0, given_up=given_up)
+    (alert,) = AlertRules(0.2).evaluate(states, [], NOON, 0.0, given_up=given_up)
     assert (alert.kind, alert.robot, alert.since) == (AlertKind.AUTOMATIC_DOCKING_FAILED, "/robot1", NOON)
     assert alert.kind.critical
     assert "'Low battery' could not dock /robot1" in alert.detail
@@ -315,7 +315,7 @@ def test_a_finding_is_an_alert_since_it_was_first_seen() -> None:
     rules = AlertRules(0.2)
 
     def look(seconds: float, *findings: Finding) -> list[Alert]:
-        return rules.look([], [], NOON + timedelta(seconds=seconds), seconds, findings=findings)
+        return rules.evaluate([], [], NOON + timedelta(seconds=seconds), seconds, findings=findings)
 
     wrong = Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "One.")
     (alert,) = look(0, wrong)

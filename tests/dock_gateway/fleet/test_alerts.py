@@ -69,17 +69,17 @@ async def until_acknowledged(board: AlertBoard, by: str | None) -> None:
 
 async def test_alerts_are_told_when_they_change(scene: Scene) -> None:
     board = scene.board()
-    board.look(WELL, [])
+    board.update(WELL, [])
     assert await told(scene.reader) == [[]]
-    board.look(LOW, [])
-    board.look(LOW, [])
+    board.update(LOW, [])
+    board.update(LOW, [])
     assert await told(scene.reader) == [[("low_battery", None)]]
     document = await board.acknowledge(ID, "Ada")
     assert document["acknowledged"].by == "Ada"
     assert await told(scene.reader) == [[("low_battery", "Ada")]]
     assert (await board.withdraw(ID))["acknowledged"] is None
     assert await told(scene.reader) == [[("low_battery", None)]]
-    board.look(WELL, [])
+    board.update(WELL, [])
     assert await told(scene.reader) == [[]]
     for change in (board.acknowledge(ID, "Ada"), board.withdraw(ID)):
         with pytest.raises(NotFound) as refused:
@@ -89,10 +89,10 @@ async def test_alerts_are_told_when_they_change(scene: Scene) -> None:
 
 async def test_an_alert_that_comes_back_is_not_acknowledged(scene: Scene) -> None:
     board = scene.board()
-    board.look(LOW, [])
+    board.update(LOW, [])
     await board.acknowledge(ID, "Ada")
-    board.look(WELL, [])
-    board.look(LOW, [])
+    board.update(WELL, [])
+    board.update(LOW, [])
     assert acknowledged(board) is None
     await asyncio.sleep(0.05)
     assert acknowledged(board) is None
@@ -102,10 +102,10 @@ async def test_an_alert_that_comes_back_is_not_acknowledged(scene: Scene) -> Non
 async def test_another_gateway_hears_of_it(scene: Scene) -> None:
     one, other = scene.board(), scene.board()
     for board in (one, other):
-        board.look(LOW, [])
+        board.update(LOW, [])
     await one.acknowledge(ID, "Ada")
     await until_acknowledged(other, "Ada")
-    other.look(LOW, [])
+    other.update(LOW, [])
     assert (await told(scene.reader))[-1] == [("low_battery", "Ada")]
     await other.withdraw(ID)
     await until_acknowledged(one, None)
@@ -117,7 +117,7 @@ async def test_after_a_restart_it_holds_where_the_alert_does(scene: Scene) -> No
     board = scene.board(settled_after=0.2)
     await asyncio.sleep(0.05)
     assert len(await scene.store.read()) == 2
-    board.look(LOW, [])
+    board.update(LOW, [])
     assert acknowledged(board).by == "Ada"
     for _ in range(200):
         if list(await scene.store.read()) == [ID]:

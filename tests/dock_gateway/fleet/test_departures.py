@@ -75,13 +75,13 @@ def departures_of(parts: Any, forget_after: float = AFTER) -> Departures:
 async def test_a_robot_that_is_away_for_long_is_forgotten_and_the_configured_one_never(parts: Parts) -> None:
     departures = departures_of(parts)
     parts.there = {"/robot1"}
-    await departures.look(SCAN, 1000.0)
+    await departures.check(SCAN, 1000.0)
     parts.there = set()
-    await departures.look(SCAN, 1000.0 + AFTER)
+    await departures.check(SCAN, 1000.0 + AFTER)
     assert set(parts.robots) == {"/", "/robot1"}
-    await departures.look(SCAN, 1020.0 + AFTER)
+    await departures.check(SCAN, 1020.0 + AFTER)
     assert set(parts.robots) == {"/"}
-    await departures.look(SCAN, 1e6)
+    await departures.check(SCAN, 1e6)
     assert set(parts.robots) == {"/"}
 
 
@@ -89,11 +89,11 @@ async def test_one_that_was_away_for_a_moment_starts_anew(parts: Parts) -> None:
     departures = departures_of(parts)
     for seconds in (0.0, AFTER - 1):
         parts.there = {"/robot1"} if seconds else set()
-        await departures.look(SCAN, seconds)
+        await departures.check(SCAN, seconds)
     parts.there = set()
-    await departures.look(SCAN, 2 * AFTER - 2)
+    await departures.check(SCAN, 2 * AFTER - 2)
     assert "/robot1" in parts.robots
-    await departures.look(SCAN, 2 * AFTER + 10)
+    await departures.check(SCAN, 2 * AFTER + 10)
     assert "/robot1" not in parts.robots
 
 
@@ -105,11 +105,11 @@ async def test_what_waits_for_a_robot_keeps_it(parts: Parts, reason: str) -> Non
     parts.held = reason == "stop"
     parts.robots["/robot1"].publisher.active = reason == "publisher"
     for seconds in (0.0, AFTER + 10, 2 * AFTER):
-        await departures.look(SCAN, seconds)
+        await departures.check(SCAN, seconds)
     assert "/robot1" in parts.robots
     parts.running_on, parts.lost_on, parts.held = ["/dock"], ["/elsewhere/dock"], False
     parts.robots["/robot1"].publisher.active = False
-    await departures.look(SCAN, 2 * AFTER + 10)
+    await departures.check(SCAN, 2 * AFTER + 10)
     assert "/robot1" not in parts.robots
 
 
@@ -117,24 +117,24 @@ async def test_a_battery_that_is_heard_counts(parts: Parts) -> None:
     departures = departures_of(parts)
     battery = parts.robots["/robot1"].battery
     battery.age = 0.1
-    await departures.look(SCAN, 10.0)
-    await departures.look(SCAN, 10.0 + AFTER + 20)
+    await departures.check(SCAN, 10.0)
+    await departures.check(SCAN, 10.0 + AFTER + 20)
     battery.age = AFTER - 10
-    await departures.look(SCAN, 10.0 + 2 * AFTER)
+    await departures.check(SCAN, 10.0 + 2 * AFTER)
     assert "/robot1" in parts.robots
     battery.age = AFTER + 10
-    await departures.look(SCAN, 30.0 + 2 * AFTER)
+    await departures.check(SCAN, 30.0 + 2 * AFTER)
     assert "/robot1" not in parts.robots
 
 
 async def test_it_is_not_looked_for_too_often_and_not_at_all_at_0(parts: Parts) -> None:
     departures = departures_of(parts)
     for seconds in range(20):
-        await departures.look(SCAN, float(seconds))
+        await departures.check(SCAN, float(seconds))
     assert parts.looks == 2
     never = departures_of(parts, 0.0)
-    await never.look(SCAN, 0.0)
-    await never.look(SCAN, 1e9)
+    await never.check(SCAN, 0.0)
+    await never.check(SCAN, 1e9)
     assert parts.looks == 2
     assert "/robot1" in parts.robots
 
@@ -148,8 +148,8 @@ async def test_one_robot_that_cannot_be_looked_at_keeps_no_other_from_being_forg
 
     parts.robots = {"/broken": Broken(), **parts.robots}
     departures = departures_of(parts)
-    await departures.look(SCAN, 1000.0)
-    await departures.look(SCAN, 1020.0 + AFTER)
+    await departures.check(SCAN, 1000.0)
+    await departures.check(SCAN, 1020.0 + AFTER)
     assert set(parts.robots) == {"/", "/broken"}
 
 
@@ -157,12 +157,12 @@ async def test_one_robot_that_cannot_be_looked_at_keeps_no_other_from_being_forg
 async def test_what_never_had_a_battery_a_base_or_a_goal_goes_with_its_server(parts: Parts, part: str) -> None:
     departures = departures_of(parts)
     parts.goals, parts.there, parts.parts_there = [], {"/robot1"}, {part}  # other nodes are there as long as one looks
-    await departures.look(SCAN, 1000.0)
+    await departures.check(SCAN, 1000.0)
     parts.parts_there = set()
-    await departures.look(SCAN, 1000.0 + WITHOUT_PAST)
+    await departures.check(SCAN, 1000.0 + WITHOUT_PAST)
     assert "/robot1" in parts.robots, "its server may be restarting"
-    await departures.look(SCAN, 1001.0 + 2 * WITHOUT_PAST)
+    await departures.check(SCAN, 1001.0 + 2 * WITHOUT_PAST)
     assert ("/robot1" in parts.robots) is (part == "base")
     parts.there = set()
-    await departures.look(SCAN, 1020.0 + 2 * WITHOUT_PAST + AFTER)
+    await departures.check(SCAN, 1020.0 + 2 * WITHOUT_PAST + AFTER)
     assert "/robot1" not in parts.robots

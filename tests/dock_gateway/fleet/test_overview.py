@@ -102,7 +102,9 @@ class Parts:
         return self.outcome[1]
 
     # what looks after them
-    def look(self, states: list[Any], strays: list[Goal], duplicates: dict[str, list[str]], split: list[Join]) -> None:
+    def update(
+        self, states: list[Any], strays: list[Goal], duplicates: dict[str, list[str]], split: list[Join]
+    ) -> None:
         assert split == []
         self.looked.append(([state.name for state in states], [goal.goal_id for goal in strays], duplicates))
 
@@ -234,7 +236,7 @@ async def test_the_alarm_sees_all_robots_and_the_goals_of_none() -> None:
     fleet = parts.fleet()
     parts.goals = [goal("/fibonacci", "stray", GoalStatus.LOST), goal("/robot1/fibonacci", "own", GoalStatus.LOST)]
     parts.twice = ["/robot1/dock", "/robot1/undock", "/arm/move"]
-    fleet.look()
+    fleet.update()
     duplicates = {"/robot1": ["/robot1/dock", "/robot1/undock"], "/arm": ["/arm/move"]}
     assert parts.looked == [(["/robot1", "/robot2"], ["stray"], duplicates)]
     assert [[goal.goal_id for goal in state.lost] for state in fleet.states()] == [["own"], []]
@@ -264,7 +266,7 @@ async def test_a_lost_goal_is_over_when_a_later_one_is_accepted(lost: str, later
     parts = Parts("/robot1")
     fleet = parts.fleet()
     parts.goals = [goal(lost, "a", GoalStatus.LOST, 1), later]
-    fleet.look()
+    fleet.update()
     ((_, strays, _),) = parts.looked
     unresolved = [*strays, *(each.goal_id for state in fleet.states() for each in state.lost)]
     assert ("a" not in unresolved) is resolved
@@ -292,23 +294,23 @@ async def test_changes_are_told_once_and_only_while_somebody_asks() -> None:
     published: list[Event] = []
     publish = parts.fanout.publish
     parts.fanout.publish = lambda event: (published.append(event), publish(event))  # type: ignore[func-returns-value]
-    fleet.look()
+    fleet.update()
     assert published == []
     asks = parts.fanout.subscribe(EventFilter(frozenset({"goals", "robots"}), robot="/robot1"))
     also = parts.fanout.subscribe(EventFilter(frozenset({"robots"})))
     other = parts.fanout.subscribe(EventFilter())
-    fleet.look()
+    fleet.update()
     (event,) = await told(asks)
     assert (event["type"], [robot["name"] for robot in event["robots"]]) == ("robots", ["/", "/robot1"])
-    fleet.look()
+    fleet.update()
     assert await told(asks) == []
     parts.robots["/robot1"].battery.on_battery(battery_message(2, None), 1)
-    fleet.look()
+    fleet.update()
     (event,) = await told(asks)
     assert [robot["name"] for robot in event["robots"]] == ["/robot1"]
     assert event["robots"][0]["battery"]["state"]["percentage"] is None
     del parts.robots["/robot1"]
-    fleet.look()
+    fleet.update()
     (event,) = await told(asks)
     assert (event["robots"], event["gone"]) == ([], ["/robot1"])
     assert len(await told(also)) == 3

@@ -71,8 +71,8 @@ async def test_robots_with_running_goals_are_listened_to() -> None:
     recorder.on_watch("poses", lambda: changes.append(recorder.watched("poses")))
     external = make_goal(1, GoalStatus.EXECUTING, "/robot1/dock", origin="external")
     running += [external, make_goal(2, GoalStatus.EXECUTING, "/elsewhere/dock")]
-    recorder.look()
-    recorder.look()
+    recorder.scan()
+    recorder.scan()
     assert changes == [{"/robot1"}]
     recorder.hear("/robot1", scene(), START_NS)
     recorder.hear("/robot2", scene(), START_NS)
@@ -84,6 +84,6 @@ async def test_robots_with_running_goals_are_listened_to() -> None:
     recorder.hear("/robot1", scene(5.0), START_NS + 10 * INTERVAL_NS)
     assert len(stored) == 1
     running.clear()
-    recorder.look()
+    recorder.scan()
     assert changes == [{"/robot1"}, set()]
     await recorder.close()

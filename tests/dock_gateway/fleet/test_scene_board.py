@@ -35,7 +35,7 @@ class Fixture:
 
     def look(self, later: float = 0.2) -> None:
         self.now += later
-        self.board.look(self.now)
+        self.board.scan(self.now)
 
     def hear(self, robot: str, x: float) -> None:
         self.board.hear(robot, scene(x), 0)

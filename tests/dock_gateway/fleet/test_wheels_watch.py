@@ -229,7 +229,7 @@ async def test_a_slow_server_is_not_stopped_and_a_dead_one_is(period: float) -> 
         now += 0.05 * random.uniform(1.0, 1.2)
         while arrivals and arrivals[0] <= now:
             site.wheels.hear(True, SERVER, last := arrivals.pop(0))
-        site.watch.look(now)
+        site.watch.scan(now)
         if now <= known:
             zeros = site.port.zeros  # it is not known yet how often it commands
         if not arrivals:
@@ -237,6 +237,6 @@ async def test_a_slow_server_is_not_stopped_and_a_dead_one_is(period: float) -> 
     assert site.port.zeros == zeros
     while site.port.zeros == zeros:
         now += 0.06
-        site.watch.look(now)
+        site.watch.scan(now)
     assert now - last <= max(0.5, 1.7 * period + 0.12)
     await site.watch.close()

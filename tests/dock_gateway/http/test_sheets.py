@@ -134,8 +134,8 @@ def test_fields_of_a_message() -> None:
 def test_arrays_that_grow_have_their_columns_together() -> None:
     events = [event(1, cells=[], last=0), event(2, cells=[{"v": 1}], last=1), event(3, cells=[{"v": 2}, {"v": 3}])]
     sheet = FeedbackSheet()
-    sheet.look_at(events[:1])
-    sheet.look_at(events[1:])
+    sheet.add_columns(events[:1])
+    sheet.add_columns(events[1:])
     assert read(sheet.head()) == [["time", "id", "last", "cells.0.v", "cells.1.v"]]
     assert read(sheet.rows(events)) == [
         ["t1", "1-f", "0", "", ""],
@@ -143,11 +143,11 @@ def test_arrays_that_grow_have_their_columns_together() -> None:
         ["t3", "3-f", "", "2", "3"],
     ]
     sheet = FeedbackSheet()
-    sheet.look_at(event(number, sequence=list(range(number)), end=1) for number in range(1, 13))
+    sheet.add_columns(event(number, sequence=list(range(number)), end=1) for number in range(1, 13))
     assert sheet.columns == [*(f"sequence.{number}" for number in range(12)), "end"]
 
 
 def test_names_of_fields_are_no_formulas() -> None:
     sheet = FeedbackSheet()
-    sheet.look_at([event(1, **{"=1": 2})])
+    sheet.add_columns([event(1, **{"=1": 2})])
     assert read(sheet.head()) == [["time", "id", "'=1"]]

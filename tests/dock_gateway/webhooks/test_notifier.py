@@ -140,8 +140,8 @@ async def test_an_alert_that_lasts_for_a_moment_is_sent(site: Site, receiver: Re
     board = AlertBoard(Fanout(queue_limit=1), SharedEntries(SharedStore()), low_battery=0.2)
     gateway = site.gateway(board=board)
     await gateway.replace("hook", site.hook())
-    board.look([robot(percentage=0.1)], [])
-    board.look([robot(percentage=0.9)], [])
+    board.update([robot(percentage=0.1)], [])
+    board.update([robot(percentage=0.9)], [])
     await until(lambda: receiver.seen() == [(RAISED, "low_battery"), (CLEARED, "low_battery")])
     await board.close()
 

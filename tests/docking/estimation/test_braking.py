@@ -37,7 +37,7 @@ def stop(
         wanted = commands[max(0, step - round(lag / DT))]
         slowed = max(wanted, measured - base * DT) if wanted < measured else wanted
         measured = 0.0 if hit and time > 3.0 else slowed
-        braking.look(begin + time, measured, commands[-1])
+        braking.add(begin + time, measured, commands[-1])
 
 
 def learned() -> Braking:
@@ -86,5 +86,5 @@ def test_a_base_that_turns_out_to_brake_well_has_no_limit_any_more() -> None:
 def test_it_counts_in_either_direction(sign: float) -> None:
     braking = learned()
     for step in range(200):
-        braking.look(step * DT, sign * max(0.0, 0.3 - 0.1 * step * DT), 0.0 if step else sign * 0.3)
+        braking.add(step * DT, sign * max(0.0, 0.3 - 0.1 * step * DT), 0.0 if step else sign * 0.3)
     assert braking.limit == pytest.approx(0.1, rel=0.1)

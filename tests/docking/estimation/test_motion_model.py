@@ -30,7 +30,7 @@ def learn(
         if tick % 100 == 0:
             command = random.choice(wishes or [Velocity(0.2, 0.0), STANDSTILL, Velocity(0.1, 0.5), Velocity(0.0, -0.8)])
         if tick % round(PERIOD / 0.01) == 0:
-            model.look(0.01 * tick, pose)
+            model.update(0.01 * tick, pose)
             model.commanded = command
         coming.append(model.commanded)
         done = coming.popleft()
@@ -87,5 +87,5 @@ def test_what_it_keeps_is_bounded() -> None:
     model = MotionModel(2.0)
     model.commanded = Velocity(1.0, 0.0)
     for number in range(20_000):
-        model.look(0.01 * number, Pose())
+        model.update(0.01 * number, Pose())
     assert 2.0 + LAGS[-1] <= model.history.commands(0.0, 200.0).way <= 2.0 * (2.0 + LAGS[-1]) + 0.01

@@ -117,9 +117,9 @@ def test_a_scan_shows_what_is_behind_where_it_ends_at_something_there(scan: Scan
     cos, sin = math.cos(heading), math.sin(heading)
     turned = Scan(scan.points @ np.array(((cos, sin), (-sin, cos))), scan.stamp)
     odometry = Odometry(Pose(theta=heading), STANDSTILL, 0.0)
-    watch.look(Observation(0.0, odometry=odometry, scan=turned), None, 0.05)
+    watch.check(Observation(0.0, odometry=odometry, scan=turned), None, 0.05)
     assert watch.sees_behind is sees
-    watch.look(Observation(1.0, odometry=odometry, scan=turned), None, 0.05)
+    watch.check(Observation(1.0, odometry=odometry, scan=turned), None, 0.05)
     assert not watch.sees_behind, "an old scan shows nothing"
 
 
@@ -133,7 +133,7 @@ def test_whatever_a_behavior_asks_for(steps: list[tuple[float, float, float]], k
     poses = KnownPoses(Pose(1.0), Pose(1.0), Pose(0.3)) if known else KnownPoses()
     for linear, angular, dt in steps:
         now += dt
-        model.look(now, pose)
+        model.update(now, pose)
         velocity = pace.next(Velocity(linear, angular), dt, pose, poses, model)
         pose = pose.compose(Pose(velocity.linear_x * dt, 0.0, velocity.angular_z * dt))
         model.commanded = velocity

@@ -38,7 +38,7 @@ def drive_on(braking: float, latency: float, early: float, *, start: float, stop
     poses = KnownPoses(docked, docked, Pose(-0.7))
     x, speed, now, coming = -start, 0.0, 0.0, deque([(0.0, 0.0)])
     while x < -early and now < 60.0:
-        model.look(now, Pose(x))
+        model.update(now, Pose(x))
         stops = stop_first and 1.5 < now < 6.0
         wished = 0.0 if stops else LIMITS.v_linear_min + braked(max(0.0, -x - RADIUS), LIMITS.a_linear_max)
         dt = PERIOD * jitter.uniform(0.5, 1.5)

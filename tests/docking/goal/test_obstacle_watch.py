@@ -221,7 +221,7 @@ def test_the_dock_is_no_obstacle_at_either_end_of_the_robot(backward: bool) -> N
         scan = Scan(np.array(((ahead * (reach + gap), 0.0),)), 0.0)
         odometry = Odometry(Pose(), STANDSTILL, 0.0)
         docked = Pose(ahead * 0.5)
-        assert watch.look(Observation(0.0, odometry=odometry, scan=scan), docked, 0.05)
+        assert watch.check(Observation(0.0, odometry=odometry, scan=scan), docked, 0.05)
         assert watch.stops(Velocity(ahead * 0.5)) is blocked
 
 
@@ -230,14 +230,14 @@ def test_what_belongs_to_the_robot_does_not_hide_the_dock() -> None:
     for x, hides in ((0.1, False), (0.25, True)):
         watch = ObstacleWatch(COLLISION, outline)
         seen = Observation(0.0, odometry=Odometry(Pose(), STANDSTILL, 0.0), scan=Scan(np.array(((x, 0.0),)), 0.0))
-        assert watch.look(seen, Pose(1.0), 0.05)
+        assert watch.check(seen, Pose(1.0), 0.05)
         assert watch.stops(STANDSTILL) is hides
 
 
 def test_no_scan_for_a_while_is_not_said_of_one_that_never_came() -> None:
     watch = ObstacleWatch(replace(COLLISION, scan_timeout=10.0), ((0.2, 0.2), (-0.2, 0.0), (0.2, -0.2)))
     for step in range(30):
-        assert not watch.look(Observation(0.05 * step), None, 0.05)
+        assert not watch.check(Observation(0.05 * step), None, 0.05)
     assert watch.reason == "no scan received yet: the robot waits"
 
 
@@ -281,7 +281,7 @@ def view(*points: tuple[float, float], now: float = 0.0, age: float = 0.0, robot
 def blocked_watch(**settings: float) -> ObstacleWatch:
     """A robot that has been stopped by an obstacle in front of it."""
     watch = ObstacleWatch(replace(COLLISION, **settings), SQUARE)  # type: ignore[arg-type]
-    assert watch.look(view(*IN_FRONT), None, TICK)
+    assert watch.check(view(*IN_FRONT), None, TICK)
     assert watch.stops(FORWARD)
     return watch
 
@@ -295,43 +295,43 @@ def test_before_the_first_scan_nothing_is_in_the_way() -> None:
 def test_the_robot_goes_on_when_the_way_has_been_clear_for_half_a_second() -> None:
     watch = blocked_watch()
     for _ in range(4):
-        assert not watch.look(view(*IN_FRONT), None, TICK)
+        assert not watch.check(view(*IN_FRONT), None, TICK)
         assert watch.reason == "an obstacle is in the way: the robot waits"
-    assert not watch.look(view(), None, TICK)
-    assert not watch.look(view(*IN_FRONT), None, TICK), "it is back"
-    assert not watch.look(view(), None, TICK)
-    assert watch.look(view(), None, TICK)
+    assert not watch.check(view(), None, TICK)
+    assert not watch.check(view(*IN_FRONT), None, TICK), "it is back"
+    assert not watch.check(view(), None, TICK)
+    assert watch.check(view(), None, TICK)
     assert (watch.reason, watch.lost) == ("", False)
-    assert watch.look(view(), None, TICK)
+    assert watch.check(view(), None, TICK)
 
 
 def test_the_robot_waits_for_obstacle_timeout_and_no_longer() -> None:
     watch = blocked_watch(obstacle_timeout=1.0)
     for _ in range(4):
-        assert not watch.look(view(*IN_FRONT), None, TICK)
+        assert not watch.check(view(*IN_FRONT), None, TICK)
     with pytest.raises(Obstructed):
-        watch.look(view(*IN_FRONT), None, TICK)
+        watch.check(view(*IN_FRONT), None, TICK)
 
 
 @pytest.mark.parametrize(("free", "waits"), [(8, 2), (9, 4)])
 def test_the_time_that_it_has_waited_is_forgotten_after_more_than_two_seconds(free: int, waits: int) -> None:
     watch = blocked_watch(obstacle_timeout=1.0)
-    assert not watch.look(view(*IN_FRONT), None, TICK)
-    assert not watch.look(view(), None, TICK)
-    assert watch.look(view(), None, TICK)
+    assert not watch.check(view(*IN_FRONT), None, TICK)
+    assert not watch.check(view(), None, TICK)
+    assert watch.check(view(), None, TICK)
     for _ in range(free - 1):
-        assert watch.look(view(*IN_FRONT), None, TICK)
+        assert watch.check(view(*IN_FRONT), None, TICK)
     assert watch.stops(FORWARD)
     for _ in range(waits):
-        assert not watch.look(view(*IN_FRONT), None, TICK)
+        assert not watch.check(view(*IN_FRONT), None, TICK)
     with pytest.raises(Obstructed):
-        watch.look(view(*IN_FRONT), None, TICK)
+        watch.check(view(*IN_FRONT), None, TICK)
 
 
 def test_a_scan_may_be_as_old_as_scan_timeout() -> None:
     watch = ObstacleWatch(COLLISION, SQUARE)
-    assert watch.look(view(now=1.0, age=0.5), None, TICK)
-    assert not watch.look(view(now=1.0, age=0.75), None, TICK)
+    assert watch.check(view(now=1.0, age=0.5), None, TICK)
+    assert not watch.check(view(now=1.0, age=0.75), None, TICK)
     assert (watch.lost, watch.reason) == (True, "no scan for over 0.5 s (scan_timeout): the robot waits")
 
 
@@ -339,7 +339,7 @@ def test_the_first_scan_may_take_a_second() -> None:
     watch = ObstacleWatch(COLLISION, SQUARE)
     said = []
     for _ in range(6):
-        assert not watch.look(Observation(0.0), None, TICK)
+        assert not watch.check(Observation(0.0), None, TICK)
         said.append(watch.reason)
     assert said == [""] * 5 + ["no scan received yet: the robot waits"]
 
@@ -361,7 +361,7 @@ def test_what_hides_the_dock_is_between_it_and_the_robot(along: float, aside: fl
     point = towards.compose(Pose(along, aside))
     watch = ObstacleWatch(replace(COLLISION, dock_collision_threshold=0.0), SQUARE)
     world = robot.compose(Pose(point.x, point.y))
-    assert watch.look(view((world.x, world.y), robot=robot), docked, TICK)
+    assert watch.check(view((world.x, world.y), robot=robot), docked, TICK)
     assert watch.stops(STANDSTILL) is hides
 
 
@@ -369,7 +369,7 @@ def test_the_dock_is_beyond_the_front_of_a_robot_that_is_longer_in_front() -> No
     outline = ((0.4, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.4, -0.1))
     for reach, is_dock in ((0.45, True), (0.2, False)):
         watch = ObstacleWatch(COLLISION, outline)
-        assert watch.look(view((0.5 + reach, 0.0)), Pose(0.5), TICK)
+        assert watch.check(view((0.5 + reach, 0.0)), Pose(0.5), TICK)
         assert watch.stops(Velocity(0.5)) is not is_dock
 
 
@@ -378,12 +378,12 @@ def test_the_way_is_looked_at_from_where_a_command_takes_effect() -> None:
     ahead: list[float] = []
 
     class Spy(ObstacleWatch):
-        def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
+        def check(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
             known = drive.simulation.observe().odometry
             assert known is not None
             assert observation.odometry is not None
             ahead.append(observation.odometry.pose.distance_to(known.pose))
-            return super().look(observation, docked, dt)
+            return super().check(observation, docked, dt)
 
     dock = DockSettings(controller=ControllerName.DOCK_POSE)
     drive.goal = Goal(make_plan(dock), Docking(dock.timeouts), 0.0, Spy(COLLISION, dock.outline.points))

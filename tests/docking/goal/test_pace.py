@@ -50,7 +50,7 @@ class Base:
     def drive(self, wish: Velocity, seconds: float, poses: KnownPoses = POSES) -> None:
         for _ in range(round(seconds / PERIOD)):
             seen = self.frozen or self.pose
-            self.model.look(self.now, seen)
+            self.model.update(self.now, seen)
             velocity = self.pace.next(wish, PERIOD, seen, poses, self.model)
             self.model.commanded = velocity
             self.velocities.append((self.x, velocity.linear_x))
@@ -194,7 +194,7 @@ def test_nothing_raises_the_speed_near_the_dock(
         now += dt
         if moves:
             pose = pose.compose(Pose(last.linear_x * dt, 0.0, last.angular_z * dt))
-        model.look(now, pose)
+        model.update(now, pose)
         sure = model.sure_zone
         velocity = pace.stop() if rests else pace.next(Velocity(linear, angular), dt, pose, POSES, model)
         off = pose.relative_to(DOCKED)

@@ -26,7 +26,7 @@ class Robot:
         self.node = node
         self.changes: list[bool] = []
         self.stops = StopListener(node, lambda: self.changes.append(self.stops.held))
-        node.create_timer(0.1, self.stops.look)
+        node.create_timer(0.1, self.stops.scan)
 
     def wait_for(self, *changes: bool) -> None:
         wait_until(lambda: self.changes == list(changes), f"{changes}, not {self.changes}")
@@ -62,7 +62,7 @@ def test_a_topic_that_cannot_be_subscribed_to_counts_as_a_stop(domain: int, topi
         node.create_publisher(String, "text", 1)
         robot = Robot(node)
         robot.stops.listen_to([topic])
-        robot.stops.look()
+        robot.stops.scan()
         assert robot.changes == [True]
         robot.stops.listen_to([])
         assert robot.changes == [True, False]

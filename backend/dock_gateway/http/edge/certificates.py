@@ -24,7 +24,7 @@ class Certificates:
         cert: PEM file with the certificate and its intermediates.
         key: PEM file with its private key.
         client_ca: PEM file with the authorities of client certificates; None: clients need none.
-        interval: Seconds between two looks at the files.
+        interval: Seconds between two checks of the files.
 
     Raises:
         CertificateError: A file cannot be used.
@@ -35,7 +35,7 @@ class Certificates:
         self._cert = cert
         self._key = key
         self._client_ca = client_ca
-        self._version = self._look()
+        self._version = self._read_version()
         self.context = self._load()
 
     async def watch(self) -> None:
@@ -46,7 +46,7 @@ class Certificates:
 
     def refresh(self) -> None:
         """Load the files if they have changed. If they cannot be used, the old certificate remains in use."""
-        version = self._look()
+        version = self._read_version()
         if version == self._version:
             return
         self._version = version
@@ -57,7 +57,7 @@ class Certificates:
         else:
             log.info("the certificate has changed: %s", self._cert)
 
-    def _look(self) -> Version:
+    def _read_version(self) -> Version:
         found = []
         for path in self._paths:
             try:
