@@ -22,11 +22,11 @@ from dock_gateway.core.grant import Role
 from dock_gateway.core.request import PERMIT, hold, turn
 from dock_gateway.core.work import Work
 from dock_gateway.foxglove.channels import Channel
-from dock_gateway.foxglove.subscriptions import Subscriptions as FoxgloveSubscriptions
+from dock_gateway.foxglove.subscriptions import FoxgloveSubscriptions
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.quotas import TURNS, Quotas, limits
 from dock_gateway.rosbridge.protocol import Subscribe
-from dock_gateway.rosbridge.subscriptions import Subscriptions as RosbridgeSubscriptions
+from dock_gateway.rosbridge.subscriptions import RosbridgeSubscriptions
 from dock_gateway.settings import Settings
 from tests.support.bounds import ROOT, bounds
 from tests.support.permits import acting, permit, user
@@ -55,9 +55,9 @@ BOUNDS = {
     "core.work:Work.__init__": OF_GATEWAY,
     "foxglove.parameters:ClientParameters.offer": OF_CONNECTION,
     "foxglove.parameters:ClientParameters.subscribe": OF_CONNECTION,
-    "foxglove.publications:Publications.advertise": OF_CONNECTION,
+    "foxglove.publications:FoxglovePublications.advertise": OF_CONNECTION,
     "foxglove.subscriptions:Queue.put": OF_CONNECTION,
-    "foxglove.subscriptions:Subscriptions.require_room": OF_CONNECTION,
+    "foxglove.subscriptions:FoxgloveSubscriptions.require_room": OF_CONNECTION,
     "goals.adoption:Newcomers.hear": OF_GRAPH,
     "goals.cancellation:Canceler.mark_unwanted": OLDEST_GO,
     "goals.goal_machine:GoalMachine._note_ended": OLDEST_GO,
@@ -93,9 +93,9 @@ BOUNDS = {
     "rosbridge.fragments:Fragments.add": OF_CONNECTION,
     "rosbridge.goals:ClientGoals.on_events": OF_CONNECTION,
     "rosbridge.goals:ClientGoals.submit": OF_CONNECTION,
-    "rosbridge.publications:Publications._prepare": OF_CONNECTION,
-    "rosbridge.publications:Publications.advertise.advertise": OF_CONNECTION,
-    "rosbridge.subscriptions:Subscriptions.subscribe": OF_CONNECTION,
+    "rosbridge.publications:RosbridgePublications._prepare": OF_CONNECTION,
+    "rosbridge.publications:RosbridgePublications.advertise.advertise": OF_CONNECTION,
+    "rosbridge.subscriptions:RosbridgeSubscriptions.subscribe": OF_CONNECTION,
     "sites.identity:Verifier._use": OF_SITES,  # 1,667 requests a second of one hub
     "sites.tunnel.answer:Asker.send": OF_GATEWAY,
     "sites.tunnel.caller:Caller._open": SHARES,  # `requests` and `requests of one` come first

@@ -13,7 +13,7 @@ from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Refusal, Welcome, read
 from dock_gateway.sites.subscription import Received
-from dock_gateway.sites.tunnel.answer import Answer
+from dock_gateway.sites.tunnel.answer import TunnelAnswer
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.conversation import Conversation
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
@@ -93,7 +93,7 @@ class SmallHub:
 
     async def request(
         self, method: str, path: str, *, token: str | None = None, deadline: float = PATIENCE, **said: Any
-    ) -> Answer:
+    ) -> TunnelAnswer:
         """Ask the site; `said` goes to `sign`."""
         query = path.partition("?")[2]
         path = path.partition("?")[0]

@@ -12,8 +12,8 @@ from dock_gateway.core.graph import Seen
 from dock_gateway.foxglove import protocol
 from dock_gateway.foxglove.channels import Channels
 from dock_gateway.foxglove.connections import Connections
-from dock_gateway.foxglove.services import Services
-from dock_gateway.foxglove.subscriptions import Subscriptions
+from dock_gateway.foxglove.services import FoxgloveServices
+from dock_gateway.foxglove.subscriptions import FoxgloveSubscriptions
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.streams.rights import Rights
@@ -48,8 +48,8 @@ class GraphView:
         self,
         graph: GraphCache,
         rights: Rights,
-        services: Services,
-        subscriptions: Subscriptions,
+        services: FoxgloveServices,
+        subscriptions: FoxgloveSubscriptions,
         send: Callable[[bytes], Awaitable[None]],
         *,
         look: float = LOOK,

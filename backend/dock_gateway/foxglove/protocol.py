@@ -36,32 +36,32 @@ class Level(IntEnum):
     error = 2
 
 
-class Operation(BaseModel):
+class FoxgloveOperation(BaseModel):
     """An operation. Fields that are not known are ignored: each version of the protocol adds some."""
 
     model_config = ConfigDict(extra="ignore")
 
 
-class Subscription(Operation):
+class ChannelSubscription(FoxgloveOperation):
     """A channel, and the client's own id for its messages."""
 
     id: Id
     channel: Id = Field(alias="channelId")
 
 
-class Subscribe(Operation):
+class Subscribe(FoxgloveOperation):
     """Send the messages of channels."""
 
-    subscriptions: list[Subscription]
+    subscriptions: list[ChannelSubscription]
 
 
-class Unsubscribe(Operation):
+class Unsubscribe(FoxgloveOperation):
     """Send no more messages of channels."""
 
     subscriptions: list[Id] = Field(alias="subscriptionIds")
 
 
-class ClientChannel(Operation):
+class ClientChannel(FoxgloveOperation):
     """A channel on which a client publishes."""
 
     id: Id
@@ -70,26 +70,26 @@ class ClientChannel(Operation):
     schema_name: Name = Field(alias="schemaName")
 
 
-class Advertise(Operation):
+class Advertise(FoxgloveOperation):
     """Prepare for messages on channels of the client."""
 
     channels: list[ClientChannel]
 
 
-class Unadvertise(Operation):
+class Unadvertise(FoxgloveOperation):
     """Forget channels of the client."""
 
     channels: list[Id] = Field(alias="channelIds")
 
 
-class GetParameters(Operation):
+class GetParameters(FoxgloveOperation):
     """Send the values of parameters; without names, of all."""
 
     names: Annotated[list[Name], Field(alias="parameterNames", max_length=MAX_PARAMETERS)]
     id: Annotated[str, Field(max_length=MAX_NAME)] | None = None
 
 
-class ParameterIn(Operation):
+class ParameterIn(FoxgloveOperation):
     """A parameter to be set."""
 
     name: Name
@@ -97,14 +97,14 @@ class ParameterIn(Operation):
     type: str | None = None
 
 
-class SetParameters(Operation):
+class SetParameters(FoxgloveOperation):
     """Set parameters."""
 
     parameters: Annotated[list[ParameterIn], Field(max_length=MAX_PARAMETERS)]
     id: Annotated[str, Field(max_length=MAX_NAME)] | None = None
 
 
-class ParameterNames(Operation):
+class ParameterNames(FoxgloveOperation):
     """Parameters of whose changes a client is told, or no more; without names, all."""
 
     names: Annotated[list[Name], Field(alias="parameterNames", max_length=MAX_PARAMETERS)]

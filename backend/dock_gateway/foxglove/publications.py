@@ -24,7 +24,7 @@ class Advertised:
     form: MessageForm
 
 
-class Publications:
+class FoxglovePublications:
     """Publishes for one client, as far as the setting `publish` and the user's grant allow it.
 
     The audit log has each topic that is advertised.

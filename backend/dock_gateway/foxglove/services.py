@@ -77,7 +77,7 @@ class Service:
         }
 
 
-class Services:
+class FoxgloveServices:
     """The services of one client.
 
     Args:

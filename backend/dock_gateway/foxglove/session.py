@@ -24,21 +24,21 @@ from dock_gateway.foxglove.parameters import ClientParameters
 from dock_gateway.foxglove.protocol import (
     Advertise,
     Call,
+    ChannelSubscription,
     GetParameters,
     Json,
     Level,
     ParameterNames,
     SetParameters,
     Subscribe,
-    Subscription,
     Unadvertise,
     Unsubscribe,
     read_binary,
     read_operation,
 )
-from dock_gateway.foxglove.publications import Publications
-from dock_gateway.foxglove.services import Services
-from dock_gateway.foxglove.subscriptions import Subscriptions
+from dock_gateway.foxglove.publications import FoxglovePublications
+from dock_gateway.foxglove.services import FoxgloveServices
+from dock_gateway.foxglove.subscriptions import FoxgloveSubscriptions
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
@@ -65,9 +65,9 @@ class FoxgloveSession(SocketSession):
 
     def __init__(self, websocket: WebSocket, parts: Parts, principal: Principal) -> None:
         super().__init__(websocket, parts, principal)
-        self._subscriptions = Subscriptions(parts[Relays], frame_writer(websocket))
-        self._services = Services(parts, self.rights)
-        self._publications = Publications(parts, self.rights)
+        self._subscriptions = FoxgloveSubscriptions(parts[Relays], frame_writer(websocket))
+        self._services = FoxgloveServices(parts, self.rights)
+        self._publications = FoxglovePublications(parts, self.rights)
         self._parameters = ClientParameters(parts, self.rights)
         self._view = GraphView(parts[GraphCache], self.rights, self._services, self._subscriptions, self._send)
         self._in_order = self._view.changing
@@ -145,7 +145,7 @@ class FoxgloveSession(SocketSession):
         """Send the messages of channels."""
         await self._each("subscribe", read_fields(Subscribe, fields).subscriptions, self._subscribe)
 
-    async def _subscribe(self, wanted: Subscription) -> None:
+    async def _subscribe(self, wanted: ChannelSubscription) -> None:
         self._subscriptions.require_room()
         if (channel := self._view.channels.find(wanted.channel)) is None:
             raise NotFound(f"there is no channel {wanted.channel}", code="channel_not_found")

@@ -109,7 +109,7 @@ class ChannelOutlet:
             self._put(message)
 
 
-class Subscriptions:
+class FoxgloveSubscriptions:
     """All subscriptions of one client.
 
     Args:

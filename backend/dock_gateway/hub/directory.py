@@ -16,7 +16,7 @@ SILENT_AFTER = 10.0
 MAX_SITES = 1000
 
 
-class State(StrEnum):
+class SiteState(StrEnum):
     """The state of a site."""
 
     CONNECTED = "connected"
@@ -61,13 +61,13 @@ class Site:
         self.offsets.append(offset)
         self.clock_offset = max(each for each in self.offsets if abs(each - offset) < SILENT_AFTER)
 
-    def state(self, now: float) -> State:
+    def state(self, now: float) -> SiteState:
         """Return its state at a time on the monotonic clock."""
         if self.heard_at is not None and now - self.heard_at < SILENT_AFTER:
-            return State.CONNECTED
+            return SiteState.CONNECTED
         if self.refused_at is not None and now - self.refused_at < SILENT_AFTER:
-            return State.REFUSED
-        return State.UNREACHABLE
+            return SiteState.REFUSED
+        return SiteState.UNREACHABLE
 
 
 class Directory:
@@ -112,7 +112,7 @@ class Directory:
                 "version_refused",
                 f"the gateway is {hello.version} and the hub {self._version}: they may be one minor release apart",
             )
-        if hello.instance != site.instance and site.state(now) is State.CONNECTED:
+        if hello.instance != site.instance and site.state(now) is SiteState.CONNECTED:
             return self._refuse(
                 site,
                 now,
@@ -122,7 +122,7 @@ class Directory:
         if hello.leaving:
             self.lose(name, hello.instance, wall)
             return Welcome(hub_version=self._version, at=wall)
-        if site.state(now) is not State.CONNECTED or site.instance != hello.instance:
+        if site.state(now) is not SiteState.CONNECTED or site.instance != hello.instance:
             site.since = wall
         site.installation, site.instance, site.heard_at = installation, hello.instance, now
         site.version, site.machine = hello.version, hello.name_of_machine
@@ -152,7 +152,7 @@ class Directory:
     def welcome_instance(self, name: str, now: float) -> str | None:
         """Return the process of a site that is welcome now; None if there is none."""
         site = self.sites.get(name)
-        return site.instance if site is not None and site.state(now) is State.CONNECTED else None
+        return site.instance if site is not None and site.state(now) is SiteState.CONNECTED else None
 
     def forget(self, name: str) -> bool:
         """Forget a site and its installation; return whether it was known."""

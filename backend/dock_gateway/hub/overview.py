@@ -18,7 +18,7 @@ from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.alert import Alert, AlertKind
 from dock_gateway.goals.goals import Goals
-from dock_gateway.hub.directory import SILENT_AFTER, State
+from dock_gateway.hub.directory import SILENT_AFTER, SiteState
 from dock_gateway.hub.sites import Sites
 from dock_gateway.storage import Acknowledgement, History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
@@ -169,10 +169,10 @@ class Overview:
         for name in self._sites.names():
             site, state = self._sites.find(name), self._sites.state(name)
             since = datetime.fromtimestamp(site.since, UTC)
-            if state is State.REFUSED:
+            if state is SiteState.REFUSED:
                 detail = site.detail or "It was refused."
                 own.append(Alert(AlertKind.SITE_REFUSED, f"/{name}", since, "Site refused", detail))
-            elif state is State.UNREACHABLE and self._sites.silent_for(name) >= SILENT_AFTER:
+            elif state is SiteState.UNREACHABLE and self._sites.silent_for(name) >= SILENT_AFTER:
                 detail = (
                     f"The hub does not reach {name}. Its robots go on as the site says; check that its gateway runs "
                     "and is connected to the NATS server."

@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.http.schema import Schema
-from dock_gateway.hub.directory import State
+from dock_gateway.hub.directory import SiteState
 from dock_gateway.hub.stop_schema import PendingStop
 from dock_gateway.observability.schema import HistoryState
 from dock_gateway.streams.schema import SnapshotEvent
@@ -31,7 +31,7 @@ class SiteInfo(Schema):
     """
 
     name: str
-    state: State
+    state: SiteState
     since: datetime
     version: str | None
     instance: str | None
@@ -59,7 +59,7 @@ class SiteRobot(Robot):
     """A robot of a site; its name has the site in front. If its site is not connected, it is as it was then."""
 
     site: str
-    site_state: State
+    site_state: SiteState
 
 
 class SiteRobotList(Schema):
@@ -145,5 +145,5 @@ class HubReadiness(Schema):
 
     ready: bool
     broker_connected: bool
-    sites: dict[State, int]
+    sites: dict[SiteState, int]
     history: HistoryState

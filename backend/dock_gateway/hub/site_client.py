@@ -11,7 +11,7 @@ from starlette.types import Receive, Scope, Send
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.sites.identity import Signer
-from dock_gateway.sites.tunnel.answer import Answer
+from dock_gateway.sites.tunnel.answer import TunnelAnswer
 from dock_gateway.sites.tunnel.caller import Address, Caller
 
 # Seconds that a site may take to begin with a request, and may show no sign of life until it answers. For a request of
@@ -74,7 +74,7 @@ class SiteClient:
 
     async def ask(
         self, method: str, path: str, body: bytes, *, name: str | None, grant: Grant, deadline: float, query: str = ""
-    ) -> Answer:
+    ) -> TunnelAnswer:
         """Make a request for a user of the hub; return the answer.
 
         Args:

@@ -15,7 +15,7 @@ from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.hub.directory import Directory, Site, State
+from dock_gateway.hub.directory import Directory, Site, SiteState
 from dock_gateway.hub.follower import Follower
 from dock_gateway.hub.site_client import READER, SiteClient
 from dock_gateway.hub.site_view import SiteView
@@ -82,7 +82,7 @@ class Sites:
         self._stored: set[str] = set()
         self._views: dict[str, SiteView] = {}
         self._followers: dict[str, tuple[str, Follower]] = {}
-        self._states: dict[str, State] = {}
+        self._states: dict[str, SiteState] = {}
         self._quiet_since: dict[str, float] = {}
         self._refusals: dict[str, tuple[str, str]] = {}
         self._tasks = Tasks("checking sites")
@@ -112,7 +112,7 @@ class Sites:
         self._stored = set(known)
         now, wall = time.monotonic(), time.time()
         for name, site in self._directory.sites.items():
-            site.since, self._quiet_since[name], self._states[name] = wall, now, State.UNREACHABLE
+            site.since, self._quiet_since[name], self._states[name] = wall, now, SiteState.UNREACHABLE
 
     async def close(self) -> None:
         """Follow no site any longer."""
@@ -248,9 +248,9 @@ class Sites:
                 if state is not self._states.get(name):
                     self._states[name], site.since = state, time.time()
                     self.view(name).touch()
-                if state is not State.CONNECTED:
+                if state is not SiteState.CONNECTED:
                     await self._leave(name)
-                if state is State.UNREACHABLE and site.installation is None:
+                if state is SiteState.UNREACHABLE and site.installation is None:
                     self._directory.forget(name)
                     self._forget_view(name)
 
@@ -283,14 +283,14 @@ class Sites:
         """Return what all sites have told last."""
         return [self.view(name) for name in self._directory.sites]
 
-    def state(self, name: str) -> State:
+    def state(self, name: str) -> SiteState:
         """Return the state of a site that is known."""
         return self._directory.sites[name].state(time.monotonic())
 
     def count(self) -> dict[str, int]:
         """Return the number of sites in each state."""
         states = [self.state(name) for name in self._directory.sites]
-        return {state.value: states.count(state) for state in State}
+        return {state.value: states.count(state) for state in SiteState}
 
     def silent_for(self, name: str) -> float:
         """Return the seconds since a site was heard of; since the hub's start, if it was not."""

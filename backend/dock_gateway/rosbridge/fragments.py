@@ -7,13 +7,13 @@ from typing import Annotated
 from pydantic import Field
 
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest
-from dock_gateway.rosbridge.protocol import Identity, Operation, fragment
+from dock_gateway.rosbridge.protocol import Identity, RosbridgeOperation, fragment
 
 # Messages of a connection that may be incomplete at a time, and the pieces of each, as well as of one that it is sent.
 MAX_MESSAGES, MAX_PIECES = 8, 10_000
 
 
-class Fragment(Operation):
+class Fragment(RosbridgeOperation):
     """A piece of a message."""
 
     data: str

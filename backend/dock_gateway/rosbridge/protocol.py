@@ -45,13 +45,13 @@ class Compression(IntEnum):
         return cls[(name or "none").replace("-", "_")]
 
 
-class Operation(BaseModel):
+class RosbridgeOperation(BaseModel):
     """An operation. Fields that are not known are ignored, as rosbridge does."""
 
     model_config = ConfigDict(extra="ignore")
 
 
-class Subscribe(Operation):
+class Subscribe(RosbridgeOperation):
     """Send the messages of a topic.
 
     Attributes:
@@ -71,13 +71,13 @@ class Subscribe(Operation):
     compression: Literal["none", "png", "cbor", "cbor-raw"] | None = None
 
 
-class Unsubscribe(Operation):
+class Unsubscribe(RosbridgeOperation):
     """Send no more messages of a topic."""
 
     topic: Name
 
 
-class SendActionGoal(Operation):
+class SendActionGoal(RosbridgeOperation):
     """Send a goal."""
 
     action: Name
@@ -87,13 +87,13 @@ class SendActionGoal(Operation):
     fragment_size: FragmentSize = None
 
 
-class CancelActionGoal(Operation):
+class CancelActionGoal(RosbridgeOperation):
     """Cancel a goal by the `id` of its `send_action_goal`."""
 
     action: str | None = None
 
 
-class CallService(Operation):
+class CallService(RosbridgeOperation):
     """Call a service.
 
     Attributes:
@@ -108,27 +108,27 @@ class CallService(Operation):
     fragment_size: FragmentSize = None
 
 
-class Advertise(Operation):
+class Advertise(RosbridgeOperation):
     """Tell the type of a topic, before messages are published on it."""
 
     topic: Name
     type: Name
 
 
-class Unadvertise(Operation):
+class Unadvertise(RosbridgeOperation):
     """Publish no more on a topic."""
 
     topic: Name
 
 
-class Publish(Operation):
+class Publish(RosbridgeOperation):
     """Publish a message. Its type has to be advertised if nobody else has the topic."""
 
     topic: Name
     msg: Any = None
 
 
-class SetLevel(Operation):
+class SetLevel(RosbridgeOperation):
     """Choose which status messages are sent."""
 
     level: Literal["none", "error", "warning", "info"]

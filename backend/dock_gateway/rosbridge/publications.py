@@ -33,7 +33,7 @@ class Advertised:
     read: Callable[[Any], Any] | None
 
 
-class Publications:
+class RosbridgePublications:
     """Publishes for one client, as far as the setting `publish` and the user's grant allow it.
 
     The audit log has each topic that is advertised, and the first message on one that is not.

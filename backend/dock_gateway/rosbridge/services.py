@@ -24,7 +24,7 @@ from dock_gateway.streams.rights import Rights
 Json = dict[str, Any]
 
 
-class Services:
+class RosbridgeServices:
     """Calls services for one client.
 
     Args:
@@ -86,7 +86,7 @@ class Services:
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     async def ask(self, service: str, args: Any) -> Json:
         """Ask a service of `/rosapi`."""
-        await self._rights.require(Services.ask, {})
+        await self._rights.require(RosbridgeServices.ask, {})
         return await rosapi.answer(self._parts, self._rights.grant, service, args)
 
     async def _value(self, args: Any) -> Any:

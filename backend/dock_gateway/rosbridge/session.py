@@ -52,9 +52,9 @@ from dock_gateway.rosbridge.protocol import (
     status,
     stop_request,
 )
-from dock_gateway.rosbridge.publications import Publications
-from dock_gateway.rosbridge.services import Services
-from dock_gateway.rosbridge.subscriptions import Subscriptions
+from dock_gateway.rosbridge.publications import RosbridgePublications
+from dock_gateway.rosbridge.services import RosbridgeServices
+from dock_gateway.rosbridge.subscriptions import RosbridgeSubscriptions
 from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import STOP
 from dock_gateway.streams.socket_session import Request, SocketSession
@@ -83,9 +83,9 @@ class RosbridgeSession(SocketSession):
         writer = frame_writer(websocket)
         self._level = Level.error
         self._goals = ClientGoals(self._send)
-        self._services = Services(parts, self.rights)
-        self._publications = Publications(parts, self.rights)
-        self._subscriptions = Subscriptions(parts[Relays], parts[Work], writer)
+        self._services = RosbridgeServices(parts, self.rights)
+        self._publications = RosbridgePublications(parts, self.rights)
+        self._subscriptions = RosbridgeSubscriptions(parts[Relays], parts[Work], writer)
         self._framed = writer is not None
         self._in_order = asyncio.Lock()
         self._asking = asyncio.Lock()

@@ -110,7 +110,7 @@ class TopicOutlet:
         return None if told else self._told
 
 
-class Subscriptions:
+class RosbridgeSubscriptions:
     """All subscriptions of one client.
 
     Args:

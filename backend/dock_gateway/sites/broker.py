@@ -20,7 +20,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.sites.nats_client import ConnectFailed, NatsClient
 from dock_gateway.sites.servers import read_server
 from dock_gateway.sites.subjects import new_id
-from dock_gateway.sites.subscription import Received, Subscription
+from dock_gateway.sites.subscription import BrokerSubscription, Received
 
 log = logging.getLogger(__name__)
 
@@ -77,7 +77,7 @@ class Broker:
         self.refused: Counter[str] = Counter()
         self._options = options
         self._client: NatsClient | None = None
-        self._subscriptions: list[Subscription] = []
+        self._subscriptions: list[BrokerSubscription] = []
         self._inbox = f"{options.inbox}.{new_id()}"
         self._replies: dict[str, asyncio.Future[bytes]] = {}
         self._add(f"{self._inbox}.*", self._on_reply)
@@ -146,7 +146,7 @@ class Broker:
             if not answer.cancel() and not answer.cancelled():
                 answer.exception()  # it is known: the message was not sent
 
-    async def subscribe(self, subject: str, handler: Callable[[Received], Awaitable[None]]) -> Subscription:
+    async def subscribe(self, subject: str, handler: Callable[[Received], Awaitable[None]]) -> BrokerSubscription:
         """Hand messages of a subject to a handler, one after the other, until the subscription is closed.
 
         The handler must not wait for anything but `reply`: it holds up all that follow. However many come, other work
@@ -171,12 +171,12 @@ class Broker:
             await subscription.place(self._usable())
         return subscription
 
-    def _forget(self, subscription: Subscription) -> None:
+    def _forget(self, subscription: BrokerSubscription) -> None:
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
 
-    def _add(self, subject: str, handler: Callable[[Msg], Awaitable[None]]) -> Subscription:
-        subscription = Subscription(subject, handler, self._forget)
+    def _add(self, subject: str, handler: Callable[[Msg], Awaitable[None]]) -> BrokerSubscription:
+        subscription = BrokerSubscription(subject, handler, self._forget)
         self._subscriptions.append(subscription)
         return subscription
 

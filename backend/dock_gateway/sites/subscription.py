@@ -34,7 +34,7 @@ class Received:
             await self._publish(self._reply_to, data)
 
 
-class Subscription:
+class BrokerSubscription:
     """Messages of one subject, on each connection until it is closed.
 
     Args:
@@ -44,7 +44,7 @@ class Subscription:
     """
 
     def __init__(
-        self, subject: str, handler: Callable[[Msg], Awaitable[None]], on_close: Callable[["Subscription"], None]
+        self, subject: str, handler: Callable[[Msg], Awaitable[None]], on_close: Callable[["BrokerSubscription"], None]
     ) -> None:
         self._subject = subject
         self._handler = handler

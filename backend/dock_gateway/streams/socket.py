@@ -55,7 +55,7 @@ async def socket(websocket: WebSocket, parts: AllParts) -> None:
 
 
 @dataclass
-class Subscription:
+class EventSubscription:
     """One subscription of a socket. It lasts as long as its task, which holds a place in the fan-out."""
 
     task: asyncio.Task[None]
@@ -69,7 +69,7 @@ class CommandSession(SocketSession):
 
     def __init__(self, websocket: WebSocket, parts: Parts, principal: Principal) -> None:
         super().__init__(websocket, parts, principal)
-        self._subscriptions: dict[str, Subscription] = {}
+        self._subscriptions: dict[str, EventSubscription] = {}
 
     async def release(self) -> None:
         """End the subscriptions."""
@@ -126,7 +126,7 @@ class CommandSession(SocketSession):
             raise Unavailable("the socket is closed", code="shutting_down")
         run = partial(self._run_subscription, query, after, max_rate)
         task = asyncio.create_task(self.attempt(Request({}, "subscribe", identity), run))
-        self._subscriptions[identity] = Subscription(task)
+        self._subscriptions[identity] = EventSubscription(task)
         task.add_done_callback(lambda _: self._subscriptions.pop(identity))
 
     async def _run_subscription(

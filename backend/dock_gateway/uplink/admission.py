@@ -11,7 +11,7 @@ from dock_gateway.sites.identity import AGREEMENT, NOTHING, IdentityReused, Veri
 from dock_gateway.uplink.link import HubLink
 
 
-class Admission:
+class HubAdmission:
     """Lets in what the hub has signed, with at most the role and the robots that the settings allow it.
 
     Args:

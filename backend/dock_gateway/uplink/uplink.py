@@ -23,7 +23,7 @@ from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.server import TunnelServer
 from dock_gateway.storage import History
-from dock_gateway.uplink.admission import Admission
+from dock_gateway.uplink.admission import HubAdmission
 from dock_gateway.uplink.installation import read_installation
 from dock_gateway.uplink.link import HubLink, HubState
 
@@ -63,7 +63,7 @@ class Uplink:
         self._app = app
         self._state: Mapping[str, Any] = {}
         self._address = Address(settings.site, subjects.new_id())
-        self._admission = Admission(settings, self._address.instance, link)
+        self._admission = HubAdmission(settings, self._address.instance, link)
         self._keys = KeyAgreement()
         self._agreed, self._key = "", b""  # with which process of the hub, and on what
         self._installation: uuid.UUID | None = None

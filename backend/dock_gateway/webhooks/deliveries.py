@@ -14,7 +14,7 @@ GONE = 410
 
 
 @dataclass(frozen=True)
-class Answer:
+class ReceiverAnswer:
     """What came of one attempt: the HTTP status, if there was an answer, and the error, if it failed."""
 
     status_code: int | None
@@ -56,7 +56,7 @@ def due(deliveries: Mapping[str, Delivery], now: datetime) -> Iterator[tuple[str
 
 
 def after_attempt(
-    delivery: Delivery, answer: Answer, now: datetime, retry_after: Sequence[float] = RETRY_AFTER
+    delivery: Delivery, answer: ReceiverAnswer, now: datetime, retry_after: Sequence[float] = RETRY_AFTER
 ) -> Delivery:
     """Return a delivery as it is after an attempt. A test is not sent again, nor what an address refuses for good."""
     attempts = delivery.attempts + 1

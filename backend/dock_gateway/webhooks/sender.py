@@ -15,7 +15,7 @@ import httpx2
 
 from dock_gateway import __version__
 from dock_gateway.core.goal import Json
-from dock_gateway.webhooks.deliveries import Answer
+from dock_gateway.webhooks.deliveries import ReceiverAnswer
 
 SECRET_PREFIX = "whsec_"  # noqa: S105 - a prefix, not a secret
 MIN_SECRET, MAX_SECRET = 24, 64  # bytes
@@ -70,7 +70,7 @@ class Sender:
         self._timeout = timeout
         self._http: httpx2.AsyncClient | None = None
 
-    async def send(self, url: str, headers: Mapping[str, str], body: Json) -> Answer:
+    async def send(self, url: str, headers: Mapping[str, str], body: Json) -> ReceiverAnswer:
         """Send an event, and return what came of it. Never raises."""
         try:
             if self._http is None:  # loads the machine's certificates, which takes time
@@ -81,12 +81,12 @@ class Sender:
             ):
                 status = answer.status_code
         except TimeoutError:
-            return Answer(None, f"no answer within {self._timeout:g} s")
+            return ReceiverAnswer(None, f"no answer within {self._timeout:g} s")
         except (httpx2.HTTPError, httpx2.InvalidURL, OSError, ValueError) as error:
-            return Answer(None, f"no connection: {error or type(error).__name__}"[:200])
+            return ReceiverAnswer(None, f"no connection: {error or type(error).__name__}"[:200])
         if HTTPStatus(200) <= status < HTTPStatus(300):
-            return Answer(status, None)
-        return Answer(status, f"the answer was {status}")
+            return ReceiverAnswer(status, None)
+        return ReceiverAnswer(status, f"the answer was {status}")
 
     async def close(self) -> None:
         """Close the connections."""

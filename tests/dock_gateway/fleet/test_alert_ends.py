@@ -16,7 +16,7 @@ from dock_gateway.fleet.alert import AlertKind
 from dock_gateway.fleet.alert_rules import SPLIT_FOR, STALE_FOR, WITHOUT_POWER, AlertRules
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.goals.hints import Join
-from dock_gateway.hub.directory import SILENT_AFTER, State
+from dock_gateway.hub.directory import SILENT_AFTER, SiteState
 from dock_gateway.hub.overview import Overview
 from dock_gateway.storage import Incident
 from tests.dock_gateway.fleet.test_alert_rules import CHARGING, NOON, WRONG, goal, robot
@@ -82,8 +82,8 @@ LIVES = {
     **{K(each): [Life({"findings": [Finding(each, "/robot1", "Wrong", "It is.")]})] for each in FindingKind},
 }
 OF_A_HUB = {
-    K.SITE_UNREACHABLE: (State.UNREACHABLE, State.CONNECTED),
-    K.SITE_REFUSED: (State.REFUSED, State.CONNECTED),
+    K.SITE_UNREACHABLE: (SiteState.UNREACHABLE, SiteState.CONNECTED),
+    K.SITE_REFUSED: (SiteState.REFUSED, SiteState.CONNECTED),
 }
 OF_A_ROBOT = [
     (kind, life) for kind, lives in LIVES.items() for life in lives if kind.value.startswith(("battery", "low", "dis"))
@@ -126,7 +126,7 @@ def test_none_outlives_its_robot(kind: AlertKind, life: Life) -> None:
 
 @pytest.mark.parametrize(("kind", "states"), OF_A_HUB.items())
 async def test_one_about_a_site_ends_when_the_site_is_back_or_gone(
-    kind: AlertKind, states: tuple[State, State]
+    kind: AlertKind, states: tuple[SiteState, SiteState]
 ) -> None:
     silent, back = states
     here = {"berlin": silent}

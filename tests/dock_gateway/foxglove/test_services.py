@@ -8,7 +8,7 @@ import pytest
 
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.graph import Seen
-from dock_gateway.foxglove.services import Services
+from dock_gateway.foxglove.services import FoxgloveServices
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.parameters import Parameters
 from dock_gateway.graph.service_calls import ServiceCalls
@@ -23,9 +23,9 @@ def action(number: int) -> Any:
     )
 
 
-def services(actions: list[Any]) -> Services:
+def services(actions: list[Any]) -> FoxgloveServices:
     parts: Any = {ActionRegistry: SimpleNamespace(all=lambda: actions), ServiceCalls: None, Parameters: None}
-    return Services(parts, SimpleNamespace(grant=Grant(Role.AGENT)))  # type: ignore[arg-type]
+    return FoxgloveServices(parts, SimpleNamespace(grant=Grant(Role.AGENT)))  # type: ignore[arg-type]
 
 
 async def test_they_follow_the_actions() -> None:
@@ -52,6 +52,6 @@ async def test_as_long_as_nothing_changes_nothing_is_done(monkeypatch: pytest.Mo
         raise AssertionError("it is done again")
 
     monkeypatch.setattr(asyncio, "to_thread", fail)
-    monkeypatch.setattr(Services, "_of_action", fail)
+    monkeypatch.setattr(FoxgloveServices, "_of_action", fail)
     for _ in range(10):
         assert await offered.update(seen) == ([], [])

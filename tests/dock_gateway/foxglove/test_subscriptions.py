@@ -12,7 +12,7 @@ import pytest
 from dock_gateway.core.errors import Conflict, TooManyRequests
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
-from dock_gateway.foxglove.subscriptions import MAX_SUBSCRIPTIONS, Framed, Queue, Subscriptions, Waiting
+from dock_gateway.foxglove.subscriptions import MAX_SUBSCRIPTIONS, FoxgloveSubscriptions, Framed, Queue, Waiting
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.raw_port import Arrival, EchoType
@@ -66,9 +66,9 @@ class Writer:
         return self.ready
 
 
-async def subscribed(writer: Writer, identity: int = 1) -> tuple[Subscriptions, Any]:
+async def subscribed(writer: Writer, identity: int = 1) -> tuple[FoxgloveSubscriptions, Any]:
     relays = AsyncMock(Relays)
-    subscriptions = Subscriptions(relays, writer)
+    subscriptions = FoxgloveSubscriptions(relays, writer)
     await subscriptions.subscribe(identity, channel(5))
     return subscriptions, relays.join.await_args.args[2]
 
@@ -119,7 +119,7 @@ async def test_a_topic_that_has_another_type_by_now_is_another_channel() -> None
 
 
 async def test_a_client_cannot_subscribe_without_end_or_twice() -> None:
-    subscriptions = Subscriptions(AsyncMock(Relays), None)
+    subscriptions = FoxgloveSubscriptions(AsyncMock(Relays), None)
     for number in range(MAX_SUBSCRIPTIONS):
         subscriptions.require_room()
         await subscriptions.subscribe(number, channel(number))

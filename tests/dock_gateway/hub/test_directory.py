@@ -5,7 +5,7 @@ from uuid import UUID
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.hub.directory import SILENT_AFTER, Directory, State
+from dock_gateway.hub.directory import SILENT_AFTER, Directory, SiteState
 from dock_gateway.sites.messages import Hello, Refusal, Welcome
 
 OURS, THEIRS = (UUID(int=number) for number in (1, 2))
@@ -30,7 +30,7 @@ def code_of(answer: Welcome | Refusal) -> str:
 def test_a_taken_name_is_refused_until_the_site_is_forgotten() -> None:
     directory = Directory("0.7.0", {"berlin": str(OURS)})
     assert code_of(directory.judge("berlin", hello(SECOND, THEIRS), 0, 1000)) == "site_name_taken"
-    assert directory.sites["berlin"].state(1) is State.REFUSED
+    assert directory.sites["berlin"].state(1) is SiteState.REFUSED
     assert code_of(directory.judge("berlin", hello(), 1, 1001)) == ""
     assert directory.forget("berlin")
     assert code_of(directory.judge("berlin", hello(SECOND, THEIRS), 2, 1002)) == ""

@@ -27,7 +27,7 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.hub import directory, forwarding, overview
 from dock_gateway.hub.app import create_hub_app
 from dock_gateway.hub.assembly import open_hub
-from dock_gateway.hub.directory import State
+from dock_gateway.hub.directory import SiteState
 from dock_gateway.hub.sites import Sites
 from dock_gateway.settings import Settings
 from dock_gateway.sites import subjects
@@ -62,7 +62,7 @@ class Hub:
     async def connected(self, name: str) -> None:
         sites = self.parts[Sites]
         await until(lambda: name in sites.names() and not sites.view(name).behind)
-        assert sites.state(name) is State.CONNECTED
+        assert sites.state(name) is SiteState.CONNECTED
 
 
 @asynccontextmanager
@@ -264,7 +264,7 @@ async def test_who_is_welcome(hub: Hub, nats: NatsServer) -> None:
         # Nobody listens to the first process, so it is gone.
         assert isinstance(await say_hello(broker, "oslo", second), Welcome)
         assert isinstance(await say_hello(broker, "oslo", second, leaving=True), Welcome)
-        await until(lambda: hub.parts[Sites].state("oslo") is not State.CONNECTED)
+        await until(lambda: hub.parts[Sites].state("oslo") is not SiteState.CONNECTED)
         site = (await hub.http.get("/sites/oslo", headers=header)).json()
         assert site["refused"] == {"site_name_taken": 1, "site_connected_elsewhere": 1}
         assert (await hub.http.post("/sites/oslo/echo", headers=header)).json()["code"] == "site_unreachable"

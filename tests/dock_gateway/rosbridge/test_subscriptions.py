@@ -13,7 +13,13 @@ from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.rosbridge.encoding import Payload
 from dock_gateway.rosbridge.protocol import Compression, Subscribe
-from dock_gateway.rosbridge.subscriptions import MAX_SUBSCRIPTIONS, QUEUE, QUEUE_BYTES, Subscriptions, TopicOutlet
+from dock_gateway.rosbridge.subscriptions import (
+    MAX_SUBSCRIPTIONS,
+    QUEUE,
+    QUEUE_BYTES,
+    RosbridgeSubscriptions,
+    TopicOutlet,
+)
 
 
 class FakeMessage:
@@ -128,7 +134,7 @@ async def test_several_subscriptions_of_one_topic_share_their_messages() -> None
 
 async def test_a_client_cannot_subscribe_without_end() -> None:
     relays = AsyncMock(Relays)
-    client, request = Subscriptions(relays, Work(), None), Subscribe(topic="/topic")
+    client, request = RosbridgeSubscriptions(relays, Work(), None), Subscribe(topic="/topic")
     for number in range(MAX_SUBSCRIPTIONS):
         await client.subscribe(f"/topic{number % 2}", None, number, request)
     for topic in ("/topic0", "/topic2"):

@@ -11,7 +11,7 @@ from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.settings import Settings
 from dock_gateway.sites.identity import IdentityReused, Signer
-from dock_gateway.uplink.admission import Admission
+from dock_gateway.uplink.admission import HubAdmission
 from dock_gateway.uplink.link import HubLink
 
 INSTANCE = "0123456789abcdef"
@@ -23,10 +23,10 @@ def signer(tmp_path: Path) -> Signer:
     return Signer.load_or_create(tmp_path / "hub.key")
 
 
-def admission(signer: Signer, folder: Path, role: str = "operator", robots: str = "") -> Admission:
+def admission(signer: Signer, folder: Path, role: str = "operator", robots: str = "") -> HubAdmission:
     (keys := folder / "hub.json").write_bytes(orjson.dumps(signer.public_keys()))
     settings = Settings(hub="nats://127.0.0.1", site="berlin", hub_key=keys, hub_role=role, hub_robots=robots)  # type: ignore[arg-type]
-    return Admission(settings, INSTANCE, HubLink("berlin"))
+    return HubAdmission(settings, INSTANCE, HubLink("berlin"))
 
 
 def test_a_user_of_the_hub_has_at_most_what_the_site_allows(signer: Signer, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from dock_gateway.http.schema import RobotSelection
 from dock_gateway.webhooks import deliveries as rules
 from dock_gateway.webhooks.deliveries import (
     RETRY_AFTER,
-    Answer,
+    ReceiverAnswer,
     after_attempt,
     due,
     find_open,
@@ -23,7 +23,11 @@ from dock_gateway.webhooks.deliveries import (
 from dock_gateway.webhooks.webhook import WebhookEntry
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
-OK, REFUSED, AWAY = Answer(204, None), Answer(500, "the answer was 500"), Answer(None, "no connection")
+OK, REFUSED, AWAY = (
+    ReceiverAnswer(204, None),
+    ReceiverAnswer(500, "the answer was 500"),
+    ReceiverAnswer(None, "no connection"),
+)
 NEW = Delivery("hook", EventType.RAISED, DeliveryState.PENDING, "a", NOON, b"{}", 0, NOON, None, None, None)
 CHOSEN = RobotSelection(names=("/robot1",), groups=("hall 1",))
 HOOK = WebhookEntry(
@@ -51,7 +55,7 @@ def test_a_failed_attempt_is_repeated_ever_later_and_then_given_up() -> None:
 def test_success_410_and_a_test_end_a_delivery() -> None:
     delivered = after_attempt(after_attempt(NEW, REFUSED, NOON), OK, NOON)
     assert (delivered.state, delivered.attempts, delivered.error) == (DeliveryState.DELIVERED, 2, None)
-    gone = after_attempt(NEW, Answer(410, "the answer was 410"), NOON)
+    gone = after_attempt(NEW, ReceiverAnswer(410, "the answer was 410"), NOON)
     tested = after_attempt(replace(NEW, event_type=EventType.TEST, alert_id=None), AWAY, NOON)
     assert [each.state for each in (gone, tested)] == [DeliveryState.FAILED] * 2
 

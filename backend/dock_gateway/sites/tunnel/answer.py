@@ -16,7 +16,7 @@ MAX_ANSWER = 32 * 1024 * 1024
 
 
 @dataclass(frozen=True)
-class Answer:
+class TunnelAnswer:
     """The answer to a request of the hub itself."""
 
     status: int
@@ -52,7 +52,7 @@ class Asker:
         self._complete = False
 
     @property
-    def answer(self) -> Answer:
+    def answer(self) -> TunnelAnswer:
         """The answer.
 
         Raises:
@@ -60,7 +60,7 @@ class Asker:
         """
         if not self._complete:
             raise ended_early(self._site, ChannelEnded("incomplete", "the answer is not complete"))
-        return Answer(self._status, self._headers, bytes(self._body))
+        return TunnelAnswer(self._status, self._headers, bytes(self._body))
 
     async def receive(self) -> Message:
         """Return the request; afterwards wait, as a client does."""

@@ -17,8 +17,8 @@ from dock_gateway.sites.broker import Broker, NoResponder
 from dock_gateway.sites.identity import content_of
 from dock_gateway.sites.messages import Malformed, read_refusal
 from dock_gateway.sites.seals import seal
-from dock_gateway.sites.subscription import Received, Subscription
-from dock_gateway.sites.tunnel.answer import Answer, Asker
+from dock_gateway.sites.subscription import BrokerSubscription, Received
+from dock_gateway.sites.tunnel.answer import Asker, TunnelAnswer
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, piece_of
 from dock_gateway.sites.tunnel.conversation import Conversation, shake_hands
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteUnreachable, ended_early, refused, silent_for
@@ -72,7 +72,7 @@ class Caller:
         self._past = deque[tuple[str, str]](maxlen=REMEMBERED)
         self._of_site: Counter[str] = Counter()
         self._tasks = Tasks("ending streams of sites")
-        self._subscriptions: dict[str, Subscription] = {}  # by site
+        self._subscriptions: dict[str, BrokerSubscription] = {}  # by site
         self._subscribing = asyncio.Lock()
 
     @property
@@ -180,7 +180,7 @@ class Caller:
         query: str = "",
         headers: Iterable[tuple[bytes, bytes]] = (),
         body: bytes = b"",
-    ) -> Answer:
+    ) -> TunnelAnswer:
         """Send a request of the hub itself, and return the whole answer.
 
         Args:

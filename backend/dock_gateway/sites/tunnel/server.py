@@ -16,7 +16,7 @@ from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.identity import IdentityReused, content_of
 from dock_gateway.sites.messages import Malformed, Refusal
 from dock_gateway.sites.seals import unseal, without_seal
-from dock_gateway.sites.subscription import Received, Subscription
+from dock_gateway.sites.subscription import BrokerSubscription, Received
 from dock_gateway.sites.tunnel.call import HttpCall, WebSocketCall, scope_of, send_body, send_head
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded, Timing
@@ -74,7 +74,7 @@ class TunnelServer:
         self.key: bytes | None = None
         self.calls = 0
         self._tasks = Tasks("serving the hub")
-        self._subscriptions: list[Subscription] = []
+        self._subscriptions: list[BrokerSubscription] = []
         self._unsealed: Unsealed | None = None
 
     @property
