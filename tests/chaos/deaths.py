@@ -50,6 +50,7 @@ class Watcher:
         self.speed = self.way = 0.0
         self.commanded_at = self.stamp = self.lived = 0.0
         self._past: deque[tuple[float, float, float]] = deque(maxlen=1000)
+        self._commands: deque[tuple[float, bool]] = deque(maxlen=1000)
         node = observer.node
         observer.call(lambda: node.create_subscription(Odometry, f"{robot}/ground_truth", self._see, EVERYTHING))
         observer.call(lambda: node.create_subscription(Twist, f"{robot}/cmd_vel", self._hear, EVERYTHING))
@@ -75,8 +76,14 @@ class Watcher:
         return next(((way, speed) for at, way, speed in reversed(self._past) if at <= moment), (self.way, self.speed))
 
     def _hear(self, message: Twist) -> None:
+        self._commands.append((time.time(), message != Twist()))
         if message != Twist():
             self.commanded_at = time.monotonic()
+
+    def commands(self, moment: float) -> str:
+        """The commands around a moment of the system's clock, in ms after it; those of zero velocity are marked."""
+        near = [(at - moment, moves) for at, moves in self._commands if at > moment - 1.0]
+        return "commands at " + ", ".join(f"{1000 * at:.0f}{'' if moves else ' (0)'}" for at, moves in near)
 
 
 class Robot:
@@ -136,6 +143,9 @@ def server_dies(gateway: Gateway, robot: Robot, how: signal.Signals, moment: str
     died_at = time.time()
     robot.server.send_signal(how)
     went, wrong = judge(robot.watcher, died_at, moment)
+    if wrong:
+        lines = [line for line in gateway.running.process.output.splitlines() if f"{robot.name} " in line]
+        wrong += [robot.watcher.commands(died_at), *lines]
     return went if driven else None, wrong
 
 

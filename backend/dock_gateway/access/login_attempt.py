@@ -74,7 +74,7 @@ class LoginAttempt:
 
     @property
     def verifier(self) -> str:
-        """What redeems the code, and nobody else knows (RFC 7636)."""
+        """The secret that redeems the code (RFC 7636)."""
         return self._derive("verifier")
 
     @property

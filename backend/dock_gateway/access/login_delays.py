@@ -57,7 +57,7 @@ class LoginDelays:
 
     An attempt counts as failed until it succeeds, so that many at the same time are no way around. A name is delayed
     only by its own failures where it has logged in before: by those in that very browser; and from that address, where
-    someone else may try too, by many. So nobody can be locked out of their usual place.
+    someone else may try too, by many. So a user cannot be locked out of their usual place.
     """
 
     def __init__(self) -> None:

@@ -255,7 +255,7 @@ def open_single_sign_on(settings: Settings) -> SingleSignOn | None:
 
 def no_provider() -> NotFound:
     """Return the error that people do not log in here with an identity provider."""
-    return NotFound("nobody logs in here with an identity provider", code="no_provider")
+    return NotFound("this gateway has no identity provider", code="no_provider")
 
 
 def _failure(reason: str) -> NotAuthenticated:

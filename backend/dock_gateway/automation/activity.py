@@ -48,7 +48,7 @@ class Activity:
     def on_velocity(self, robot: str, message: Json) -> None:
         """Note a message of a robot's velocity topic, unless it commands the robot to stand still.
 
-        What is no number, null here, is not standing still: nobody knows what a base makes of it.
+        A value that is no number, null here, is not standing still: what a base does with it is unknown.
         """
         values = [value for vector in orjson.loads(message).values() for value in vector.values()]
         if None in values and robot not in self._not_numbers:

@@ -42,7 +42,7 @@ class Login:
 
 
 def new_login(user: str) -> Login:
-    """Return a login with a password that nobody knows yet."""
+    """Return a login with a new random password."""
     return Login(user, secrets.token_hex(16))
 
 

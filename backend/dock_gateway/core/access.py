@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 
-# The name of a hub that asks nobody for a login, and what the names of a hub's users begin with, as a site has them.
+# The name of a hub that needs no login, and what the names of a hub's users begin with, as a site has them.
 HUB = "hub"
 OF_HUB = "hub:"
 # Time after which a session that is not used ends.
@@ -221,7 +221,7 @@ def hub_principal(name: str | None, grant: Grant, key: str) -> Principal:
     """Return who makes a request through the hub.
 
     Args:
-        name: Their name at the hub; None where it asks nobody for a login.
+        name: Their name at the hub; None if it needs no login.
         grant: What they may do here.
         key: Id of the key with which the hub has signed that.
     """

@@ -63,7 +63,7 @@ class GraphView:
         self._send = send
         self._look = look
         self._seen: Seen | None = None
-        self._connections: Connections | None = None  # as the client was told; None: it does not want to know
+        self._connections: Connections | None = None  # as sent to the client; None: it has not subscribed to them
 
     async def follow(self) -> None:
         """Tell the client what there is, and what has changed, for as long as it is connected."""

@@ -1,4 +1,4 @@
-"""Parameters of nodes, for one client: `/node.parameter`. It reads and sets them, and is told of changes."""
+"""Parameters of nodes, for one client: `/node.parameter`. It reads, sets and subscribes to them."""
 
 import asyncio
 from base64 import b64decode, b64encode
@@ -21,7 +21,7 @@ from dock_gateway.streams.rights import Rights
 
 EVENTS, EVENT_TYPE = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 SEPARATOR = "."
-# The types of parameters that a viewer is told of, by those of ROS.
+# The parameter types of the protocol, by those of ROS.
 BYTE_ARRAY = "byte_array"
 TYPES = {"double": "float64", "double array": "float64_array", "byte array": BYTE_ARRAY}
 
@@ -87,7 +87,7 @@ class ClientParameters:
         await self._rights.require(ClientParameters.subscribe, {})
         if names and self._wanted is not None:
             if len(self._wanted.union(names)) > MAX_PARAMETERS:
-                raise TooManyRequests(f"this connection may be told of changes of {MAX_PARAMETERS} parameters")
+                raise TooManyRequests(f"this connection may subscribe to {MAX_PARAMETERS} parameters")
             self._wanted |= set(names)
         else:
             self._wanted = None

@@ -21,7 +21,7 @@ ENCODINGS = ("cdr", "json")
 SCHEMA_ENCODING = "ros2msg"
 # Characters of a name, an id or an encoding.
 MAX_NAME = 1000
-# Parameters of one operation, and those of whose changes a client is told.
+# Limits: parameters of one operation, and parameters that a client subscribes to.
 MAX_PARAMETERS = 5000
 
 Id = Annotated[int, Field(ge=0, lt=2**32, strict=True)]
@@ -105,7 +105,7 @@ class SetParameters(FoxgloveOperation):
 
 
 class ParameterNames(FoxgloveOperation):
-    """Parameters of whose changes a client is told, or no more; without names, all."""
+    """Parameters that a client subscribes to or unsubscribes from; without names, all."""
 
     names: Annotated[list[Name], Field(alias="parameterNames", max_length=MAX_PARAMETERS)]
 

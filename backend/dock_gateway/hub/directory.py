@@ -136,7 +136,7 @@ class Directory:
         return Refusal(code=code, detail=detail)
 
     def count_malformed(self, name: str, code: str, detail: str) -> bool:
-        """Count what a site has sent and nobody can read; return whether the site is known."""
+        """Count a message of a site that cannot be read; return whether the site is known."""
         site = self.sites.get(name)
         if site is not None:
             site.refused[code] += 1

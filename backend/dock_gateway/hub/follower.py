@@ -44,7 +44,7 @@ MEASURE_INTERVAL = 15.0
 
 
 class Keeper(Protocol):
-    """Stores what a site has told."""
+    """Stores what a site reports."""
 
     async def keep(self, news: News) -> None:
         """Store it."""
@@ -204,7 +204,7 @@ class Follower:
             self._bytes -= size_of(self._goals.pop(next(iter(self._goals))))
 
     async def _find(self, goal_id: str) -> Goal:
-        """Return a goal that has ended: as it was told before, as it is stored, or as the site has it."""
+        """Return a goal that has ended: as reported before, as stored, or as the site has it."""
         if (known := self._goals.get(goal_id) or await self._stored(goal_id)) is not None:
             return copy(known)
         goal = await self._ask(goal_id)
@@ -248,7 +248,7 @@ class Follower:
         self._view.behind = False
 
     async def _take(self, documents: Iterable[Any], reading: Reading) -> set[str]:
-        """Take over goals as they are now; return their ids. Their ends are told, if they may not have been told."""
+        """Take over goals as they are now; return their ids. Their ends are published, unless they surely were."""
         found = set()
         for document in documents:
             await self._make_room()

@@ -19,7 +19,7 @@ VERBS = ("dock", "undock", None)
 
 @dataclass(frozen=True)
 class Happening:
-    """A change of a goal that a site has told of.
+    """A change of a goal that a site has reported.
 
     Attributes:
         kind: Its state changed, or it ended with a result.

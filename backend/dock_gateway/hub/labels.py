@@ -9,7 +9,7 @@ class SiteLabels:
     """The display names and groups of the robots of all sites.
 
     Args:
-        sites: The sites, with what they have told last.
+        sites: The sites, with their latest reports.
     """
 
     def __init__(self, sites: Sites) -> None:

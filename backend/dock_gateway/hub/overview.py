@@ -1,4 +1,4 @@
-"""All robots and alerts of all sites, as the sites told them last, and the alerts of the hub about its sites."""
+"""The latest robots and alerts of all sites, and the hub's alerts about its sites."""
 
 import asyncio
 import logging

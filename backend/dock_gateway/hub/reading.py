@@ -43,7 +43,7 @@ class Reading:
             view.behind = self._missed > 0
 
     def tells_of(self, goal: Goal) -> bool:
-        """Return whether the end of a goal may not have been told: it is later than what was read before."""
+        """Return whether the end of a goal may not have been published: it is later than what was read before."""
         return self._since is not None and (goal.finished_at or goal.updated_at) >= self._since
 
 

@@ -123,7 +123,7 @@ class HubApprovalsEvent(Schema):
 
 
 class SitesEvent(Schema):
-    """The sites changed. Contains all sites. Ages and round trips alone are not told of."""
+    """The sites changed. Contains all sites. Not sent if only ages and round trips have changed."""
 
     type: Literal["sites"]
     time: datetime

@@ -81,7 +81,7 @@ class SiteClient:
             method: The method.
             path: The path at the site.
             body: JSON; may be empty.
-            name: Their name; None where the hub asks nobody for a login.
+            name: Their name; None if the hub needs no login.
             grant: What they may do, in the site's own names.
             deadline: Seconds that the site may take.
             query: The query.

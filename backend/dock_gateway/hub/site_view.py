@@ -1,4 +1,4 @@
-"""What the hub has of a site in memory: its robots, alerts and approvals as it told them last."""
+"""The latest robots, alerts and approvals of a site, in memory."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -17,7 +17,7 @@ MAX_ROBOTS, MAX_BYTES = 2000, 8 * 1024 * 1024
 
 @dataclass
 class SiteView:
-    """The newest that a site has told, with names of the hub.
+    """The latest report of a site, with names of the hub.
 
     Attributes:
         site: The site.
@@ -26,7 +26,7 @@ class SiteView:
         approvals: The goals of agents that wait there for a person.
         changed: Names of robots that changed or left since the last publication.
         alerts_changed, approvals_changed: Whether those changed since then.
-        reported_at: When it told something last, on the monotonic clock; None: never.
+        reported_at: Time of its latest report, on the monotonic clock; None: never.
         round_trip: Seconds that its last small answer took; None: not measured.
         behind: Whether it is still being asked for what the hub has missed.
         cursor: Id of its last event that is stored.

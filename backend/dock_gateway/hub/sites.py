@@ -1,4 +1,4 @@
-"""The sites of this hub: who is welcome, what each has told last, and how each is reached."""
+"""The sites of this hub: which are welcome, the latest report of each, and how each is reached."""
 
 import asyncio
 import logging
@@ -189,7 +189,7 @@ class Sites:
         return self._directory.judge(name, hello, time.monotonic(), time.time())
 
     async def _is_gone(self, name: str) -> bool:
-        """Return whether the process that is welcome is certainly not there: nobody listens to its subject."""
+        """Return whether the welcome process is certainly gone: its subject has no subscriber."""
         instance = self._directory.welcome_instance(name, time.monotonic())
         if instance is None:
             return True
@@ -276,11 +276,11 @@ class Sites:
         return sorted(self.view(name).robots)
 
     def view(self, name: str) -> SiteView:
-        """Return what a site has told last."""
+        """Return the latest report of a site."""
         return self._views.setdefault(name, SiteView(name))
 
     def views(self) -> list[SiteView]:
-        """Return what all sites have told last."""
+        """Return the latest reports of all sites."""
         return [self.view(name) for name in self._directory.sites]
 
     def state(self, name: str) -> SiteState:

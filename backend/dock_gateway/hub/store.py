@@ -1,4 +1,4 @@
-"""Stores what sites tell, and publishes what is new: each event is stored once and told once.
+"""Stores what sites tell, and publishes what is new: each event is stored once and published once.
 
 One task writes for all sites: what arrives during a transaction is the next one. So the ids of events, which this hub's
 clock gives them, are published in their order.
@@ -31,7 +31,7 @@ MAX_TOGETHER = 100
 
 @dataclass
 class News:
-    """What a site has told, in its order.
+    """What a site has reported, in its order.
 
     Attributes:
         site: The site.

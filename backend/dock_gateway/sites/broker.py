@@ -57,7 +57,7 @@ class BrokerOptions:
 
 
 class NoResponder(Unavailable):
-    """Nobody is there who could answer a request."""
+    """No subscriber can answer a request."""
 
     code = "no_responder"
 
@@ -130,7 +130,7 @@ class Broker:
 
         Raises:
             Unavailable: There is no connection; nothing was sent.
-            NoResponder: Nobody has subscribed to the subject.
+            NoResponder: The subject has no subscriber.
             TimeoutError: No answer in time, or the connection was lost meanwhile: whether the message has arrived is
                 not known.
         """
@@ -190,7 +190,7 @@ class Broker:
         if answer is None or answer.done():
             return  # too late
         if not message.data and (message.headers or {}).get("Status") == NO_RESPONDERS:
-            answer.set_exception(NoResponder("nobody answers"))
+            answer.set_exception(NoResponder("the subject has no subscriber"))
         else:
             answer.set_result(message.data)
 
@@ -287,7 +287,7 @@ def _call(listeners: list[Callable[[], Any]]) -> None:
 
 @asynccontextmanager
 async def open_broker(options: BrokerOptions) -> AsyncIterator[Broker]:
-    """Connect in the background, for ever. Nobody waits for the first connection.
+    """Connect in the background, for ever. Does not wait for the first connection.
 
     Raises:
         ValueError: A URL is not one of a NATS server.

@@ -64,7 +64,7 @@ class Identity:
     """Who asks, as the hub says.
 
     Attributes:
-        name: Their name at the hub; None where the hub asks nobody for a login.
+        name: Their name at the hub; None if the hub needs no login.
         grant: What they may do at the site, in its own names.
         key: Id of the key that has signed it.
         expires_at: Until when this can be used, in seconds since 1970 by the site's clock.
@@ -147,7 +147,7 @@ class Signer:
         Args:
             site: The site that is asked.
             instance: The process there.
-            name: Their name at the hub; None where the hub asks nobody for a login.
+            name: Their name at the hub; None if the hub needs no login.
             grant: What they may do, in the site's own names (`site_grant`).
             method: The request's method.
             path: Its path at the site, without the query.
@@ -254,7 +254,7 @@ class Verifier:
 
 
 def _unverified(token: str) -> _Claims | None:
-    """Return what a token says, whoever has made it; None if that is nothing."""
+    """Return the claims of a token without checking its signature; None if it has none."""
     try:
         _, payload, _ = token.split(".")
         return _Claims.model_validate_json(urlsafe_b64decode(payload + "=" * (-len(payload) % 4)))

@@ -1,4 +1,4 @@
-"""A subscription at the NATS broker, on each connection anew, and what it receives."""
+"""A subscription at the NATS broker, renewed on each connection, and what it receives."""
 
 import contextlib
 from collections.abc import Awaitable, Callable

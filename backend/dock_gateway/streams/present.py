@@ -1,4 +1,4 @@
-"""What a reader of a stream is told of the present."""
+"""The current state that a new reader of a stream gets first."""
 
 from typing import Protocol
 

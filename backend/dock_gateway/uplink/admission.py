@@ -17,7 +17,7 @@ class HubAdmission:
     Args:
         settings: The settings of a site.
         instance: This process.
-        link: Is told whether the hub is believed.
+        link: Records whether the hub is trusted.
         clock: Returns the time in seconds since 1970.
 
     Raises:

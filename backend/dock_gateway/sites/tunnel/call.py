@@ -89,7 +89,7 @@ class HttpCall:
         """Send a part of the answer.
 
         Raises:
-            ChannelEnded: Nobody waits for it any more.
+            ChannelEnded: The request was canceled.
         """
         if message["type"] == "http.response.start":
             await send_head(self._channel, message)
@@ -155,7 +155,7 @@ async def send_head(channel: Channel, message: Mapping[str, Any]) -> None:
     """Send status and headers of an answer.
 
     Raises:
-        ChannelEnded: Nobody waits for it any more.
+        ChannelEnded: The request was canceled.
     """
     headers = write_answer_headers(message.get("headers", ()))
     await channel.send("head", status=int(message["status"]), headers=headers)
@@ -165,7 +165,7 @@ async def send_body(channel: Channel, message: Mapping[str, Any]) -> None:
     """Send a part of the body of an answer.
 
     Raises:
-        ChannelEnded: Nobody waits for it any more.
+        ChannelEnded: The request was canceled.
     """
     await channel.send_data(message.get("body", b""))
     if not message.get("more_body", False):

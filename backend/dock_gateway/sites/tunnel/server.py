@@ -187,7 +187,7 @@ class TunnelServer:
             if channel.ended is None or channel.ended.reason == FINISHED:
                 log.exception("while handling %s %s for the hub", opened.method, opened.path)
                 await self._fail(channel, answered=call.answered)
-            else:  # nobody waits for it any more
+            else:  # the request was canceled
                 log.debug("after the end of %s %s for the hub: %r", opened.method, opened.path, error)
         finally:
             channel.finish()
