@@ -460,16 +460,16 @@ def _listen_to_poses(
     settings: Settings,
     robots: RobotRegistry,
     kind: type[PosePort],
-    ears: PoseRecorder | SceneBoard,
+    hearers: PoseRecorder | SceneBoard,
     stack: AsyncExitStack,
 ) -> None:
     """Subscribe to the poses of the robots that are wanted."""
 
     def port(robot: str) -> PosePort:
         resolve = partial(settings.resolve, namespace=robot)
-        return kind(robots.topics, robot, resolve, ears.hear, stop_topic=resolve(settings.stop_topic))
+        return kind(robots.topics, robot, resolve, hearers.hear, stop_topic=resolve(settings.stop_topic))
 
-    closed_by(stack, OnDemand(robots.topics.bridge, ears, "poses", port))
+    closed_by(stack, OnDemand(robots.topics.bridge, hearers, "poses", port))
 
 
 async def _watch_graph(bridge: Bridge, *steps: Callable[[Scan], Awaitable[bool | None]]) -> None:

@@ -10,7 +10,7 @@ from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.graph.relays import Relays
-from dock_gateway.recordings.ear import RobotEar
+from dock_gateway.recordings.collector import RobotCollector
 from dock_gateway.recordings.ring import Ring
 from dock_gateway.recordings.server_parameters import read_parameters
 from dock_gateway.recordings.store import OpenRecording, RecordingStore
@@ -38,12 +38,12 @@ MAX_RECORDING, MAX_SAID = 200_000_000, 1_000_000_000
 class _Running:
     """A goal that is being recorded."""
 
-    def __init__(self, goal: Goal, robot: str, ear: RobotEar) -> None:
+    def __init__(self, goal: Goal, robot: str, collector: RobotCollector) -> None:
         self.goal = goal
         self.robot = robot
-        self.ear = ear
+        self.collector = collector
         self.ends_at: float | None = None
-        self.seen = ear.ring.mark(BEFORE)
+        self.seen = collector.ring.mark(BEFORE)
         self.began_ns = time.time_ns() - int(BEFORE * 1e9)
         self.state: object = None
         self.opened: OpenRecording | None = None
@@ -88,7 +88,7 @@ class Recorder:
         self._relays = relays
         self._robots = robots
         self._store = store
-        self._ears: dict[str, RobotEar] = {}
+        self._collectors: dict[str, RobotCollector] = {}
         self._running: dict[str, _Running] = {}
         self._scan = Scan()
         self._changed = asyncio.Event()
@@ -118,18 +118,18 @@ class Recorder:
     async def leave(self, robot: str) -> None:
         """Leave the topics of a robot that is about to be removed."""
         async with self._choosing:
-            if (ear := self._ears.pop(robot, None)) is not None:
-                await ear.listen(self._relays, {})
+            if (collector := self._collectors.pop(robot, None)) is not None:
+                await collector.listen(self._relays, {})
 
     async def _choose_topics(self) -> None:
         """Subscribe to what is to be heard of the robots, and leave the rest."""
         robots = self._robots.namespaces()
         recorded = {running.robot for running in self._running.values()}
         wanted = dict.fromkeys((*recorded.intersection(robots), *robots[: self._settings.record_robots]))
-        for robot in self._ears.keys() - wanted.keys() - recorded:
-            await self._ears.pop(robot).listen(self._relays, {})
+        for robot in self._collectors.keys() - wanted.keys() - recorded:
+            await self._collectors.pop(robot).listen(self._relays, {})
         for robot in wanted:
-            await self._ear(robot).listen(self._relays, self._topics(robot, pictures=robot in recorded))
+            await self._collector(robot).listen(self._relays, self._topics(robot, pictures=robot in recorded))
 
     def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
         """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
@@ -140,11 +140,11 @@ class Recorder:
         robot = self._robots.owner(name)
         return None if robot is None else robot.namespace
 
-    def _ear(self, robot: str) -> RobotEar:
-        if robot not in self._ears:
+    def _collector(self, robot: str) -> RobotCollector:
+        if robot not in self._collectors:
             settings = self._settings
-            self._ears[robot] = RobotEar(Ring(settings.record_seconds, settings.record_ring_mb * 1_000_000))
-        return self._ears[robot]
+            self._collectors[robot] = RobotCollector(Ring(settings.record_seconds, settings.record_ring_mb * 1_000_000))
+        return self._collectors[robot]
 
     # ------------------------------------------------------------------ goals
 
@@ -158,7 +158,7 @@ class Recorder:
             if robot is None:
                 self._store.note(goal.goal_id, "Its action belongs to no robot.")
                 return
-            running = _Running(goal, robot.namespace, self._ear(robot.namespace))
+            running = _Running(goal, robot.namespace, self._collector(robot.namespace))
             self._running[goal.goal_id] = running
             self._changed.set()
             self._tasks.spawn(self._note_parameters(running))
@@ -177,7 +177,7 @@ class Recorder:
         goal = running.goal
         for pause in PARAMETER_PAUSES:  # a busy server may not answer at once
             if (parameters := await read_parameters(self._bridge, goal.action_name)) is not None:
-                running.ear.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
+                running.collector.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
                 return
             await asyncio.sleep(pause)
             if running.ends_at is not None:
@@ -191,15 +191,15 @@ class Recorder:
             running.state = state
             document = {"type": "status", "time": goal.updated_at, **goal.state()}
             document |= {"goal": None} if goal.goal is None else {"goal": goal.summary()["goal"]}
-            running.ear.note(document)
+            running.collector.note(document)
 
     def on_command(self, entry: AuditEntry) -> None:
         """Keep what someone has commanded: who, what, for which robot."""
         robots = (entry.robot or "").split(",")
         owner = None if entry.action_name is None else self._owner(entry.action_name)
-        for name, ear in self._ears.items():
+        for name, collector in self._collectors.items():
             if name == owner or any(robot and is_under(name, robot) for robot in robots):
-                ear.note(
+                collector.note(
                     {
                         "type": "command",
                         "time": entry.at,
@@ -237,7 +237,7 @@ class Recorder:
 
     async def _proceed(self, running: _Running, *, closing: bool = False) -> None:
         """Write what was heard since the last time, and finish the file if its time has come."""
-        ring = running.ear.ring
+        ring = running.collector.ring
         done = running.ends_at is not None and (closing or time.monotonic() >= running.ends_at)
         samples: list[Sample] = []
         if not (running.elsewhere or (running.full and not done)):
@@ -297,9 +297,9 @@ class Recorder:
 
     def heard_of(self, robot: str) -> list[Sample] | None:
         """Return what has been heard of a robot in the last seconds; None if it is not listened to."""
-        if (ear := self._ears.get(robot)) is None:
+        if (collector := self._collectors.get(robot)) is None:
             return None
-        return _after_held(ear.ring.held(0), ear.ring.after(0), time.time_ns())
+        return _after_held(collector.ring.held(0), collector.ring.after(0), time.time_ns())
 
     async def close(self) -> None:
         """Write what there is of running goals, with which the next process goes on."""

@@ -26,7 +26,7 @@ OWN_WITHIN = 1_000_000_000
 OWN_REMEMBERED = 20_000_000_000
 
 # A publisher: its topic and the id of the endpoint.
-Voice = tuple[str, bytes]
+PublisherKey = tuple[str, bytes]
 
 
 class LatchPort:
@@ -62,9 +62,9 @@ class LatchPort:
         self._on_hold = on_hold
         self._inbox = self._bridge.inbox()
         self._lock = threading.Lock()  # guards what follows, which is written on the listener's and the ROS thread
-        self._numbers: dict[Voice, int] = {}  # of the last message of each publisher that is no gateway
-        self._nodes: dict[Voice, str] = {}  # where that is known
-        self._holding: frozenset[Voice] = frozenset()  # those that say true
+        self._numbers: dict[PublisherKey, int] = {}  # of the last message of each publisher that is no gateway
+        self._nodes: dict[PublisherKey, str] = {}  # where that is known
+        self._holding: frozenset[PublisherKey] = frozenset()  # those that say true
         self._gateways: set[bytes] = set()
         self._topic = topic
         self._own: tuple[tuple[int, int], ...] = ()  # our publish calls; read on the listener's thread
@@ -133,7 +133,7 @@ class LatchPort:
     def _is_own(self, taken: Taken) -> bool:
         return any(first <= taken.stamp_ns <= last for first, last in reversed(self._own))
 
-    def _hold(self, publisher: Voice, *, latched: bool, named: bool = False) -> None:
+    def _hold(self, publisher: PublisherKey, *, latched: bool, named: bool = False) -> None:
         """Note what a publisher says, which also replaces what one of the same node said that has left.
 
         Args:
@@ -154,12 +154,12 @@ class LatchPort:
                 holder = publisher if latched else min(self._holding, default=None)
                 self._inbox.put(self._on_hold, None if holder is None else self._name(holder))
 
-    def _endpoint(self, publisher: Voice) -> Endpoint | None:
+    def _endpoint(self, publisher: PublisherKey) -> Endpoint | None:
         """Return a publisher as the graph has it; None if it has left."""
         topic, gid = publisher
         return next((there for there in read_topic(self._bridge.node, topic).publishers if there.gid == gid), None)
 
-    def _name(self, publisher: Voice) -> str:
+    def _name(self, publisher: PublisherKey) -> str:
         return self._nodes.get(publisher, f"a node on {publisher[0]}")
 
     def held_by(self) -> str | None:

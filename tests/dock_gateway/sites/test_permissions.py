@@ -60,7 +60,7 @@ async def hello(scope: Scope, receive: Receive, send: Send) -> None:
     await send({"type": "http.response.body", "body": b"hello of " + scope["path"].encode()})
 
 
-class Ear:
+class Subscriber:
     """Keeps the subjects that it hears."""
 
     def __init__(self) -> None:
@@ -93,7 +93,7 @@ async def says_hello(site: Broker, name: str) -> None:
 
 async def works(hub: Broker, site: Broker, name: str) -> None:
     """A hello, and a request through the tunnel, both ways."""
-    hellos = Ear()
+    hellos = Subscriber()
     subscription = await hub.subscribe(subjects.HELLOS, hellos)
     caller, server = Caller(hub), TunnelServer(site, address := Address(name, ID), hello, accept_all, {})
     await caller.open()
@@ -112,7 +112,7 @@ async def works(hub: Broker, site: Broker, name: str) -> None:
 
 async def reaches_nothing_else(hub: Broker, berlin: Broker, oslo: Broker) -> None:
     """A site cannot speak as another, nor read or answer what is for it; nor can the hub speak as a site."""
-    at_hub, at_berlin, at_oslo = Ear(), Ear(), Ear()
+    at_hub, at_berlin, at_oslo = Subscriber(), Subscriber(), Subscriber()
     for subject in (subjects.HELLOS, subjects.streams_to_hub("berlin"), subjects.streams_to_hub("oslo")):
         await hub.subscribe(subject, at_hub)
     await oslo.subscribe(f"dock.site.oslo.{ID}.>", at_oslo)
@@ -190,7 +190,7 @@ async def test_a_leaf_node_at_a_site(tmp_path: Path, authority: Authority) -> No
 
 async def at_a_leaf_reaches_nothing_else(hub: Broker, berlin: Broker, oslo: Broker) -> None:
     """The site's own server lets it do anything, but passes nothing on that its user may not."""
-    at_hub, at_berlin, at_oslo = Ear(), Ear(), Ear()
+    at_hub, at_berlin, at_oslo = Subscriber(), Subscriber(), Subscriber()
     for subject in (subjects.HELLOS, subjects.streams_to_hub("berlin"), subjects.streams_to_hub("oslo")):
         await hub.subscribe(subject, at_hub)
     await oslo.subscribe(f"dock.site.oslo.{ID}.>", at_oslo)

@@ -1,4 +1,4 @@
-"""What is heard of one robot."""
+"""Collects the messages of one robot for its ring buffer."""
 
 import logging
 import time
@@ -20,8 +20,8 @@ log = logging.getLogger(__name__)
 PICTURE_NS = 950_000_000
 
 
-class RobotEar:
-    """What is heard of one robot: an `Outlet` of all its topics."""
+class RobotCollector:
+    """Collects the messages of one robot for its ring buffer: an `Outlet` of all its topics."""
 
     patient = True
 
