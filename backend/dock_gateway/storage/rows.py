@@ -1,7 +1,7 @@
 """Conversion of goals, events and keys to table rows and spool lines, and back."""
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
@@ -47,6 +47,16 @@ class Batch:
     events: list[Event] = field(default_factory=list)
     keys: list[Key] = field(default_factory=list)
     gaps: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def joined(cls, batches: "Iterable[Batch]") -> "Batch":
+        """Return the goals, in their last version, the events and the keys of several batches."""
+        batches = list(batches)
+        return cls(
+            goals=list({goal.goal_id: goal for batch in batches for goal in batch.goals}.values()),
+            events=[event for batch in batches for event in batch.events],
+            keys=[key for batch in batches for key in batch.keys],
+        )
 
     def __len__(self) -> int:
         return len(self.goals) + len(self.events) + len(self.keys) + len(self.gaps)

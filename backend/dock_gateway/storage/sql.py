@@ -205,7 +205,7 @@ class SqlHistory:
         """Record a goal, then store it and its events now, if the database answers; return them as stored."""
         self.record(goal)
         if events and not self.database.volatile:
-            self._waiting.held[goal.goal_id] += 1
+            self._waiting.hold(goal.goal_id)
         return self._seal(copy(goal), events)
 
     async def _seal(self, goal: Goal, events: Sequence[Event]) -> list[Event] | None:

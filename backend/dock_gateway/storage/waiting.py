@@ -1,7 +1,6 @@
 """The entries that wait to be written: plain data in memory, bounded, and readable like stored entries."""
 
 from collections import Counter
-from collections.abc import Iterable
 from copy import copy
 from datetime import UTC, datetime
 from itertools import islice
@@ -76,6 +75,10 @@ class Waiting:
         self.goals.pop(goal_id, None)
         self._unspooled.pop(("goal", goal_id), None)
 
+    def hold(self, goal_id: str) -> None:
+        """Do not write a goal while its events are being stored, until `let_go`."""
+        self.held[goal_id] += 1
+
     def let_go(self, goal_id: str) -> None:
         """Write a goal again, once none of its events is being stored."""
         self.held[goal_id] -= 1
@@ -113,11 +116,6 @@ class Waiting:
         self._unspooled.pop(("event", event.id or ""), None)
         self.dropped += 1
         self.gaps[event.topic] = max(event.id or "", self.gaps.get(event.topic, ""))
-
-    def urgent(self, goal_ids: Iterable[str]) -> Batch:
-        """Return a batch of these goals and the pending keys, to be written first; they stay until `done`."""
-        goals = {goal_id: self.goals[goal_id] for goal_id in goal_ids if goal_id in self.goals}
-        return Batch(goals=_first(goals, BATCH_GOALS), keys=_first(self.keys, BATCH_GOALS))
 
     def batch(self) -> Batch:
         """Return the next batch, oldest first; its entries stay until `done`."""

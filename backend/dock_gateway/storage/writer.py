@@ -5,6 +5,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from copy import copy
 
 import sqlalchemy.exc as sa_errors
 
@@ -12,6 +13,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal
 from dock_gateway.storage import queries
 from dock_gateway.storage.database import DATABASE_ERRORS, WRITE_TIMEOUT, Database, brief, is_about_data
+from dock_gateway.storage.group_commit import GroupCommit
 from dock_gateway.storage.rows import Batch, Key
 from dock_gateway.storage.spool import Entry, Spool
 from dock_gateway.storage.waiting import Waiting, batch_of
@@ -19,9 +21,8 @@ from dock_gateway.storage.waiting import Waiting, batch_of
 log = logging.getLogger(__name__)
 
 ANSWER_TIMEOUT = 0.1  # Seconds that a new goal waits for the database before it goes to the spool.
-REFUSE_AFTER = 2.0  # Seconds to wait for the running write if the spool fails too.
+REFUSE_AFTER = 2.0  # Seconds that it waits for the database after that if the spool fails too.
 BATCH_INTERVAL = 0.2  # Seconds to collect a batch before it is written.
-BATCH_PATIENCE = 0.3  # Seconds that new goals, which are written first, may delay the rest.
 # Seconds until entries that must be kept, and are not in the database yet, go to the spool.
 SPOOL_AFTER = 0.5
 SAY_AFTER = 2.0  # Seconds after which an access to the database that still runs is logged.
@@ -49,20 +50,18 @@ class Writer:
         self._spool = spool
         self._waiting = waiting
         self._on_loss = on_loss
-        self._running: tuple[str, float] | None = None  # what the database does, and since when
-        self._waiting_since = 0.0
-        self._tickets: dict[asyncio.Future[None], str] = {}  # one per waiter → id of its goal
+        self._running: list[tuple[float, str]] = []  # what the database does, and since when
+        self._new_goals = GroupCommit(self._write_new)
         self._wake = asyncio.Event()
-        self._urgent = asyncio.Event()
         self._guard = asyncio.Event()
-        self._in_flight: set[str] = set()  # ids of the goals in the running transaction
         self._tasks: list[asyncio.Task[None]] = []
 
     def start(self) -> None:
         """Start the background tasks."""
-        self._tasks = [asyncio.create_task(self._write_on())]
+        work = [self._write_on()]
         if not self._database.volatile:
-            self._tasks.append(asyncio.create_task(self._spool_on()))
+            work += [self._new_goals.run(), self._spool_on()]
+        self._tasks = [asyncio.create_task(each) for each in work]
 
     @property
     def answers(self) -> bool:
@@ -72,21 +71,22 @@ class Writer:
     @property
     def awaited(self) -> str | None:
         """What the database does while it does not answer, without a full stop; None if it does nothing."""
-        if self.answers or self._running is None:
+        if self.answers or not self._running:
             return None
-        what, since = self._running
+        since, what = min(self._running)
         return f"{what} has been running for {time.monotonic() - since:.1f} s"
 
     @contextmanager
     def _run(self, what: str) -> Iterator[None]:
         """Note what the database does meanwhile, and log it if it takes long."""
-        self._running = (what, time.monotonic())
+        begun = (time.monotonic(), what)
+        self._running.append(begun)
         saying = asyncio.get_running_loop().call_later(SAY_AFTER, self._say_running)
         try:
             yield
         finally:
             saying.cancel()
-            self._running = None
+            self._running.remove(begun)
 
     def _say_running(self) -> None:
         if (awaited := self.awaited) is not None:
@@ -94,9 +94,7 @@ class Writer:
 
     def notice(self, *, must_keep: bool) -> None:
         """Note that `waiting` has a new entry."""
-        if not self._wake.is_set():
-            self._waiting_since = time.monotonic()
-            self._wake.set()
+        self._wake.set()
         if must_keep:
             self._guard.set()
 
@@ -108,83 +106,57 @@ class Writer:
         Raises:
             Unavailable: Neither takes it.
         """
-        ticket = asyncio.get_running_loop().create_future()
-        self._tickets[ticket] = goal.goal_id
-        try:
-            await self._keep(goal, key, ticket)
-        finally:
-            del self._tickets[ticket]
+        batch = Batch(goals=[copy(goal)], keys=[] if key is None else [key])
+        if self._database.volatile or not await self._store(batch):
+            for each in batch.keys:
+                self._waiting.put_key(each, safe=True)
+            # Not before: what waits is written, and the goal might be refused.
+            self._waiting.put_goal(goal, safe=True)
+            self.notice(must_keep=True)
 
-    async def _keep(self, goal: Goal, key: Key | None, ticket: "asyncio.Future[None]") -> None:
-        kept = self._waiting.put_goal(goal)
-        if key is not None:
-            self._waiting.put_key(key)
-        self.notice(must_keep=True)
-        if self._database.volatile:
-            return
-        self._urgent.set()
-        if self.answers:
-            with suppress(*DATABASE_ERRORS):
-                async with asyncio.timeout(ANSWER_TIMEOUT):
-                    await asyncio.shield(ticket)
-                return
-            self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
-        entries: list[Entry] = [kept] if key is None else [key, kept]
+    async def _store(self, batch: Batch) -> bool:
+        """Store a batch in the database, or else in the spool; return whether the database has it."""
+        stored = self._new_goals.commit(batch) if self.answers else None
         try:
-            await self._append(entries)
+            if stored is not None:
+                if await _succeeds(stored, ANSWER_TIMEOUT):
+                    return True
+                self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
+            await self._append([*batch.keys, *batch.goals])
         except OSError as error:
-            if ticket.done() and not ticket.cancelled() and ticket.exception() is None:
-                return
-            self._waiting.forget_goal(goal.goal_id)
-            if goal.goal_id in self._in_flight and await self._is_written(goal.goal_id):
-                return
+            if stored is not None and await _succeeds(stored, REFUSE_AFTER):
+                return True
             log.error("a goal can be stored neither in the database (%s) nor in the spool (%s)", self.last_error, error)
             raise Unavailable("the goal cannot be stored, so it must not run", code="history_unavailable") from error
-        self._waiting.saved(entries)
-        self._wake.set()
-
-    async def _is_written(self, goal_id: str) -> bool:
-        """Return whether the running transaction stores a goal; a refused goal must not appear in the history."""
-        ticket = asyncio.get_running_loop().create_future()
-        self._tickets[ticket] = goal_id
-        try:
-            async with asyncio.timeout(REFUSE_AFTER):
-                await ticket
-        except DATABASE_ERRORS:
-            return False
         finally:
-            del self._tickets[ticket]
-        return True
+            if stored is not None:
+                stored.cancel()
+        return False
 
-    def _settle(self, batch: Batch, error: Exception | None) -> None:
-        written = {goal.goal_id for goal in batch.goals}
-        for ticket, goal_id in self._tickets.items():
-            if goal_id in written and not ticket.done():
-                ticket.set_result(None) if error is None else ticket.set_exception(error)
-                ticket.exception()  # mark it as retrieved; the waiter may be gone
+    async def _write_new(self, batch: Batch) -> None:
+        try:
+            await self._write(batch)
+        except Exception as error:
+            self.doubt(error)
+            raise
+        self._say_reachable()
 
     # ------------------------------------------------------------------ the database
 
     async def _write_on(self) -> None:
         pause = 0.0
         while True:
-            if pause:
-                await asyncio.sleep(pause)
-            else:
+            self._wake.clear()
+            if await self.flush():
+                pause = 0.0
                 await self._wake.wait()
-                with suppress(TimeoutError):
-                    async with asyncio.timeout(BATCH_INTERVAL):
-                        await self._urgent.wait()
-            # Write new goals first, unless the rest has waited too long.
-            fresh = time.monotonic() - self._waiting_since < BATCH_PATIENCE
-            urgent = self._urgent.is_set() and self.reachable and fresh
-            self._urgent.clear()
-            if not urgent:
-                self._wake.clear()
-            pause = 0.0 if await self.flush(urgent=urgent) else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+                await asyncio.sleep(BATCH_INTERVAL)
+            else:
+                pause = min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+                await asyncio.sleep(pause)
 
-    async def flush(self, *, urgent: bool = False) -> bool:
-        """Write all pending entries, or only the awaited goals if `urgent`; return False if the database fails."""
+    async def flush(self) -> bool:
+        """Write all pending entries; return False if the database fails."""
         try:
             if not self._database.prepared:
                 with self._run("the opening of the database"):
@@ -193,9 +165,8 @@ class Writer:
             if self._database.lost:
                 self._database.lost = False
                 self._on_loss()
-            await self._write_waiting(urgent=urgent)
-            if not urgent:
-                await self._empty_spool()
+            await self._write_waiting()
+            await self._empty_spool()
         except Exception as error:
             if not isinstance(error, DATABASE_ERRORS):
                 log.exception("while writing the history")
@@ -205,23 +176,17 @@ class Writer:
             self.answered.set()
         return True
 
-    async def _write_waiting(self, *, urgent: bool = False) -> None:
-        while len(batch := self._waiting.urgent(self._tickets.values()) if urgent else self._waiting.batch()) or (
-            not self.reachable
-        ):
-            self._in_flight = {goal.goal_id for goal in batch.goals}
-            try:
-                await self._write(batch)
-            except Exception as error:
-                self._settle(batch, error)
-                raise
-            finally:
-                self._in_flight = set()
+    async def _write_waiting(self) -> set[str]:
+        """Write all that waits, except goals that are held; return the ids of the goals."""
+        written: set[str] = set()
+        while len(batch := self._waiting.batch()) or not self.reachable:
+            await self._write(batch)
             self._waiting.done(batch)
-            self._settle(batch, None)
             self._say_reachable()
+            written.update(goal.goal_id for goal in batch.goals)
             if not batch.full:
                 break
+        return written
 
     async def _write(self, batch: Batch) -> None:
         try:
@@ -251,14 +216,16 @@ class Writer:
             return
         evicted = self.evicted
         paths = await self._spool.rotate()
-        # An entry is in memory before it is in a file: what these files hold is written here, or was evicted.
-        await self._write_waiting()
+        # What these files hold is in memory, was evicted, or is in the database: after an append, which was before the
+        # rotation, `keep` has gone on, too.
+        left = set(self._waiting.goals)
+        left -= await self._write_waiting()
         if evicted:
             async for entries in self._spool.read(paths):
                 await self._write(batch_of(entries))
                 await asyncio.sleep(0)
-        if self.evicted > evicted:
-            return  # entries of these files were evicted meanwhile; they are read next time
+        if self.evicted > evicted or left:
+            return  # entries of these files were evicted or held meanwhile; next time
         self.evicted = 0
         await self._spool.remove(paths)
         log.info("all spooled entries are in the database")
@@ -283,7 +250,6 @@ class Writer:
         if self.reachable:
             self._say_unreachable(error)
         self._wake.set()
-        self._urgent.set()
         return True
 
     # ------------------------------------------------------------------ the spool
@@ -332,7 +298,6 @@ class Writer:
         if self._spool.count:
             log.info("%d spooled entries wait for the database", self._spool.count)
         self._wake.set()
-        self._urgent.set()
 
     async def close(self, timeout: float) -> None:
         """Write the pending entries for `timeout` seconds, and spool the rest."""
@@ -353,3 +318,9 @@ class Writer:
         await asyncio.gather(*self._tasks, return_exceptions=True)
         if self._waiting.anything or self._spool.count:
             await self.flush()
+
+
+async def _succeeds(stored: "asyncio.Future[None]", timeout: float) -> bool:
+    """Wait for a commit; return whether it is done, and without an error."""
+    await asyncio.wait([stored], timeout=timeout)
+    return stored.done() and stored.exception() is None

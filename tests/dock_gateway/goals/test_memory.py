@@ -197,14 +197,14 @@ async def test_goals_leave_nothing_behind(scene: Scene, fate: Callable[[Scene], 
     assert grown() == {}
 
 
-async def test_a_goal_that_is_spooled_leaves_no_ticket(tmp_path: Path) -> None:
+async def test_a_goal_that_is_spooled_leaves_nothing_pending(tmp_path: Path) -> None:
     path = tmp_path / "history.db"
     async with open_at(f"sqlite:///{path}", tmp_path, max_waiting=10) as history:
         with locked(str(path)):
             for number in range(50):
                 await history.add(make_goal(number))
             await until(lambda: history.stats().waiting <= 10)
-            assert sizes(history)["SqlHistory.writer._tickets"] == 0
+            assert sizes(history)["SqlHistory.writer._new_goals._pending"] == 0
         await written(history)
     assert max(sizes(history).values()) < 10
 

@@ -376,3 +376,19 @@ async def test_a_deleted_spool_is_written_again(sqlite_url: str, tmp_path: Path)
             assert all(
                 name in kept for name in (b"goal-0001", b"goal-0002", b'"key"', (make_event(1).id or "").encode())
             )
+
+
+async def test_the_spool_stays_while_a_goal_is_held_back(sqlite_url: str, tmp_path: Path) -> None:
+    """Its events are being stored, so it is not in the database yet: the spool alone would survive a kill."""
+    async with open_at(sqlite_url, tmp_path) as history:
+        goal = make_goal(1, GoalStatus.EXECUTING)
+        history._waiting.hold(goal.goal_id)
+        await history._spool.append([goal])
+        history._waiting.put_goal(goal, safe=True)
+        await history.writer.flush()
+        assert history.stats().spooled == 1
+        assert list((tmp_path / "spool").iterdir()) != []
+        history._waiting.let_go(goal.goal_id)
+        await history.writer.flush()
+        assert history.stats().spooled == 0
+        assert await history.database.read(lambda db: db.scalar(sa.text("SELECT count(*) FROM goals"))) == 1
