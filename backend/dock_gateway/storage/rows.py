@@ -39,6 +39,9 @@ class Key:
         return self.expires_at <= datetime.now(UTC)
 
 
+Entry = Goal | Event | Key
+
+
 @dataclass
 class Batch:
     """The entries of one transaction. `gaps` maps topics to the id of their newest dropped event."""
@@ -166,7 +169,7 @@ def key_row(key: Key) -> Row:
     return {"key": key.key, "goal_id": key.goal_id, "fingerprint": key.fingerprint, "expires_at": key.expires_at}
 
 
-def line_of(entry: Goal | Event | Key) -> bytes:
+def line_of(entry: Entry) -> bytes:
     """Convert an entry to a spool line: a checksum, then JSON."""
     kind, row = (
         ("goal", goal_row(entry))
@@ -189,7 +192,7 @@ def _checked_line(document: dict[str, Any]) -> bytes:
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
-def entry_of(line: bytes) -> Goal | Event | Key:
+def entry_of(line: bytes) -> Entry:
     """Convert a spool line to its entry.
 
     Raises:

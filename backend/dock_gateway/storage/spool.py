@@ -19,16 +19,13 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.event import Event
-from dock_gateway.core.goal import Goal
 from dock_gateway.storage.files import identity
-from dock_gateway.storage.rows import Key, audit_entry_of, audit_line_of, entry_of, line_of
+from dock_gateway.storage.rows import Entry, audit_entry_of, audit_line_of, entry_of, line_of
 
 log = logging.getLogger(__name__)
 
 APPEND_TIMEOUT = 5.0  # seconds
 
-Entry = Goal | Event | Key
 Result = TypeVar("Result")
 SpooledT = TypeVar("SpooledT")
 

@@ -193,13 +193,13 @@ class SqlHistory:
     def record(self, goal: Goal) -> None:
         """Record the current state of a goal."""
         self._waiting.put_goal(goal)
-        self.writer.notice(must_keep=True)
+        self.writer.notice()
 
     def record_event(self, event: Event) -> None:
         """Record an event; duplicates are ignored."""
         if event.id is not None:
             self._waiting.put_event(event)
-            self.writer.notice(must_keep=not event.droppable)
+            self.writer.notice()
 
     def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
         """Record a goal, then store it and its events now, if the database answers; return them as stored."""
@@ -218,7 +218,7 @@ class SqlHistory:
         finally:
             if events:  # else some may be on the way already
                 self._waiting.let_go(goal.goal_id)
-                self.writer.notice(must_keep=True)
+                self.writer.notice()
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
         """Publish in the order of all gateways that share the database; return what asks for more."""

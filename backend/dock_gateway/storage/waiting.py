@@ -1,6 +1,7 @@
 """The entries that wait to be written: plain data in memory, bounded, and readable like stored entries."""
 
 from collections import Counter
+from collections.abc import Mapping
 from copy import copy
 from datetime import UTC, datetime
 from itertools import islice
@@ -10,9 +11,11 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.goal import Goal
 from dock_gateway.storage.merge import merge
-from dock_gateway.storage.rows import BATCH_EVENTS, BATCH_GOALS, Batch, Key
+from dock_gateway.storage.rows import BATCH_EVENTS, BATCH_GOALS, Batch, Entry, Key
 
 Kept = TypeVar("Kept")
+# The kind of an entry, and its id.
+Name = tuple[str, str]
 
 
 class Waiting:
@@ -37,7 +40,7 @@ class Waiting:
         self.gaps: dict[str, str] = {}
         self.dropped = 0
         self.held: Counter[str] = Counter()
-        self._unspooled: dict[tuple[str, str], Goal | Event | Key] = {}
+        self._unspooled: dict[Name, Entry] = {}
 
     def __len__(self) -> int:
         return len(self.goals) + len(self.events) + len(self.droppable) + len(self.keys)
@@ -52,7 +55,7 @@ class Waiting:
         """Whether any entry must not be lost."""
         return bool(self.goals or self.keys or self.events)
 
-    def put(self, entry: Goal | Event | Key, *, safe: bool = False) -> None:
+    def put(self, entry: Entry, *, safe: bool = False) -> None:
         """Add an entry; `safe` if it is in the spool."""
         if isinstance(entry, Goal):
             self.put_goal(entry, safe=safe)
@@ -146,14 +149,15 @@ class Waiting:
             if self.gaps.get(topic) == event_id:
                 del self.gaps[topic]
 
-    def unspooled(self) -> list[Goal | Event | Key]:
+    def unspooled(self) -> dict[Name, Entry]:
         """Return the entries that are only in memory."""
-        return [entry for (_, identity), entry in self._unspooled.items() if identity not in self.held]
+        return {name: entry for name, entry in self._unspooled.items() if name[1] not in self.held}
 
-    def saved(self, entries: list[Goal | Event | Key]) -> None:
-        """Mark entries as spooled."""
-        gone = {id(entry) for entry in entries}
-        self._unspooled = {name: entry for name, entry in self._unspooled.items() if id(entry) not in gone}
+    def saved(self, entries: Mapping[Name, Entry]) -> None:
+        """Mark entries as spooled, unless they have changed meanwhile."""
+        for name, entry in entries.items():
+            if self._unspooled.get(name) is entry:
+                del self._unspooled[name]
 
     def forget_spool(self) -> None:
         """Mark all entries as not spooled, because the spool is lost."""
@@ -185,7 +189,7 @@ class Waiting:
         return evicted
 
 
-def batch_of(entries: list[Goal | Event | Key]) -> Batch:
+def batch_of(entries: list[Entry]) -> Batch:
     """Return spool entries as one batch; versions of the same goal are merged."""
     waiting = Waiting(len(entries))
     for entry in entries:

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from copy import copy
 
@@ -14,17 +14,17 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.storage import queries
 from dock_gateway.storage.database import DATABASE_ERRORS, WRITE_TIMEOUT, Database, brief, is_about_data
 from dock_gateway.storage.group_commit import GroupCommit
-from dock_gateway.storage.rows import Batch, Key
-from dock_gateway.storage.spool import Entry, Spool
-from dock_gateway.storage.waiting import Waiting, batch_of
+from dock_gateway.storage.rows import Batch, Entry, Key
+from dock_gateway.storage.spool import Spool
+from dock_gateway.storage.waiting import Name, Waiting, batch_of
 
 log = logging.getLogger(__name__)
 
 ANSWER_TIMEOUT = 0.1  # Seconds that a new goal waits for the database before it goes to the spool.
 REFUSE_AFTER = 2.0  # Seconds that it waits for the database after that if the spool fails too.
 BATCH_INTERVAL = 0.2  # Seconds to collect a batch before it is written.
-# Seconds until entries that must be kept, and are not in the database yet, go to the spool.
-SPOOL_AFTER = 0.5
+# Seconds between two looks at what must be kept and is only in memory: what is found a second time goes to the spool.
+SPOOL_INTERVAL = 0.25
 SAY_AFTER = 2.0  # Seconds after which an access to the database that still runs is logged.
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # Seconds before the first retry, and at most.
 
@@ -53,7 +53,6 @@ class Writer:
         self._running: list[tuple[float, str]] = []  # what the database does, and since when
         self._new_goals = GroupCommit(self._write_new)
         self._wake = asyncio.Event()
-        self._guard = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
 
     def start(self) -> None:
@@ -92,11 +91,9 @@ class Writer:
         if (awaited := self.awaited) is not None:
             log.warning("the history database does not answer: %s", awaited)
 
-    def notice(self, *, must_keep: bool) -> None:
+    def notice(self) -> None:
         """Note that `waiting` has a new entry."""
         self._wake.set()
-        if must_keep:
-            self._guard.set()
 
     # ------------------------------------------------------------------ a new goal
 
@@ -112,7 +109,7 @@ class Writer:
                 self._waiting.put_key(each, safe=True)
             # Not before: what waits is written, and the goal might be refused.
             self._waiting.put_goal(goal, safe=True)
-            self.notice(must_keep=True)
+            self.notice()
 
     async def _store(self, batch: Batch) -> bool:
         """Store a batch in the database, or else in the spool; return whether the database has it."""
@@ -257,33 +254,30 @@ class Writer:
     async def _spool_on(self) -> None:
         complained = -60.0
         while True:
-            await self._guard.wait()
-            self._guard.clear()
-            await asyncio.sleep(SPOOL_AFTER)
+            earlier = self._waiting.unspooled().keys()
+            await asyncio.sleep(SPOOL_INTERVAL)
+            still = {name: entry for name, entry in self._waiting.unspooled().items() if name in earlier}
             try:
-                await self.save()
+                await self._save(still)
             except OSError as error:
-                self._guard.set()
                 self._waiting.shed()
                 if time.monotonic() - complained > 60.0:
                     complained = time.monotonic()
                     log.error("the spool cannot be written: %s", error)
 
-    async def save(self) -> None:
-        """Append the entries that are only in memory to the spool, and evict the excess."""
-        entries = self._waiting.unspooled()
+    async def _save(self, entries: Mapping[Name, Entry]) -> None:
+        """Append entries to the spool, and evict the excess."""
         if entries:
-            await self._append(entries)
+            await self._append(list(entries.values()))
             self._waiting.saved(entries)
+            self._wake.set()
         self.evicted += self._waiting.evict()
-        self._wake.set()
 
     async def _append(self, entries: list[Entry]) -> None:
         await self._spool.append(entries)
         if self._spool.lost:
             self._spool.lost = False
             self._waiting.forget_spool()
-            self._guard.set()
 
     async def take_over(self) -> None:
         """Load what earlier processes left in the spool."""
@@ -297,7 +291,6 @@ class Writer:
             log.error("the spool cannot be read: %s", error)
         if self._spool.count:
             log.info("%d spooled entries wait for the database", self._spool.count)
-        self._wake.set()
 
     async def close(self, timeout: float) -> None:
         """Write the pending entries for `timeout` seconds, and spool the rest."""
@@ -308,7 +301,7 @@ class Writer:
         await asyncio.wait([last], timeout=timeout)
         last.cancel()
         try:
-            await self.save()
+            await self._save(self._waiting.unspooled())
         except OSError as error:
             log.error("%d entries are lost: the spool cannot be written: %s", len(self._waiting.unspooled()), error)
         with suppress(OSError):

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.core.goal import Goal, GoalError
-from dock_gateway.storage.rows import Key, entry_of, line_of
-from dock_gateway.storage.spool import Entry, Spool
+from dock_gateway.storage.rows import Entry, Key, entry_of, line_of
+from dock_gateway.storage.spool import Spool
 from tests.support.history import make_event, make_goal
 
 

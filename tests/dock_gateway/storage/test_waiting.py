@@ -26,7 +26,7 @@ def test_what_must_be_kept_leaves_memory_only_for_the_spool() -> None:
         waiting.put_goal(make_goal(number))
     assert waiting.evict() == 0
     waiting.saved(waiting.unspooled())
-    assert waiting.unspooled() == []
+    assert waiting.unspooled() == {}
     assert waiting.evict() == 40
     assert (len(waiting.events), len(waiting.goals)) == (10, 10)
 
@@ -44,7 +44,7 @@ def test_a_goal_that_changes_while_it_is_written_goes_on_waiting() -> None:
     assert len(waiting.unspooled()) == 1
     waiting.done(waiting.batch())
     assert not waiting.anything
-    assert waiting.unspooled() == []
+    assert waiting.unspooled() == {}
 
 
 def test_a_key_is_forgotten_with_its_goal() -> None:
@@ -55,7 +55,7 @@ def test_a_key_is_forgotten_with_its_goal() -> None:
     waiting.forget_key("k", "g1")
     waiting.forget_key("k", "g1")
     assert not waiting.anything
-    assert waiting.unspooled() == []
+    assert waiting.unspooled() == {}
 
 
 def test_batches_are_bounded() -> None:
