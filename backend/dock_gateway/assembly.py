@@ -41,11 +41,10 @@ from dock_gateway.fleet.wheels_watch import WheelsWatch
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.goals.approvals import Approvals
-from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.limits import LIMITS, GoalLimits
-from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.unfinished import store_unfinished, take_over_unfinished
@@ -119,14 +118,26 @@ async def _open(
     stack.push_async_callback(asyncio.to_thread, bridge.close)
     interlock = closed_by(stack, _make_interlock(settings, fanout))
     last_goals = closed_by(stack, LastGoals(history))
-    actions = closed_by(
-        stack,
-        ActionRegistry(settings, bridge, fanout, history, reasons, interlock=interlock, share=share, limits=limits),
-    )
-    history.on_loss = lambda: store_unfinished(actions, history)
-    _follow_docking(actions, last_goals, fanout)
     robots = closed_by(stack, RobotRegistry(settings, bridge, fanout, interlock, last_goals, share=share))
     gateways.robots = robots.namespaces
+    labels, robot_actions = await _map_actions(settings, history, robots, stack)
+    actions = closed_by(
+        stack,
+        ActionRegistry(
+            settings,
+            bridge,
+            fanout,
+            history,
+            reasons,
+            interlock=interlock,
+            robots=robots,
+            robot_actions=robot_actions,
+            share=share,
+            limits=limits,
+        ),
+    )
+    history.on_loss = lambda: store_unfinished(actions, history)
+    _follow_docking(actions, robot_actions, last_goals, fanout)
     stopper = closed_by(stack, Stopper(robots, actions, interlock, share=share))
     simulators = closed_by(stack, Simulators(settings, bridge, fanout, robots))
     approvals = closed_by(stack, _make_approvals(settings, fanout, actions, simulators))
@@ -154,8 +165,7 @@ async def _open(
     )
     stop_of_all = closed_by(stack, StopOfAll(settings, robots, interlock, stopper))
     await _open_robots(robots, actions, share, stop_of_all)
-    labels = await _open_labels(history, robots, stack)
-    graph_watch = _make_graph_watch(settings, bridge, robots, actions)
+    graph_watch = _make_graph_watch(settings, bridge, robots, actions, robot_actions)
     decisions = DecisionLog(fanout, history.documents("decision", Decision))
     alerts = closed_by(
         stack,
@@ -170,7 +180,7 @@ async def _open(
             only=robots.namespaces if share.limited else None,
         ),
     )
-    robot_actions = RobotActions(settings, actions, robots)
+    hints = DockingHints(settings, actions, robots)
     fleet = closed_by(
         stack,
         Fleet(
@@ -179,6 +189,7 @@ async def _open(
             robots=robots,
             actions=actions,
             robot_actions=robot_actions,
+            hints=hints,
             interlock=interlock,
             simulators=simulators,
             last_goals=last_goals,
@@ -191,6 +202,7 @@ async def _open(
         AutomaticDocking(
             fleet,
             actions,
+            robot_actions,
             history,
             activity=activity,
             shared=lambda: graph_watch.shared,
@@ -216,6 +228,7 @@ async def _open(
                 Departures(
                     robots,
                     actions,
+                    robot_actions,
                     interlock,
                     last_goals,
                     forget_after=settings.forget_robot_after,
@@ -235,9 +248,8 @@ async def _open(
             ActionRegistry: actions,
             RobotActions: robot_actions,
             Approvals: approvals,
-            DockingActions: actions.docking,
-            Goals: Goals(actions, actions.docking, history),
-            Owners: Owners(actions.docking, robots, labels, history),
+            DockingHints: hints,
+            Goals: Goals(actions, robot_actions, history),
             Docks: closed_by(stack, Docks(settings, bridge)),
             Share: share,
             Gateways: gateways,
@@ -321,10 +333,13 @@ async def _open_robots(robots: RobotRegistry, actions: ActionRegistry, share: Sh
     await stop_of_all.open()
 
 
-async def _open_labels(history: History, robots: RobotRegistry, stack: AsyncExitStack) -> Labels:
+async def _map_actions(
+    settings: Settings, history: History, robots: RobotRegistry, stack: AsyncExitStack
+) -> tuple[Labels, RobotActions]:
+    """Open the labels of robots, and make what maps robots to their actions."""
     labels = closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces))
     await labels.open()
-    return labels
+    return labels, RobotActions(settings, robots, labels, history)
 
 
 def _make_fanout(settings: Settings, history: History) -> Fanout:
@@ -380,9 +395,11 @@ def _record(
     return Recordings(store, recorder)
 
 
-def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry) -> GraphWatch:
+def _make_graph_watch(
+    settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry, robot_actions: RobotActions
+) -> GraphWatch:
     """Watch the graph for mistakes, which are also named where a goal is aborted because of them."""
-    watch = GraphWatch(settings, bridge, robots, actions)
+    watch = GraphWatch(settings, bridge, robots, robot_actions)
     actions.remark = watch.remark
     return watch
 
@@ -401,14 +418,16 @@ def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, ap
     interlock.on_release.append(activity.intervened)
 
 
-def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, fanout: Fanout) -> None:
+def _follow_docking(
+    actions: ActionRegistry, robot_actions: RobotActions, last_goals: LastGoals, fanout: Fanout
+) -> None:
     """Note and publish which actions dock and undock a robot, whenever that changes."""
 
     def changed(robot: str) -> None:
-        last_goals.watch(*actions.docking.of(robot))
+        last_goals.watch(*robot_actions.docking_pair(robot))
         fanout.publish(system_event("docking", actions.servers_of(robot)._asdict(), utc_now(), robot=robot))
 
-    actions.docking.on_change.append(changed)
+    robot_actions.on_change.append(changed)
     actions.on_end.append(last_goals.take)
 
 

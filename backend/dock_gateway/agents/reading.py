@@ -12,9 +12,9 @@ from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.queries import read_goal_filter
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.routes import list_all_goals
 from dock_gateway.graph.interface_routes import interface_document
 from dock_gateway.http.operation import Audit, Scope, carries_out, operation
@@ -87,7 +87,7 @@ async def list_goals(parts: Parts, principal: Principal, fields: Fields) -> Fiel
     action, status = fields.get("action"), fields.get("status")
     wanted = await read_goal_filter(
         settings=parts[Settings],
-        owners=parts[Owners],
+        robot_actions=parts[RobotActions],
         grant=principal.grant,
         robot=fields.get("robot"),
         action=None if action is None else [action],

@@ -19,7 +19,8 @@ from dock_gateway.agents.reading import (
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.approvals import Approvals
-from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.goals.docking_hints import DockingHints
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.bodies import read_model
 from dock_gateway.http.operation import Operation, Scope, operation, operation_of
 from dock_gateway.http.parts import Parts
@@ -44,8 +45,8 @@ async def _dock(_: Parts, __: Principal, fields: Fields) -> Fields:
 
 
 async def _undock(parts: Parts, principal: Principal, fields: Fields) -> Fields:
-    with parts[RobotActions].hinting(fields.get("robot"), principal.grant):
-        action = await parts[RobotActions].find("undock", fields.pop("robot", None), principal.grant)
+    with parts[DockingHints].hinting(fields.get("robot"), principal.grant):
+        action = await parts[ActionRegistry].find_docking("undock", fields.pop("robot", None), principal.grant)
     message = action.port.encode_goal(action.parse_request(action.default_request))
     return {**fields, "action": action.name, "goal": orjson.loads(message)}
 

@@ -24,6 +24,7 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook
 
@@ -46,7 +47,8 @@ class AutomaticDocking:
 
     Args:
         fleet: The state of the robots.
-        actions: The docking actions.
+        actions: All actions.
+        robot_actions: Which of them dock each robot.
         history: Finds goals that were sent before a restart.
         activity: Since when robots stand still.
         rules: The rules.
@@ -58,6 +60,7 @@ class AutomaticDocking:
         self,
         fleet: Fleet,
         actions: ActionRegistry,
+        robot_actions: RobotActions,
         history: History,
         *,
         activity: Activity,
@@ -71,6 +74,7 @@ class AutomaticDocking:
         self._sync_every = sync_every
         self._fleet = fleet
         self._actions = actions
+        self._robot_actions = robot_actions
         self._history = history
         self._activity = activity
         self._rules = rules
@@ -280,7 +284,7 @@ class AutomaticDocking:
                 detail=facts[decision.robot].stopped if held else None,
             )
         try:
-            action = self._actions.get(self._actions.docking.of(decision.robot).dock)
+            action = self._actions.get(self._robot_actions.docking_pair(decision.robot).dock)
             if action is None:
                 raise Unavailable(f"{decision.robot} has no docking server")
             message = action.parse_request(action.default_request)

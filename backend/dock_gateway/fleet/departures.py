@@ -5,6 +5,7 @@ from collections.abc import Awaitable, Callable
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.registry import Robot, RobotRegistry
@@ -26,6 +27,7 @@ class Departures:
     Args:
         robots: The robots.
         actions: The actions, with the robots' goals.
+        robot_actions: Which of them dock and undock each robot.
         interlock: The latched stops.
         last_goals: How the robots' goals ended.
         forget_after: Seconds of absence before a robot is removed; 0 means never.
@@ -37,6 +39,7 @@ class Departures:
         self,
         robots: RobotRegistry,
         actions: ActionRegistry,
+        robot_actions: RobotActions,
         interlock: Interlock,
         last_goals: LastGoals,
         *,
@@ -46,6 +49,7 @@ class Departures:
         self._leave = leave
         self._robots = robots
         self._actions = actions
+        self._robot_actions = robot_actions
         self._interlock = interlock
         self._last_goals = last_goals
         self._forget_after = forget_after
@@ -77,7 +81,7 @@ class Departures:
                     self._bases.discard(robot.namespace)
                     await self._leave(robot.namespace)
                     self._robots.forget(robot.namespace)
-                    self._actions.docking.forget(robot.namespace)
+                    self._robot_actions.forget(robot.namespace)
             except GatewayError:  # the others would fail too
                 raise
             except Exception:
@@ -103,7 +107,7 @@ class Departures:
 
     def _has_past(self, robot: Robot) -> bool:
         """Return whether it has had a battery, a base or a goal."""
-        names = self._actions.docking.all_names(robot.namespace)
+        names = self._robot_actions.docking_names(robot.namespace)
         return (
             robot.battery.age is not None or robot.namespace in self._bases or self._last_goals.last(*names) is not None
         )

@@ -19,7 +19,7 @@ from dock_gateway.fleet.findings import (
     wrong_action,
     wrong_type,
 )
-from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.registry import BATTERY_TYPE, RobotRegistry
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import STOP_TYPE, Scan, count_publishers, count_subscribers, find_gateways, read_topic
@@ -50,17 +50,17 @@ class GraphWatch:
         settings: Names.
         bridge: Runs calls on the ROS thread.
         robots: The robots.
-        actions: The docking actions.
+        robot_actions: The docking actions.
 
     Attributes:
         findings: The current faults.
         shared: The robots whose docking action is served by a node that serves that of another robot, too.
     """
 
-    def __init__(self, settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry) -> None:
+    def __init__(self, settings: Settings, bridge: Bridge, robots: RobotRegistry, robot_actions: RobotActions) -> None:
         self.findings: list[Finding] = []
         self.shared: frozenset[str] = frozenset()
-        self._actions = actions
+        self._robot_actions = robot_actions
         self._doubles: list[Finding] = []
         self._looked_at: tuple[float, dict[str, str]] = (float("-inf"), {})
         self._since: dict[Peer, float] = {}  # when each node was first seen, on the monotonic clock
@@ -104,7 +104,7 @@ class GraphWatch:
 
     def _find_wrong_actions(self, scan: Scan) -> Iterator[Finding]:
         """Yield the findings that actions are of another type than the settings say."""
-        catalog = self._actions.docking.catalog
+        catalog = self._robot_actions.catalog
         for verb in ADAPTERS:
             wanted = catalog.preferred(verb)
             for robot in self._robots.all() if wanted.strict and wanted.configured else ():
@@ -115,7 +115,8 @@ class GraphWatch:
 
     def _docking(self, scan: Scan) -> dict[str, str]:
         """Return the docking actions that have a server, by robot."""
-        docking = ((robot.namespace, self._actions.docking.of(robot.namespace).dock) for robot in self._robots.all())
+        names = self._robots.namespaces()
+        docking = ((robot, self._robot_actions.docking_pair(robot).dock) for robot in names)
         return {robot: action for robot, action in docking if action in scan.actions}
 
     async def _find_shared_servers(self, docking: Mapping[str, str]) -> list[Finding]:

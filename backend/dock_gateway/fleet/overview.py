@@ -17,6 +17,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
 from dock_gateway.fleet.robot_state import RobotState
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Join, Sight, find_join, split_robots
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -41,6 +42,8 @@ class Fleet:
         fanout: Receives events, and knows the subscribers.
         robots: The robots.
         actions: The actions.
+        robot_actions: Which of them dock and undock each robot.
+        hints: Which docking servers and batteries are on the graph.
         interlock: The latched stops.
         simulators: The simulators.
         last_goals: How docking and undocking goals ended.
@@ -56,6 +59,7 @@ class Fleet:
         robots: RobotRegistry,
         actions: ActionRegistry,
         robot_actions: RobotActions,
+        hints: DockingHints,
         interlock: Interlock,
         simulators: Simulators,
         last_goals: LastGoals,
@@ -67,6 +71,7 @@ class Fleet:
         self._robots = robots
         self._actions = actions
         self._robot_actions = robot_actions
+        self._hints = hints
         self._interlock = interlock
         self._simulators = simulators
         self._last_goals = last_goals
@@ -122,8 +127,8 @@ class Fleet:
 
     def _state(self, robot: Robot, running: list[Goal], lost: list[Goal], newest: Mapping[str, datetime]) -> RobotState:
         name = robot.namespace
-        names = self._actions.docking.of(name)
-        all_names = self._actions.docking.all_names(name)
+        names = self._robot_actions.docking_pair(name)
+        all_names = self._robot_actions.docking_names(name)
         dock, undock = self._actions.get(names.dock), self._actions.get(names.undock)
         simulator = self._simulators.find(name)
         ended = [goal for goal in lost if goal.action_name in all_names]
@@ -162,7 +167,7 @@ class Fleet:
         """
         only = None if namespace is None else self._robots.get(namespace).namespace
         states = [state for state in self.states() if grant.covers_robot(state.name)]
-        sights = self._robot_actions.sights(grant)
+        sights = self._hints.sights(grant)
         return [state.document(grant, _join(state, sights)) for state in states if only in (None, state.name)]
 
     # ------------------------------------------------------------------ publishing
@@ -178,7 +183,7 @@ class Fleet:
     def update(self) -> None:
         """Update the alerts; publish the robots that have changed, if there are subscribers."""
         states, strays = self._see()
-        sights = self._robot_actions.sights()
+        sights = self._hints.sights()
         self._alerts.update(states, strays, self._duplicates(), split_robots(sights))
         if not self._fanout.watched(TOPIC):
             self._published = {}

@@ -3,11 +3,12 @@
 from contextlib import suppress
 from typing import Any, Protocol
 
+from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage import GoalFilter, History
 
 # Maximum number of goals of each kind that a new subscriber gets from the history.
@@ -29,13 +30,13 @@ class Goals:
 
     Args:
         live: Those that are running.
-        docking: Which actions dock and undock robots.
+        robot_actions: Which actions dock and undock robots.
         history: Has all of them, as they were when they were last stored.
     """
 
-    def __init__(self, live: LiveGoals, docking: DockingActions, history: History) -> None:
+    def __init__(self, live: LiveGoals, robot_actions: RobotActions, history: History) -> None:
         self._live = live
-        self._docking = docking
+        self._robot_actions = robot_actions
         self._history = history
 
     async def get(self, goal_id: str, grant: Grant = UNLIMITED) -> Goal:
@@ -75,10 +76,10 @@ class Goals:
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream works without the past
             # Docking and undocking goals are queried by name, so that a busier action does not crowd them out.
-            named, all_names = event_filter.action_name, self._docking.all_names
+            named, robot = event_filter.action_name, event_filter.robot
             queries: list[frozenset[str]] = [frozenset() if named is None else frozenset({named})]
             if named is None:
-                queries += [all_names(event_filter.robot, "dock"), all_names(event_filter.robot, "undock")]
+                queries += [self._robot_actions.docking_names(robot, verb) for verb in ADAPTERS]
             for names in queries:
                 newest += await self._history.page(
                     GoalFilter(names, event_filter.namespace, homed=event_filter.homed), limit=RECENT

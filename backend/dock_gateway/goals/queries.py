@@ -8,7 +8,7 @@ from pydantic import AfterValidator, StringConstraints
 
 from dock_gateway.core.goal import Origin
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import SinceQuery, UntilQuery
@@ -57,7 +57,7 @@ GroupQuery = Annotated[
 async def read_goal_filter(
     *,
     settings: Part[Settings],
-    owners: Part[Owners],
+    robot_actions: Part[RobotActions],
     grant: TheGrant,
     robot: NamespaceQuery = None,
     action: ActionsQuery = None,
@@ -90,8 +90,8 @@ async def read_goal_filter(
         id_prefix=id or "",
         tags=frozenset(name.strip() for name in tag or ()),
         group=group,
-        among=await owners.choose_actions(grant, group),
-        homed=owners.homed_in(robot),
+        among=await robot_actions.choose_actions(grant, group),
+        homed=robot_actions.homed_in(robot),
     )
 
 

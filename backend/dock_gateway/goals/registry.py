@@ -9,22 +9,23 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from dock_gateway.core.discovery import Discovery
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.core.event import status_event, utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.filters import is_hidden, parent_of, prefix_of
+from dock_gateway.core.filters import is_hidden, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.publication import GoalPublisher
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.submission import BeforeSend
 from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.action_port import ActionKind, ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
@@ -77,12 +78,13 @@ class ActionRegistry:
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         interlock: The latched stops.
+        robots: All robots.
+        robot_actions: The robots of the actions, and which of these dock and undock them.
         share: The robots whose actions these are.
         limits: How long to wait for what is to be known of goals.
         forget_after: Seconds after which an action that is off the graph is removed.
 
     Attributes:
-        docking: Which of the actions dock and undock each robot.
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
         halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
         before_send: What every goal that somebody sends waits for; what it raises refuses the goal.
@@ -101,6 +103,8 @@ class ActionRegistry:
         reasons: PendingFacts[GoalError],
         *,
         interlock: Interlock,
+        robots: RobotRegistry,
+        robot_actions: RobotActions,
         share: Share = EVERYTHING,
         limits: GoalLimits = LIMITS,
         forget_after: float = FORGET_AFTER,
@@ -111,6 +115,9 @@ class ActionRegistry:
         self.halt: Callable[[Goal], str] = lambda _: ""
         self._parts = (settings, fanout, history, reasons)
         self._interlock = interlock
+        self._robots = robots
+        self._robot_actions = robot_actions
+        self._catalog = robot_actions.catalog
         self._share = share
         self._limits = limits
         self._forget_after = forget_after
@@ -125,8 +132,6 @@ class ActionRegistry:
         fanout.on_close.append(self._release_all)
         self._actions: dict[str, Action] = {}
         self._configured_namespace = parent_of(settings.resolve("dock"))
-        self._catalog = DockingCatalog(settings)
-        self.docking = DockingActions(self._catalog, self._actions)
         self._pinned: set[str] = set()
         self._types: dict[str, list[str]] = {}  # on the graph, by action
         self._discovery = Discovery("action", settings.max_actions, "max_actions")
@@ -201,6 +206,7 @@ class ActionRegistry:
         ):
             action.tracker.on[news].append(partial(_notify, listeners))
         self._actions[name] = action
+        self._robot_actions.add(action)
         unfinished = self._unfinished.pop(name, {})
         try:
             for goal in unfinished.values():
@@ -246,7 +252,7 @@ class ActionRegistry:
             more = await self._discovery.take_up(new, self._actions, self._take_up)
             return more or not leaving.isdisjoint(scan.actions)
         finally:
-            self.docking.update()
+            self._robot_actions.update()
             self._changed.set()
             self._changed.clear()
 
@@ -281,6 +287,7 @@ class ActionRegistry:
     async def _forget(self, action: Action) -> None:
         log.info("action %s left the ROS graph", action.name)
         del self._actions[action.name]
+        self._robot_actions.remove(action.name)
         self._dropped_before += action.feedback_dropped
         self._ignored_before += action.unknown_goals_ignored
         await action.close()
@@ -305,8 +312,7 @@ class ActionRegistry:
 
     def under(self, namespace: str) -> list[Action]:
         """Return the actions of a robot: those in its namespace or below it, and those that all robots share."""
-        prefix, shared, place = prefix_of(namespace), self._catalog.shared, self._catalog.place_of
-        return [action for action in self.all() if place(action.name).startswith(prefix) or action.name in shared]
+        return [action for action in self.all() if self._robot_actions.is_below(action.name, namespace)]
 
     def _hear_stop(self, namespace: str) -> None:
         for action in self.under(namespace):
@@ -335,23 +341,29 @@ class ActionRegistry:
         self._require_installed(name)
         return self._actions[name]
 
-    async def find_docking(self, verb: Verb, namespace: str) -> Action:
-        """Return the action that docks or undocks a robot, waiting for one to appear.
+    async def find_docking(self, verb: Verb, robot: str | None = None, grant: Grant = UNLIMITED) -> Action:
+        """Return the action that docks or undocks a robot, waiting for one to appear; default: the configured robot.
+
+        It may be another one than when the request was authorized.
 
         Raises:
-            NotFound: `action_not_found`: there is none.
+            NotFound: There is no such robot (`robot_not_found`), or it has no such action (`action_not_found`).
+            NotAllowed: The grant does not cover the action (`not_covered`).
+            ServedElsewhere: The robot is not one of this gateway's.
             Unavailable: `interface_not_installed`: it cannot be used; the detail says why.
         """
+        namespace = self._robots.get(robot).namespace
         try:
             async with asyncio.timeout(self._settings.server_wait):
-                while (action := self._actions.get(self.docking.name(verb, namespace))) is None:
-                    for name in self._discovery.failed.keys() & self.docking.all_names(namespace, verb):
+                while (action := self._actions.get(self._robot_actions.docking_name(verb, namespace))) is None:
+                    for name in self._discovery.failed.keys() & self._robot_actions.docking_names(namespace, verb):
                         if self._verb_of(name) == verb:
                             self._require_installed(name)
                     await self._changed.wait()
         except TimeoutError:
-            name = self.docking.name(verb, namespace)
+            name = self._robot_actions.docking_name(verb, namespace)
             raise NotFound(f"there is no server for the action {name}", code="action_not_found") from None
+        grant.require_action(action.name)
         return action
 
     def _require_installed(self, name: str) -> None:
@@ -376,7 +388,7 @@ class ActionRegistry:
 
     def servers_of(self, namespace: str) -> DockingServers:
         """Return the states of a robot's docking and undocking servers, even if they have never been seen."""
-        names = self.docking.of(namespace)
+        names = self._robot_actions.docking_pair(namespace)
         return DockingServers(self._server(names.dock), self._server(names.undock))
 
     def _server(self, name: str) -> ServerState:

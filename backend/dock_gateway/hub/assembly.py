@@ -12,14 +12,12 @@ from dock_gateway.access.tickets import Tickets
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.alerts import Alerts
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.goals.approvals import Approvals
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.hub.collector import HubCollector
@@ -88,10 +86,10 @@ async def _open(
     sites = closed_by(stack, Sites(broker, caller, signer, history, store))
     stops = closed_by(stack, Stops(sites, history.documents("stop", StopEntry)))
     sites.pending_stop = stops.pending
-    docking = DockingActions(DockingCatalog(settings), {})
-    goals = Goals(NoLiveGoals(), docking, history)
-    overview = closed_by(stack, Overview(fanout, sites, goals, history))
     labels = SiteLabels(sites)
+    robot_actions = RobotActions(settings, sites, labels, history)
+    goals = Goals(NoLiveGoals(), robot_actions, history)
+    overview = closed_by(stack, Overview(fanout, sites, goals, history))
     notifier = closed_by(stack, make_notifier(history, overview, labels))
     logins = closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
@@ -111,8 +109,7 @@ async def _open(
             Alerts: overview,
             Present: overview,
             Goals: goals,
-            Owners: Owners(docking, overview, labels, history),
-            DockingActions: docking,
+            RobotActions: robot_actions,
             Approvals: Approvals(settings, fanout, lambda _: None, lambda _: False),
             Notifier: notifier,
             Logins: logins,

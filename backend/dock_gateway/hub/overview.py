@@ -98,7 +98,7 @@ class Overview:
 
     def namespaces(self) -> list[str]:
         """Return the namespaces of all robots, sorted."""
-        return sorted(name for view in self._sites.views() for name in view.robots)
+        return self._sites.namespaces()
 
     def find(self, namespace: str | None = None) -> str:
         """Return the namespace of a robot, or of robots: `/berlin`.

@@ -283,6 +283,10 @@ class Sites:
         """Return the latest reports of all sites."""
         return [self.view(name) for name in self._directory.sites]
 
+    def namespaces(self) -> list[str]:
+        """Return the namespaces of the robots of all sites, sorted."""
+        return sorted(name for view in self.views() for name in view.robots)
+
     def state(self, name: str) -> SiteState:
         """Return the state of a site that is known."""
         return self._directory.sites[name].state(time.monotonic())

@@ -10,8 +10,8 @@ from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
@@ -75,8 +75,8 @@ async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) ->
     history, stop = parts[History].stats(), parts[Stopper].state(name)
     hint, robots, found = None, list[str](), list[str]()
     if sees_everything:
-        hint = None if state.available else parts[RobotActions].hint(name, UNLIMITED)
-        robots = [sight.robot for sight in parts[RobotActions].sights() if sight.battery or sight.dock or sight.undock]
+        hint = None if state.available else parts[DockingHints].hint(name, UNLIMITED)
+        robots = [sight.robot for sight in parts[DockingHints].sights() if sight.battery or sight.dock or sight.undock]
         found = [alert.detail for alert in parts[AlertBoard].of_graph(name)]
     else:
         history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}

@@ -10,9 +10,9 @@ from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.cancellation import require_unfinished
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Parts
 
@@ -46,22 +46,22 @@ async def send_goal(parts: Parts, principal: Principal, order: SendGoal) -> tupl
     if order.action is not None:
         action = await parts[ActionRegistry].find(order.action)
         return action, await _submit(action, principal, order)
-    with parts[RobotActions].hinting(order.robot, principal.grant):
-        return await _send_docking_goal(parts[RobotActions], principal, order)
+    with parts[DockingHints].hinting(order.robot, principal.grant):
+        return await _send_docking_goal(parts[ActionRegistry], principal, order)
 
 
-async def _send_docking_goal(robot_actions: RobotActions, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
+async def _send_docking_goal(actions: ActionRegistry, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
     """Send a goal to a robot's action or, if that has no server and another one is picked meanwhile, to that one.
 
     Raises:
         Conflict: `stopped`: a stop was requested meanwhile.
     """
-    action = await robot_actions.find(order.verb, order.robot, principal.grant)
+    action = await actions.find_docking(order.verb, order.robot, principal.grant)
     stops = action.delivery.stops
     try:
         return action, await _submit(action, principal, order)
     except Unavailable:
-        other = action if action.on_graph else await robot_actions.find(order.verb, order.robot, principal.grant)
+        other = action if action.on_graph else await actions.find_docking(order.verb, order.robot, principal.grant)
         if other is action:
             raise
         action.delivery.require_no_stop_since(stops)

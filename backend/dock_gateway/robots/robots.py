@@ -5,7 +5,14 @@ from typing import Protocol
 from dock_gateway.storage import RobotLabel
 
 
-class Robots(Protocol):
+class RobotNames(Protocol):
+    """The names of robots."""
+
+    def namespaces(self) -> list[str]:
+        """Return the namespaces of all robots, sorted."""
+
+
+class Robots(RobotNames, Protocol):
     """The robots that requests may name.
 
     Attributes:
@@ -15,9 +22,6 @@ class Robots(Protocol):
 
     default_namespace: str
     own_robot: bool
-
-    def namespaces(self) -> list[str]:
-        """Return the namespaces of all robots, sorted."""
 
     def find(self, namespace: str | None = None) -> str:
         """Return the namespace of a robot as it is written in answers; default: that of the configured one.

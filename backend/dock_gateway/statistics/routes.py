@@ -1,7 +1,7 @@
 """`/statistics`: how goals ended, by day, robot or action, and how long docking takes."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, date, datetime, time, timedelta
 from typing import Annotated, Any, Literal
@@ -15,7 +15,6 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.grant import Role
-from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.queries import (
     ActionsQuery,
     GroupQuery,
@@ -24,6 +23,7 @@ from dock_gateway.goals.queries import (
     TagsQuery,
     read_goal_filter,
 )
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
@@ -58,7 +58,7 @@ Group = tuple[str, GoalFilter, Tally]
 async def read_wanted(
     *,
     settings: Part[Settings],
-    owners: Part[Owners],
+    robot_actions: Part[RobotActions],
     grant: TheGrant,
     robot: NamespaceQuery = None,
     action: ActionsQuery = None,
@@ -79,7 +79,7 @@ async def read_wanted(
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
     return await read_goal_filter(
         settings=settings,
-        owners=owners,
+        robot_actions=robot_actions,
         grant=grant,
         robot=robot,
         action=action,
@@ -97,7 +97,12 @@ WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
 @router.get("/statistics")
 @operation(Role.VIEWER, Scope.LISTED)
 async def statistics(
-    history: Part[History], owners: Part[Owners], wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
+    history: Part[History],
+    robot_actions: Part[RobotActions],
+    wanted: WantedQuery,
+    *,
+    by: ByQuery = "day",
+    tz: ZoneQuery = "UTC",
 ) -> Answer[Statistics]:
     """Return how the goals ended that were created from `since` up to but not including `until`.
 
@@ -113,7 +118,8 @@ async def statistics(
             for (day, span), tallies in zip(days.items(), found, strict=True)
         ]
     else:
-        groups = group(wanted, found[0], owners.among(found[0]) if by == "robot" else str)
+        keys = robot_actions.robots_of(found[0]) if by == "robot" else {name: name for name in found[0]}
+        groups = group(wanted, found[0], keys)
     document = await asyncio.to_thread(describe, wanted, groups)
     return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
 
@@ -123,7 +129,7 @@ async def statistics(
 async def docking_time(
     settings: Part[Settings],
     history: Part[History],
-    owners: Part[Owners],
+    robot_actions: Part[RobotActions],
     grant: TheGrant,
     *,
     robot: NamespaceQuery = None,
@@ -133,11 +139,10 @@ async def docking_time(
     spans = two_weeks(utc_now())
     since, until = spans[0][0], spans[-1][1]
     wanted = await read_goal_filter(
-        settings=settings, owners=owners, grant=grant, robot=robot, since=since, until=until, group=group
+        settings=settings, robot_actions=robot_actions, grant=grant, robot=robot, since=since, until=until, group=group
     )
     found = await history.tally(wanted, spans, by_action=True)
-    owner = owners.among({name for tallies in found for name in tallies})
-    trends = find_trends(wanted, found, owner, owners.docks)
+    trends = find_trends(wanted, found, robot_actions)
     robots = await asyncio.to_thread(lambda: [trend.describe(spans, _path) for trend in trends])
     return json_response({"since": since, "until": until, "robots": robots})
 
@@ -179,11 +184,11 @@ def _midnight(day: date, zone: ZoneInfo) -> datetime:
     return datetime.combine(day, time(), zone).astimezone(UTC)
 
 
-def group(wanted: GoalFilter, found: Tallies, key_of: Callable[[str], str]) -> list[Group]:
+def group(wanted: GoalFilter, found: Tallies, keys: Mapping[str, str]) -> list[Group]:
     """Put the tallies of actions into groups, sorted by key; each with the filter that selects its goals."""
     groups: dict[str, Tallies] = {}
     for action_name, tally in found.items():
-        groups.setdefault(key_of(action_name), {})[action_name] = tally
+        groups.setdefault(keys[action_name], {})[action_name] = tally
     return [
         (key, replace(wanted, namespace="/", action_names=frozenset(tallies)), merged(tallies.values()))
         for key, tallies in sorted(groups.items())

@@ -1,11 +1,12 @@
 """How long docking takes each robot: the last seven days, compared with the seven before."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import Any
 
 from dock_gateway.core.filters import GoalFilter
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage.statistics import Span, Tallies, Tally, merged
 
 DAY = timedelta(days=1)
@@ -85,21 +86,18 @@ def _rounded(tally: Tally) -> float | None:
 def find_trends(
     wanted: GoalFilter,
     found: Sequence[Tallies],
-    owner: Callable[[str], str],
-    docks: Callable[[str], Iterable[str]],
+    robot_actions: RobotActions,
 ) -> list[DockingTrend]:
     """Return the trend of each robot that has docked in the fourteen days, sorted by name.
 
     Args:
         wanted: Which goals were asked for.
         found: The tallies of each day by action.
-        owner: Names the robot of an action.
-        docks: Names the docking actions of a robot.
+        robot_actions: The robots of the actions.
     """
     by_robot: dict[str, set[str]] = {}
-    for name in {name for tallies in found for name in tallies}:
-        robot = owner(name)
-        if name in docks(robot):
+    for name, robot in robot_actions.robots_of(name for tallies in found for name in tallies).items():
+        if name in robot_actions.docking_names(robot, "dock"):
             by_robot.setdefault(robot, set()).add(name)
     trends = (
         DockingTrend(

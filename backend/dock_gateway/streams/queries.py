@@ -11,7 +11,7 @@ from dock_gateway.core.filters import EventFilter, WithoutFeedback
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.queries import EVENT_ID
 from dock_gateway.http.requests import read_goal_id
@@ -124,7 +124,7 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
         namespace=namespace,
         robot=_read_robot(parts[Robots], robot, grant),
         grant=grant if grant.limited or grant.topics or grant.share else None,
-        homed=parts[Owners].homed_in(robot),
+        homed=parts[RobotActions].homed_in(robot),
     )
 
 

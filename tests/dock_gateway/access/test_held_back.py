@@ -20,12 +20,10 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.app import api_routers, create_app
 from dock_gateway.audit.log import AuditLog
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
@@ -34,6 +32,7 @@ from tests.support.audit import AuditList, audit_parts, make_entry
 from tests.support.history import HistoryInMemory, make_goal
 from tests.support.parts import Refusing
 from tests.support.provider import FakeProvider, oidc_settings
+from tests.support.robot_actions import make_robot_actions
 from tests.support.waiting import until
 
 CALLBACK = "https://robots.example/session/oidc/callback"
@@ -69,8 +68,8 @@ class Site:
                 History: history,
                 Logins: self.logins,
                 Quotas: Quotas(self.settings),
-                Goals: Goals(actions, DockingActions(DockingCatalog(self.settings), {}), history),
-                Owners: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
+                Goals: Goals(actions, make_robot_actions(self.settings), history),
+                RobotActions: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
             }
         )
         self.app: FastAPI = create_app(self.settings, self.parts)

@@ -14,14 +14,13 @@ from dock_gateway.access.scopes import require_covered
 from dock_gateway.app import create_app
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.alerts import Alerts
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import MalformedRequest, NotAllowed, NotFound, ServedElsewhere
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.share import Share
 from dock_gateway.doors.rest import stop_routes
 from dock_gateway.goals.approvals import Approvals
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import Scope, operation_of
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.robots import Robots
@@ -32,6 +31,7 @@ from tests.dock_gateway.access.test_authorization import REQUESTS, path_of
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
+from tests.support.robot_actions import make_robot_actions
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 GOAL, UNKNOWN = "00000000-0000-4000-8000-000000000000", "00000000-0000-4000-8000-000000000001"
@@ -62,13 +62,12 @@ class Other(Refusing):
 
     def __init__(self, default_namespace: str = "/robot2") -> None:
         self.logins = Logins(HistoryInMemory())
-        docking = DockingActions(DockingCatalog(Settings()), {})
         super().__init__(
             {
                 **audit_parts(),
                 Settings: SETTINGS,
                 Logins: self.logins,
-                DockingActions: docking,
+                RobotActions: make_robot_actions(),
                 Robots: SimpleNamespace(default_namespace=default_namespace),
                 Alerts: SimpleNamespace(get=_alert),
                 Approvals: SimpleNamespace(get=_approval),

@@ -18,10 +18,8 @@ from dock_gateway.audit.routes import ROWS
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.audit.trail import AuditTrail, audited_command
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
@@ -37,8 +35,6 @@ from dock_gateway.streams.socket import OPERATIONS
 from tests.support.audit import AuditList, make_entry
 from tests.support.history import HistoryInMemory
 from tests.support.shapes import check_answer
-
-DOCKING = SimpleNamespace(catalog=DockingCatalog(Settings()))
 
 GOAL = "7d9c1c9e-0000-4000-8000-00000000000a"
 
@@ -60,7 +56,6 @@ class Site:
                 AuditLog: self.audit,
                 Subjects: Subjects(self.settings, self.running.get, lambda: ["/robot7"]),
                 Logins: logins,
-                DockingActions: DOCKING,
                 Goals: SimpleNamespace(get=self._goal),
                 Stopper: SimpleNamespace(release=self._release),
                 Quotas: Quotas(self.settings),

@@ -24,6 +24,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
@@ -78,9 +79,8 @@ class Robot:
         self.sent.append(key)
         return Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin="automation")
 
-    @property
-    def docking(self) -> Any:
-        return SimpleNamespace(of=lambda robot: DockingPair(f"{robot}/dock", f"{robot}/undock"))
+    def docking_pair(self, robot: str) -> DockingPair:
+        return DockingPair(f"{robot}/dock", f"{robot}/undock")
 
     def get(self, name: str) -> Any:
         assert name == f"{ROBOT}/dock"
@@ -108,6 +108,7 @@ class Site:
         gateway = AutomaticDocking(
             cast("Fleet", self.robot),
             cast("ActionRegistry", self.robot),
+            cast("RobotActions", self.robot),
             cast("History", self.history),
             activity=self.activity(),
             rules=SharedBook(self.rules, "rule", 50),

@@ -19,7 +19,7 @@ class Parts:
     default_namespace = "/"
 
     def __init__(self) -> None:
-        self.docking = SimpleNamespace(all_names=lambda name: [f"{name}/dock"], forget=lambda _: None)
+        self.picks: Any = SimpleNamespace(docking_names=lambda name: [f"{name}/dock"], forget=lambda _: None)
         self.parts_there: set[str] = set()
         self.goals = ["/robot1/dock"]
         self.robots = {name: self.robot(name) for name in ("/", "/robot1")}
@@ -69,7 +69,7 @@ def parts() -> Parts:
 
 
 def departures_of(parts: Any, forget_after: float = AFTER) -> Departures:
-    return Departures(parts, parts, parts, parts, forget_after=forget_after, leave=AsyncMock())
+    return Departures(parts, parts, parts.picks, parts, parts, forget_after=forget_after, leave=AsyncMock())
 
 
 async def test_a_robot_that_is_away_for_long_is_forgotten_and_the_configured_one_never(parts: Parts) -> None:

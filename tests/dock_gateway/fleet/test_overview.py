@@ -7,21 +7,21 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import Event, utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.overview import Fleet
-from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.goals.registry import DockingServers
 from dock_gateway.robots.battery import Battery
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.settings import Settings
 from dock_gateway.storage import RobotLabel
+from tests.support.robot_actions import make_robot_actions
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 RELEASED = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
@@ -74,9 +74,12 @@ class Parts:
         watch = SimpleNamespace(state=ServerState(str(name), "", available=True, answering=True))
         return SimpleNamespace(name=name, watch=watch) if str(name).startswith("/robot1/connect") else None
 
-    @property
-    def docking(self) -> DockingActions:
-        return DockingActions(DockingCatalog(Settings()), {})
+    def servers_of(self, name: str) -> DockingServers:
+        return DockingServers(*map(self._server, make_robot_actions().docking_pair(name)))
+
+    def _server(self, name: str) -> ServerState:
+        action = self.get(name)
+        return ServerState(name, "", available=False, answering=False) if action is None else action.watch.state
 
     # the labels
     def of(self, name: str) -> RobotLabel:
@@ -115,7 +118,8 @@ class Parts:
             self.fanout,
             robots=parts,
             actions=parts,
-            robot_actions=RobotActions(Settings(), parts, parts),
+            robot_actions=make_robot_actions(),
+            hints=DockingHints(Settings(), parts, parts),
             interlock=parts,
             simulators=parts,
             last_goals=parts,

@@ -10,17 +10,15 @@ import orjson
 import pytest
 from starlette.types import Message
 
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.goals import export_routes as exports
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.slow_clients import PacedResponse
-from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 from tests.support.history import START_NS, HistoryInMemory, make_goal
+from tests.support.robot_actions import make_robot_actions
 
 
 @pytest.fixture
@@ -31,7 +29,7 @@ def history() -> HistoryInMemory:
 @pytest.fixture
 def all_goals(history: HistoryInMemory) -> Goals:
     live: Any = SimpleNamespace(goal=lambda _: None)
-    return Goals(live, DockingActions(DockingCatalog(Settings()), {}), history)
+    return Goals(live, make_robot_actions(), history)
 
 
 async def whole(chunks: AsyncGenerator[bytes]) -> bytes:

@@ -9,8 +9,6 @@ from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -18,6 +16,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory, make_goal
+from tests.support.robot_actions import make_robot_actions
 from tests.support.shapes import check_answer
 
 GOAL = "00000000-0000-4000-8000-000000000001"
@@ -33,7 +32,7 @@ class Client:
         self.history.record(make_goal(1, goal_id=GOAL))
         settings = Settings(database_url="memory:")
         live: Any = SimpleNamespace(goal=lambda _: None)
-        goals = Goals(live, DockingActions(DockingCatalog(Settings()), {}), self.history)
+        goals = Goals(live, make_robot_actions(), self.history)
         access = {Logins: Logins(self.history), Quotas: Quotas(settings)}
         parts = Parts({**audit_parts(), **access, Settings: settings, History: self.history, Goals: goals})
         self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")

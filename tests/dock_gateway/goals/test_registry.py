@@ -19,6 +19,7 @@ from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
 from tests.support.history import HistoryInMemory, make_goal
+from tests.support.robot_actions import make_robot_actions
 
 
 class FakeBridge:
@@ -47,6 +48,8 @@ def make_registry(forget_after: float = FORGET_AFTER, **names: str) -> ActionReg
         HistoryInMemory(),
         PendingFacts(0.05),
         interlock=interlock,
+        robots=cast("Any", None),
+        robot_actions=make_robot_actions(settings),
         forget_after=forget_after,
     )
 

@@ -10,10 +10,10 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Sight, docking_hint
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry, DockingServers
-from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
@@ -47,7 +47,7 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, .
             ),
             Bridge: SimpleNamespace(alive=True),
             RobotRegistry: SimpleNamespace(find=lambda _: "/"),
-            RobotActions: SimpleNamespace(sights=lambda: SIGHTS, hint=lambda name, _: docking_hint(name, SIGHTS)),
+            DockingHints: SimpleNamespace(sights=lambda: SIGHTS, hint=lambda name, _: docking_hint(name, SIGHTS)),
             AlertBoard: SimpleNamespace(of_graph=lambda _: [SimpleNamespace(detail="Two bases.")]),
             History: SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),
             Stopper: SimpleNamespace(state=lambda _: STOP),

@@ -28,6 +28,7 @@ from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from tests.support.history import HistoryInMemory
+from tests.support.robot_actions import make_robot_actions
 from tests.support.stopping import FakeTopic, FakeVelocity
 
 S = GoalStatus
@@ -276,12 +277,21 @@ class LateGoals:
             self.interlock = interlock = latching.Interlock(fanout, file)
         interlock.join("/", FakeTopic())
         bridge: Any = None
-        actions = ActionRegistry(settings, bridge, fanout, history, PendingFacts(0.05), interlock=interlock)
+        robot: Any = SimpleNamespace(namespace="/", velocity=FakeVelocity())
+        robots: Any = SimpleNamespace(place=lambda _=None: "/", under=lambda _: [robot])
+        actions = ActionRegistry(
+            settings,
+            bridge,
+            fanout,
+            history,
+            PendingFacts(0.05),
+            interlock=interlock,
+            robots=robots,
+            robot_actions=make_robot_actions(settings),
+        )
         self.action = Action(port, settings, fanout, history, PendingFacts(0.05), interlock=interlock)
         actions._actions[NAME] = self.action
         self.server.on_status = self.action.tracker.on_status
-        robot: Any = SimpleNamespace(namespace="/", velocity=FakeVelocity())
-        robots: Any = SimpleNamespace(place=lambda _=None: "/", under=lambda _: [robot])
         self.stopper = Stopper(robots, actions, interlock)
         await asyncio.sleep(2.0)  # the server is known to answer
         await self._go_through()

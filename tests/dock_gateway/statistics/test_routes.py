@@ -13,11 +13,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.goal import GoalError, GoalStatus
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.settings import Settings
@@ -43,14 +41,14 @@ class Client:
         robots: Any = SimpleNamespace(namespaces=lambda: ["/", "/robot1"])
         actions: Any = SimpleNamespace(goal=lambda _: None)
         self.labels = Labels(self.history.documents("label", RobotLabel), robots.namespaces)
-        docking = DockingActions(DockingCatalog(settings), {})
+        robot_actions = RobotActions(settings, robots, self.labels, self.history)
         parts = Parts(
             {
                 **audit_parts(),
                 Settings: settings,
                 History: self.history,
-                Goals: Goals(actions, docking, self.history),
-                Owners: Owners(docking, robots, self.labels, self.history),
+                Goals: Goals(actions, robot_actions, self.history),
+                RobotActions: robot_actions,
             }
         )
         self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")

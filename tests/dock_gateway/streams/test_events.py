@@ -20,8 +20,8 @@ from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.owners import Owners
 from dock_gateway.goals.registry import ActionRegistry, DockingServers
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.registry import RobotRegistry
@@ -169,7 +169,7 @@ class OneGoal(Parts):
                 ActionRegistry: SimpleNamespace(servers_of=lambda _: DockingServers(server, server)),
                 RobotRegistry: SimpleNamespace(get=lambda _: robot),
                 Robots: SimpleNamespace(find=lambda _: "/"),
-                Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
+                RobotActions: SimpleNamespace(homed_in=lambda _: frozenset()),
                 Stopper: SimpleNamespace(state=lambda _: None),
                 Simulators: SimpleNamespace(document=lambda _: None),
             }

@@ -17,7 +17,7 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.owners import Owners
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -102,7 +102,7 @@ class Lookups(Parts):
                 Logins: Logins(HistoryInMemory()),
                 Goals: SimpleNamespace(get=self._goal),
                 Robots: SimpleNamespace(find=lambda _: "/"),
-                Owners: SimpleNamespace(homed_in=lambda _: frozenset()),
+                RobotActions: SimpleNamespace(homed_in=lambda _: frozenset()),
             }
         )
 

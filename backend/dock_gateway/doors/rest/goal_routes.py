@@ -83,8 +83,8 @@ class Place:
         if self.action is not None:
             return GoalFilter(frozenset({(await parts[ActionRegistry].find(self.action)).name}), statuses=wanted)
         verb = self.verb or "dock"
-        await parts[RobotActions].find(verb, self.robot)
-        names = parts[ActionRegistry].docking.all_names(parts[RobotRegistry].get(self.robot).namespace, verb)
+        await parts[ActionRegistry].find_docking(verb, self.robot)
+        names = parts[RobotActions].docking_names(parts[RobotRegistry].get(self.robot).namespace, verb)
         return GoalFilter(names, statuses=wanted, among=frozenset(filter(grant.covers_action, names)))
 
     async def read(self, request: Request, action: Action) -> Any:

@@ -9,8 +9,9 @@ import pytest
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.doors.rest.goal_routes import DOCK, Place, goal_routes
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goal_machine import News
-from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.submission import Delivery
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
@@ -56,9 +57,10 @@ async def send(*found: Any) -> Any:
         return next(picked)
 
     asked = request(b"", [(b"idempotency-key", b"key")])
-    robot_actions: Any = SimpleNamespace(find=find, hinting=lambda *_: nullcontext())
+    actions: Any = SimpleNamespace(find_docking=find)
+    hints: Any = SimpleNamespace(hinting=lambda *_: nullcontext())
     (endpoint,) = (route.endpoint for route in goal_routes(DOCK).routes if route.name == "dock")
-    await endpoint(asked, Parts({RobotActions: robot_actions}), ANYBODY, Place("/dock", "dock"))
+    await endpoint(asked, Parts({ActionRegistry: actions, DockingHints: hints}), ANYBODY, Place("/dock", "dock"))
     return asked.scope["audit"].fields
 
 

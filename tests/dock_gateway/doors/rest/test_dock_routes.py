@@ -2,7 +2,7 @@
 
 import asyncio
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from starlette.testclient import TestClient
@@ -10,16 +10,20 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.access import Kind, Principal
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Verb
-from dock_gateway.core.grant import Grant, Role
-from dock_gateway.goals.docking_actions import DockingActions
+from dock_gateway.core.grant import UNLIMITED, Grant, Role
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
@@ -27,9 +31,36 @@ from dock_gateway.storage import GoalFilter
 from dock_gateway.streams.commands import COMMANDS
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory, make_goal
+from tests.support.robot_actions import make_robot_actions
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 OURS = Grant(Role.OPERATOR, actions=("*/connect_to_charging_dock", "*/disconnect_from_charging_dock"))
+
+
+class LateActions(ActionRegistry):
+    """Finds nav2's action of a robot, which was not there when the request was authorized."""
+
+    def __init__(self, robots: Any, robot_actions: RobotActions) -> None:
+        fanout, bridge = Fanout(queue_limit=10), cast("Any", None)
+        super().__init__(
+            SETTINGS,
+            bridge,
+            fanout,
+            HistoryInMemory(),
+            PendingFacts(0.05),
+            interlock=Interlock(fanout, LatchFile(SETTINGS.stop_file)),
+            robots=robots,
+            robot_actions=robot_actions,
+        )
+        self._known = robot_actions
+
+    async def find_docking(self, verb: Verb, robot: str | None = None, grant: Grant = UNLIMITED) -> Action:
+        name = f"{robot}/{verb}_robot"
+        kind = f"nav2_msgs/action/{verb.capitalize()}Robot"
+        action: Any = SimpleNamespace(name=name, type=kind, verb=verb, family="nav2", on_graph=True, busy=False)
+        self._known.add(action)
+        self._actions[name] = action
+        return await super().find_docking(verb, robot, grant)
 
 
 class LateServer(Parts):
@@ -38,9 +69,9 @@ class LateServer(Parts):
     def __init__(self) -> None:
         self.logins = Logins(HistoryInMemory())
         self.wanted: list[GoalFilter] = []
-        docking = DockingActions(DockingCatalog(SETTINGS), {})
-        actions: Any = SimpleNamespace(docking=docking, find_docking=self._find_docking)
+        robot_actions = make_robot_actions(SETTINGS)
         robots: Any = SimpleNamespace(default_namespace="/", get=lambda name: SimpleNamespace(namespace=name))
+        actions = LateActions(robots, robot_actions)
         super().__init__(
             {
                 **audit_parts(),
@@ -48,16 +79,13 @@ class LateServer(Parts):
                 Logins: self.logins,
                 Quotas: Quotas(SETTINGS),
                 ActionRegistry: actions,
-                DockingActions: docking,
                 Robots: robots,
                 RobotRegistry: robots,
-                RobotActions: RobotActions(SETTINGS, actions, robots),
+                RobotActions: robot_actions,
+                DockingHints: DockingHints(SETTINGS, actions, robots),
                 Goals: SimpleNamespace(page=self._page),
             }
         )
-
-    async def _find_docking(self, verb: Verb, robot: str) -> Any:
-        return SimpleNamespace(name=f"{robot}/{verb}_robot")
 
     async def _page(self, wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
         self.wanted.append(wanted)

@@ -1,4 +1,4 @@
-"""Which of a robot's docking actions is picked."""
+"""Which of a robot's docking actions is picked, and which robot an action belongs to."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -7,9 +7,8 @@ import pytest
 
 from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
-from dock_gateway.core.dock_adapters.catalog import DockingCatalog
-from dock_gateway.goals.docking_actions import DockingActions
 from dock_gateway.settings import Settings
+from tests.support.robot_actions import make_robot_actions
 
 
 class Graph:
@@ -17,7 +16,7 @@ class Graph:
 
     def __init__(self, **settings: str) -> None:
         self.actions: dict[str, Any] = {}
-        self.docking = DockingActions(DockingCatalog(Settings(**settings)), self.actions)  # type: ignore[arg-type]
+        self.docking = make_robot_actions(Settings(**settings))  # type: ignore[arg-type]
         self.changes: list[str] = []
         self.docking.on_change.append(self.changes.append)
 
@@ -32,10 +31,15 @@ class Graph:
                 on_graph=True,
                 busy=False,
             )
+            self.docking.add(self.actions[full])
+
+    def remove(self, name: str) -> None:
+        del self.actions[name]
+        self.docking.remove(name)
 
     def picked(self) -> tuple[str, str]:
         self.docking.update()
-        dock, undock = self.docking.of("/r")
+        dock, undock = self.docking.docking_pair("/r")
         return dock.removeprefix("/r/"), undock.removeprefix("/r/")
 
 
@@ -84,7 +88,7 @@ def test_who_docks_undocks(graph: Graph) -> None:
     graph.add(nav2.DOCK, nav2.UNDOCK, charging_dock.UNDOCK)
     assert graph.picked() == NAV2
     graph.add(charging_dock.DOCK)
-    del graph.actions["/r/disconnect_from_charging_dock"]
+    graph.remove("/r/disconnect_from_charging_dock")
     assert graph.picked() == (OURS[0], NAV2[1]), "there is no other"
 
 
@@ -93,11 +97,11 @@ def test_one_that_vanishes_stays_until_there_is_another(graph: Graph) -> None:
     assert graph.picked() == (NAV2[0], OURS[1])
     graph.actions["/r/dock_robot"].on_graph = False
     assert graph.picked()[0] == NAV2[0]
-    del graph.actions["/r/dock_robot"]
+    graph.remove("/r/dock_robot")
     assert graph.picked()[0] == NAV2[0]
     graph.add(create3.DOCK)
     assert graph.picked()[0] == "dock"
-    del graph.actions["/r/dock"]
+    graph.remove("/r/dock")
     graph.docking.forget("/r")
     assert graph.picked() == OURS
 
@@ -106,5 +110,28 @@ def test_an_action_with_such_a_name_that_is_no_docking_action(graph: Graph) -> N
     graph.add(create3.DOCK)
     graph.actions["/r/dock"].verb = None
     assert graph.picked() == OURS
-    assert "/r/dock" not in graph.docking.all_names("/r", "dock")
-    assert graph.docking.all_names("/r", "dock") == {"/r/connect_to_charging_dock", "/r/dock_robot"}
+    assert "/r/dock" not in graph.docking.docking_names("/r", "dock")
+    assert graph.docking.docking_names("/r", "dock") == {"/r/connect_to_charging_dock", "/r/dock_robot"}
+
+
+def test_an_action_belongs_to_the_innermost_robot_that_is_known_or_was() -> None:
+    actions = make_robot_actions(Settings(dock_actions=("/on_graph=/servers/dock_it",)), "/", "/on_graph")
+    names = {
+        "/on_graph/arm/wave": "/on_graph",
+        "/servers/dock_it": "/on_graph",
+        "/gone/dock_robot": "/gone",
+        "/gone/arm/wave": "/gone",
+        "/elsewhere/wave": "/",
+    }
+    assert actions.robots_of(names) == names
+    assert actions.robots_of(["/gone/arm/wave"]) == {"/gone/arm/wave": "/"}, "nothing says that it was a robot"
+
+
+def test_an_action_in_no_robots_namespace_is_of_its_own_namespace() -> None:
+    assert make_robot_actions().robots_of(["/arm/wave"]) == {"/arm/wave": "/arm"}
+
+
+def test_the_actions_below_a_namespace_are_those_of_its_robots_and_shared_ones() -> None:
+    actions = make_robot_actions(Settings(undock_action="/fleet/undock", dock_actions=("/r=/servers/dock_it",)))
+    names = ("/r/wave", "/r/arm/wave", "/servers/dock_it", "/fleet/undock", "/r2/wave", "/servers/other")
+    assert [name for name in names if actions.is_below(name, "/r")] == list(names[:4])
