@@ -12,13 +12,13 @@ from pydantic import BaseModel
 from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
-from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import GoalStatus, Verb
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.doors.rest.answers import HEADERS, answer_page, answer_sent
 from dock_gateway.goals.action import Action
+from dock_gateway.goals.goal_path import GoalPath
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -45,19 +45,13 @@ from dock_gateway.storage import GoalFilter
 
 
 @dataclass(frozen=True)
-class Place:
-    """The goals that a path of the API names.
+class Place(GoalPath):
+    """A path where goals are sent, listed, read and canceled.
 
     Attributes:
-        path: The path. A goal is at this path followed by its id.
-        verb: What they do with their robot, if the path says that.
-        action: Absolute name of their action, if the path says that.
-        robot: The robot that is named besides; None: the configured one.
+        robot: The robot that the query names; None: the configured one.
     """
 
-    path: str
-    verb: Verb | None = None
-    action: str | None = None
     robot: str | None = None
 
     async def goal(self, parts: Parts, goal_id: str) -> GoalRecord:
@@ -69,8 +63,7 @@ class Place:
         if self.action is not None:
             await parts[ActionRegistry].find(self.action)
         goal = await parts[Goals].get(goal_id)
-        if self.verb not in {None, goal.verb} or self.action not in {None, goal.action_name}:
-            raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
+        self.require(goal)
         return goal
 
     async def select(self, parts: Parts, grant: Grant, statuses: Collection[GoalStatus]) -> GoalFilter:
@@ -205,7 +198,7 @@ def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, pre
     path = f"/{verb}"
 
     async def here() -> Place:
-        return Place(path, verb)
+        return Place.of_verb(verb)
 
     async def of_robot(robot: RobotQuery = None) -> Place:
         return Place(path, verb, robot=robot)
@@ -215,11 +208,11 @@ def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, pre
 
 
 async def _of_action(name: GraphName) -> Place:
-    return Place(f"/actions/{name}/goals", action=f"/{name}")
+    return Place.of_action(name)
 
 
 async def _anywhere() -> Place:
-    return Place("/goals")
+    return Place.of_all()
 
 
 WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
