@@ -12,6 +12,7 @@ from dock_gateway.core.event import loss_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError
 from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.goals.action_document import action_document
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.idempotency import Submitter
 from dock_gateway.goals.limits import LIMITS, GoalLimits
@@ -126,21 +127,15 @@ class Action:
         return None if self.adapter is None else self.adapter.default
 
     def document(self) -> dict[str, Any]:
-        """Return the action as JSON, as in `ActionInfo`."""
-        state = self.watch.state
-        return {
-            "action_name": self.name,
-            "action_type": self.type,
-            "verb": self.verb,
-            "available": state.available,
-            "answering": state.answering,
-            "duplicate": state.duplicate,
-            "installed": True,
-            "hint": self.hint,
-            "running_goals": len(self.tracker.running()),
-            "feedback_dropped": self.feedback_dropped,
-            "unknown_goals_ignored": self.unknown_goals_ignored,
-        }
+        """Return the action as JSON."""
+        return action_document(
+            self.watch.state,
+            self.verb,
+            self.hint,
+            running_goals=len(self.tracker.running()),
+            feedback_dropped=self.feedback_dropped,
+            unknown_goals_ignored=self.unknown_goals_ignored,
+        )
 
     async def read_goal(self, value: object, path: str = "") -> Any:
         """Return the goal message with these fields. Others have their turn while a large one is read.

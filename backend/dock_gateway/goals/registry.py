@@ -4,9 +4,9 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
@@ -18,6 +18,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
+from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
@@ -33,32 +34,6 @@ from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Uninstalled:
-    """An action on the graph that cannot be used, usually because its interface package is not installed here."""
-
-    name: str
-    type: str
-    verb: Verb | None
-    hint: str
-
-    def document(self) -> dict[str, Any]:
-        """Return the action as JSON, as in `ActionInfo`."""
-        return {
-            "action_name": self.name,
-            "action_type": self.type,
-            "verb": self.verb,
-            "available": True,
-            "answering": False,
-            "duplicate": False,
-            "installed": False,
-            "hint": self.hint,
-            "running_goals": 0,
-            "feedback_dropped": 0,
-            "unknown_goals_ignored": 0,
-        }
 
 
 class DockingServers(NamedTuple):

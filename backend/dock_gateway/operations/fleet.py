@@ -10,7 +10,8 @@ from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.action import Action
-from dock_gateway.goals.registry import ActionRegistry, Uninstalled
+from dock_gateway.goals.action_document import Uninstalled
+from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels

@@ -13,6 +13,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals import registry as actions
+from dock_gateway.goals.action_schema import ActionInfo
 from dock_gateway.goals.registry import FORGET_AFTER, ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
@@ -59,6 +60,13 @@ async def test_an_action_whose_package_is_missing(registry: ActionRegistry) -> N
     (entry,) = registry.uninstalled()
     assert (entry.name, entry.type) == ("/navigate", "slam_msgs/action/MakeMap")
     assert "ros-jazzy-slam-msgs" in entry.hint
+    document = ActionInfo.model_validate(entry.document())
+    assert (document.installed, document.hint, document.available, document.answering) == (
+        False,
+        entry.hint,
+        True,
+        False,
+    )
     with pytest.raises(Unavailable) as refused:
         await registry.find("/navigate")
     assert refused.value.code == "interface_not_installed"
