@@ -19,7 +19,7 @@ from dock_gateway.settings import Settings
 
 # Seconds that a viewer waits for its first picture. It waits no longer after this many pictures that cannot be shown.
 FIRST, UNREADABLE = 5.0, 3
-# Seconds between two looks of a viewer that is not woken up.
+# Seconds between two checks of a viewer that is not woken up.
 LONG = 60.0
 
 

@@ -38,7 +38,7 @@ class GraphCache:
     def __init__(self, bridge: Bridge, clock: Callable[[], float] = time.monotonic) -> None:
         self._bridge = bridge
         self._clock = clock
-        self._looking: asyncio.Task[View] | None = None
+        self._scanning: asyncio.Task[View] | None = None
         self._last: View | None = None
         self._began = 0.0
 
@@ -52,9 +52,9 @@ class GraphCache:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
         now = self._clock()
-        if self._looking is None or (self._looking.done() and now - self._began >= INTERVAL):
-            self._looking, self._began = asyncio.create_task(self._look()), now
-        view = await asyncio.shield(self._looking)  # shared with other requests
+        if self._scanning is None or (self._scanning.done() and now - self._began >= INTERVAL):
+            self._scanning, self._began = asyncio.create_task(self._scan()), now
+        view = await asyncio.shield(self._scanning)  # shared with other requests
         return await asyncio.to_thread(_view, narrow_graph(view.seen, grant)) if grant.limited else view
 
     async def topic(self, name: str) -> Topic:
@@ -77,7 +77,7 @@ class GraphCache:
         """
         return await self._bridge.call(lambda: read_topics(self._bridge.node, frozenset(types), namespace))
 
-    async def _look(self) -> View:
+    async def _scan(self) -> View:
         survey = await self._bridge.call(lambda: Survey(self._bridge.node))
         while not await self._bridge.call(survey.proceed):
             pass
@@ -86,8 +86,8 @@ class GraphCache:
 
     async def close(self) -> None:
         """Cancel the scan."""
-        if self._looking is not None:
-            await cancel(self._looking)
+        if self._scanning is not None:
+            await cancel(self._scanning)
 
 
 def _view_after(last: View | None, seen: Seen) -> View:

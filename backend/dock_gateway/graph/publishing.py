@@ -33,8 +33,8 @@ from robot_io import velocity_types
 
 # Publishers that are kept for the next message, and the seconds for which one is kept.
 MAX_PUBLISHERS, KEEP = 50, 60.0
-# Seconds between two looks at the types of a topic that is published on.
-LOOK = 1.0
+# Seconds between two checks of the types of a topic that is published on.
+CHECK_INTERVAL = 1.0
 # What a velocity consists of.
 PARTS = ("linear", "angular")
 # Messages that command nothing: published for stopped robots, too.
@@ -70,10 +70,10 @@ class Publication:
     """A publisher that is kept.
 
     Attributes:
-        topic: What it publishes on, when that was looked at last.
+        topic: What it publishes on, when that was checked last.
         kind: The message class.
         port: The publisher.
-        looked: When the topic was looked at last, on the monotonic clock.
+        checked_at: When the topic was checked last, on the monotonic clock.
         used: When it published last.
         reached: Done when the subscribers that were there are reached; canceled when the publisher leaves before.
     """
@@ -81,13 +81,13 @@ class Publication:
     topic: FoundTopic
     kind: MessageClass
     port: TopicPort
-    looked: float
+    checked_at: float
     used: float
     reached: "asyncio.Task[None]"
 
     def serves(self, type_name: str | None) -> bool:
-        """Whether it publishes this type, and its topic was looked at a short time ago."""
-        return type_name in (None, self.topic.type) and time.monotonic() - self.looked < LOOK
+        """Whether it publishes this type, and its topic was checked a short time ago."""
+        return type_name in (None, self.topic.type) and time.monotonic() - self.checked_at < CHECK_INTERVAL
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ class Publishing:
             known = self._publications.get(name)
             if known is None or known.topic.type != topic.type or topic.latched > known.topic.latched:
                 known = await self._replace(topic, kind)
-            known.topic, known.looked = topic, time.monotonic()
+            known.topic, known.checked_at = topic, time.monotonic()
         return known, message
 
     async def _replace(self, topic: FoundTopic, kind: MessageClass) -> Publication:

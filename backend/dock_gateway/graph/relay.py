@@ -156,7 +156,7 @@ class Relay:
                 await self._pass_on()
                 if now() >= self._check_at:
                     self._check_at = now() + self._tick * (SELDOM if self._patient and not self.viewed else 1)
-                    if await self._subscription.look_again():
+                    if await self._subscription.update():
                         self._echo.changed()
                         self._news.set()
             except GatewayError as error:

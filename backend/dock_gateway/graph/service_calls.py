@@ -30,8 +30,8 @@ from dock_gateway.settings import Settings
 
 # Clients that are kept for the next call.
 MAX_CLIENTS = 50
-# Seconds between two looks for a service that is not there yet.
-LOOK = 0.25
+# Seconds between two checks for a service that is not there yet.
+CHECK_INTERVAL = 0.25
 
 # Services that only read. They say nothing of what a robot does, so everyone who may call services may call these.
 READING = frozenset(
@@ -117,7 +117,7 @@ class ServiceCalls:
             if loop.time() >= until:
                 known = await self._bridge.call(lambda: service_names(self._bridge.node))
                 raise not_found("service", name, filter(grant.covers_place, known))
-            await asyncio.sleep(LOOK)
+            await asyncio.sleep(CHECK_INTERVAL)
         return FoundService(name, choose_type(name, types, type_name), tuple(types))
 
     def require_allowed(self, service: FoundService) -> None:

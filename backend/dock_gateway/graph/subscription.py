@@ -109,7 +109,7 @@ class TopicSubscription:
         for news in waiting:
             news.set()
 
-    async def look_again(self) -> bool:
+    async def update(self) -> bool:
         """Follow the topic's publishers; return whether the topic or the subscription has changed.
 
         Raises:

@@ -60,10 +60,10 @@ class MapFeed:
         """Whether there is a map, or it is known why there is none."""
         return self.grid is not None or (self._problem or self._whole.hint) is not None
 
-    async def look(self) -> None:
+    async def check(self) -> None:
         """Join the topics if they are there."""
-        await self._whole.look()
-        await self._parts.look()
+        await self._whole.check()
+        await self._parts.check()
 
     async def offer(self, message: Received) -> None:
         """Take a map or a change of it; it is read in a thread."""

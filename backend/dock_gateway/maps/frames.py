@@ -39,10 +39,10 @@ class Frames:
         self._readers = [TopicReader(relays, graph, topic, TRANSFORMS, self) for topic in (moving, self._fixed)]
         self._doubted = False
 
-    async def look(self) -> None:
+    async def check(self) -> None:
         """Join the topics if they are there."""
         for reader in self._readers:
-            await reader.look()
+            await reader.check()
 
     async def offer(self, message: Received) -> None:
         """Take transforms."""

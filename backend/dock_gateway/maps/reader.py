@@ -53,7 +53,7 @@ class TopicReader:
         self._most = most
         self._joined = False
 
-    async def look(self) -> None:
+    async def check(self) -> None:
         """Join the topic if it is there."""
         if self._joined:
             return

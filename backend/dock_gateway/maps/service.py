@@ -25,8 +25,8 @@ log = logging.getLogger(__name__)
 
 # The maps of all robots in one event.
 MAPS = "maps"
-# Seconds between two events of a scan, and between two looks for the topics of a robot.
-TICK, LOOK = 0.2, 1.0
+# Seconds between two events of a scan, and between two checks for the topics of a robot.
+TICK, CHECK_INTERVAL = 0.2, 1.0
 # Seconds between two events of what has not changed, for readers that have just come.
 REPEAT = 2.0
 # Seconds for which something is read on: after its last stream, and after a request.
@@ -56,7 +56,7 @@ class Maps:
         self._make = partial(Surroundings, settings=settings, relays=relays, graph=graph, feeds=feeds, frames=frames)
         self._views: dict[str, Surroundings] = {}
         self._until: dict[tuple[str, str], float] = {}
-        self._looked: dict[str, tuple[float, set[str]]] = {}  # when, and what was wanted
+        self._checked: dict[str, tuple[float, set[str]]] = {}  # when, and what was wanted
         self._sent: dict[tuple[str, str], tuple[object, float]] = {}
         self._changed = asyncio.Event()
         self._task = asyncio.create_task(self._run())
@@ -85,10 +85,10 @@ class Maps:
         while True:
             self._changed.clear()
             try:
-                await self._look(time.monotonic())
+                await self._check(time.monotonic())
             except Exception:
                 log.exception("while reading maps")
-                await asyncio.sleep(LOOK)
+                await asyncio.sleep(CHECK_INTERVAL)
             with suppress(TimeoutError):
                 async with asyncio.timeout(TICK if self._until else None):
                     await self._changed.wait()
@@ -106,18 +106,18 @@ class Maps:
             wanted[robot].add(kind)
         return wanted
 
-    async def _look(self, now: float) -> None:
+    async def _check(self, now: float) -> None:
         wanted = self._wanted(now)
         for robot in self._views.keys() - wanted.keys():
             await self._views.pop(robot).close()
-            del self._looked[robot]
+            del self._checked[robot]
         for robot, kinds in wanted.items():
             view = self._views.setdefault(robot, self._make(robot))
-            at, before = self._looked.get(robot, (0.0, set()))
-            if kinds != before or now - at >= LOOK:
-                self._looked[robot] = now, kinds
+            at, before = self._checked.get(robot, (0.0, set()))
+            if kinds != before or now - at >= CHECK_INTERVAL:
+                self._checked[robot] = now, kinds
                 try:
-                    await view.look(kinds)
+                    await view.check(kinds)
                 except GatewayError as error:
                     log.warning("cannot read the surroundings of %s: %s", robot, error.detail)
             self._show(robot, view, now)

@@ -93,7 +93,7 @@ class Surroundings:
         self._shown_path = _nothing(None)
         self._doubts: dict[str, str] = {}
 
-    async def look(self, kinds: set[str]) -> None:
+    async def check(self, kinds: set[str]) -> None:
         """Join the topics of what is wanted, and leave the others."""
         await self._choose_map(wanted=MAP in kinds)
         self._frames = await self._use(
@@ -101,14 +101,14 @@ class Surroundings:
         )
         for part in (self._preferred, self._spare, self._frames):
             if part is not None:
-                await part.look()
+                await part.check()
         await self._learn_frames(wanted=bool(kinds))
         for reader, kind in ((self.scan_reader, SCAN), (self.path_reader, PATH)):
-            await (reader.look() if kind in kinds else reader.close())
+            await (reader.check() if kind in kinds else reader.close())
 
     async def close(self) -> None:
         """Leave all topics."""
-        await self.look(set())
+        await self.check(set())
 
     async def _choose_map(self, *, wanted: bool) -> None:
         """Read the robot's own map, and that of all robots while its own is advertised and silent."""
@@ -151,7 +151,7 @@ class Surroundings:
             else:
                 self._odom, self._base = odom or ODOM, base or BASE
         if wanted and not self._frames_known:
-            await self._odometry_reader.look()
+            await self._odometry_reader.check()
         else:
             await self._odometry_reader.close()
             self._frames_known = wanted

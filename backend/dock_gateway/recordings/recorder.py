@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 # Seconds before a goal and after its end that its recording has.
 BEFORE, AFTER = 5.0, 2.0
-# Seconds between two pieces of a file, and between two looks at what is to be deleted.
+# Seconds between two pieces of a file, and between two checks of what is to be deleted.
 FLUSH, CLEAN = 0.5, 60.0
 # Seconds after each attempt to read the parameters of a goal's server.
 PARAMETER_PAUSES = (1.0, 3.0, 10.0)

@@ -71,7 +71,7 @@ class ActionLink:
     def listen(self, on_feedback: Handler, on_status: Handler) -> None:
         """Handle each feedback message, and the bytes of each status message."""
         node, overrides = self.bridge.node, QoSOverridingOptions.with_default_policies()
-        feedback = node.create_subscription(
+        feedback = node.subscribe(
             self._impl.FeedbackMessage,
             f"{self._name}/_action/feedback",
             on_feedback,
@@ -79,7 +79,7 @@ class ActionLink:
             qos_overriding_options=overrides,
         )
         self._subscriptions.append(feedback)
-        status = node.create_subscription(
+        status = node.subscribe(
             self._impl.GoalStatusMessage,
             f"{self._name}/_action/status",
             on_status,
@@ -96,7 +96,7 @@ class ActionLink:
         for client in self._clients:
             self.bridge.node.destroy_client(client)
 
-    def look(self) -> ServerPresence:
+    def read_presence(self) -> ServerPresence:
         """Return the servers of the action; call it on the ROS thread."""
         available, node = all(client.service_is_ready() for client in self._clients), self.bridge.node
         if node.count_services(f"{self._name}/_action/send_goal") < 2:

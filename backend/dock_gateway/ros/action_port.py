@@ -29,7 +29,7 @@ from dock_gateway.ros.messages.interfaces import load_action
 from dock_gateway.ros.status import text_of
 from robot_io.rclpy_private import InvalidHandle
 
-# Seconds that a server has for an answer when it is tried through another participant, seconds between two looks, and
+# Seconds that a server has for an answer when it is tried through another participant, seconds between two checks, and
 # seconds for the server to be found through the common participant.
 ANSWER_WITHIN, LOOK_INTERVAL, HOME_WITHIN = 1.0, 0.1, 5.0
 
@@ -195,7 +195,7 @@ class ActionPort:
     async def _wait_for(self, link: ActionLink, deadline: float, *, unless_answered: bool) -> bool:
         """Wait until the server answers through another link; return False if `unless_answered` and it answers here."""
         while time.monotonic() < deadline:
-            if (await link.bridge.call(link.look)).available and await self._ping(link, ANSWER_WITHIN):
+            if (await link.bridge.call(link.read_presence)).available and await self._ping(link, ANSWER_WITHIN):
                 return not (unless_answered and await self._ping(self._link, ANSWER_WITHIN))
             if unless_answered and self.unanswered_since is None:
                 return False
@@ -213,7 +213,7 @@ class ActionPort:
         while True:
             link = self._link
             try:
-                presence = await link.bridge.call(link.look)
+                presence = await link.bridge.call(link.read_presence)
             except Exception as error:
                 if link is not self._link:
                     continue  # it was replaced meanwhile

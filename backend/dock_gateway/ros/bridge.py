@@ -23,7 +23,8 @@ from rclpy.task import Future as RosFuture
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.ros.inbox import Inbox, Inboxes
-from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener
+from dock_gateway.ros.listener import AnswerListener, MessageListener
+from dock_gateway.ros.listening_node import ListeningNode
 from dock_gateway.ros.threads import RosThread
 from robot_io.participants import create_context
 from robot_io.rclpy_private import InvalidHandle, RCLError, reason

@@ -9,7 +9,7 @@ from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.listener import ListeningNode
+from dock_gateway.ros.listening_node import ListeningNode
 from robot_io.velocity import CLASSES
 
 EndpointT = TypeVar("EndpointT", Publisher, Subscription)

@@ -112,14 +112,14 @@ class Survey:
         self._piece = piece
         self.seen = Seen()
         self._node = node
-        self._steps = self._look()
+        self._steps = self._scan()
 
     def proceed(self) -> bool:
         """Run one step; return whether the survey is complete. Call it on the ROS thread."""
         until = time.perf_counter() + self._piece
         return all(time.perf_counter() < until for _ in self._steps)
 
-    def _look(self) -> Iterator[None]:
+    def _scan(self) -> Iterator[None]:
         nodes = self._node.get_node_names_and_namespaces()
         self.seen.nodes = dict(Counter(_full_name(name, namespace) for name, namespace in nodes))
         for name, types in self._node.get_service_names_and_types():
@@ -129,10 +129,10 @@ class Survey:
             self.seen.topics[name] = read_topic(self._node, name)
             yield
         for name, namespace in dict.fromkeys(nodes):
-            self._look_at_services(name, namespace)
+            self._scan_services(name, namespace)
             yield
 
-    def _look_at_services(self, name: str, namespace: str) -> None:
+    def _scan_services(self, name: str, namespace: str) -> None:
         try:
             served = self._node.get_service_names_and_types_by_node(name, namespace)
             used = self._node.get_client_names_and_types_by_node(name, namespace)

@@ -158,7 +158,7 @@ class EchoPort:
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
         try:
-            self._subscription = kind.message_class and bridge.node.create_subscription(
+            self._subscription = kind.message_class and bridge.node.subscribe(
                 kind.message_class, topic, Handler(self._hear), profile, raw=True
             )
         except RCLError as error:  # one participant has one type for each topic

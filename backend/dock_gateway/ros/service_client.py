@@ -14,8 +14,8 @@ from robot_io.rclpy_private import InvalidHandle
 FIND_WITHIN = 2.0
 # Seconds between the moment at which a new client has found the service and that at which the service has found it.
 SETTLE = 0.3
-# Seconds between two looks at whether the service that is to answer is still there.
-LOOK = 0.5
+# Seconds between two checks whether the service that is to answer is still there.
+CHECK_INTERVAL = 0.5
 
 
 async def until_found(bridge: Bridge, holds: Callable[[], Any], within: float = FIND_WITHIN) -> None:
@@ -109,7 +109,7 @@ class ServiceClient:
         try:
             async with asyncio.timeout(within):
                 while not pending.response.done():
-                    await asyncio.wait({pending.response}, timeout=LOOK)
+                    await asyncio.wait({pending.response}, timeout=CHECK_INTERVAL)
                     if not (pending.response.done() or self._is_ready(client)):
                         detail = f"the server of {self.name} has left; it may have carried out the call"
                         raise Unavailable(detail, code="service_gone")

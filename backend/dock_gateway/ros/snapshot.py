@@ -1,11 +1,10 @@
-"""Looks at the ROS graph for some seconds, with a node that publishes nothing."""
+"""Reads the ROS graph for some seconds, with a node that publishes nothing."""
 
 import time
 from functools import partial
 from typing import Any
 
 import orjson
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import BatteryState
 
@@ -14,6 +13,8 @@ from dock_gateway.core.graph import ACTION_PART, STATUS
 from dock_gateway.core.snapshot import GraphSnapshot
 from dock_gateway.ros.bridge import starting
 from dock_gateway.ros.graph import Scan, count_publishers, find_gateways, read_topic, scan
+from dock_gateway.ros.listener import AnswerListener, Handler, MessageListener
+from dock_gateway.ros.listening_node import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.types import type_name
 from dock_gateway.ros.robot_ports import FLOATS
@@ -32,42 +33,44 @@ def take_snapshot(settings: Settings, seconds: float) -> GraphSnapshot:
 
     Args:
         settings: Names.
-        seconds: How long to look.
+        seconds: How long to read it.
 
     Raises:
         Unavailable: ROS does not start (`ros_unavailable`).
     """
     with starting():
         context = create_context([])
-        node = Node(
+        messages = MessageListener("ros-messages", context, settings.max_message_bytes)
+        node = ListeningNode(
             f"{settings.node_name}_doctor",
-            context=context,
+            None,
+            context,
+            messages,
+            AnswerListener("ros-answers", context),
             enable_rosout=False,
             start_parameter_services=False,
             use_global_arguments=False,
         )
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(node)
+    messages.start()
     states: States = {}
-    deadline, scan_at = time.monotonic() + seconds, 0.0
+    deadline = time.monotonic() + seconds
     found = Scan()
     try:
-        while (now := time.monotonic()) < deadline:
-            if now >= scan_at:
-                found, scan_at = scan(node), now + SCAN_INTERVAL
-                _listen(node, found, states)
-            executor.spin_once(timeout_sec=0.1)
-        return _read(settings, node, found, states, seconds)
+        while (left := deadline - time.monotonic()) > 0:
+            found = scan(node)
+            _listen(node, found, states)
+            time.sleep(min(left, SCAN_INTERVAL))
+        return _read(settings, node, found, states.copy(), seconds)
     finally:
-        executor.shutdown()
+        messages.close()
         node.destroy_node()
         context.try_shutdown()
 
 
-def _listen(node: Node, found: Scan, states: States) -> None:
+def _listen(node: ListeningNode, found: Scan, states: States) -> None:
     """Subscribe to the batteries that were not seen before."""
 
-    def hear(topic: str, message: BatteryState) -> None:
+    def hear(topic: str, message: BatteryState, _: Any) -> None:
         states[topic] = {
             **orjson.loads(codec(BatteryState).encode(message)),
             **infinities({name: getattr(message, name) for name in FLOATS}),
@@ -76,7 +79,7 @@ def _listen(node: Node, found: Scan, states: States) -> None:
     for topic, types in found.topics.items():
         if types == [type_name(BatteryState)] and topic not in states:
             states[topic] = None
-            node.create_subscription(BatteryState, topic, partial(hear, topic), LATEST)
+            node.subscribe(BatteryState, topic, Handler(partial(hear, topic)), LATEST)
 
 
 def _read(settings: Settings, node: Node, found: Scan, states: States, seconds: float) -> GraphSnapshot:

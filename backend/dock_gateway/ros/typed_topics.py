@@ -88,7 +88,7 @@ class TypedTopic:
             types: The topic's types on the graph; None if they are not known.
         """
         self._mixed = False
-        fits = self._look() if types is None or set(types) - {self.type} else True
+        fits = self._fits() if types is None or set(types) - {self.type} else True
         if self.open and not fits:
             log.warning("%s is left, as it is not of type %s", self.name, self.type)
             self.open = False
@@ -105,7 +105,7 @@ class TypedTopic:
             else:
                 self.open, self._failed = True, False
 
-    def _look(self) -> bool:
+    def _fits(self) -> bool:
         """Return whether our type fits: whether others have it there, too, or there are none."""
         node = self._topics.bridge.node
         topic = read_topic(node, self.name)
@@ -120,7 +120,7 @@ class TypedTopic:
             if endpoints.publish is not None:
                 self.publisher = self._make_publisher(endpoints.publish)
             for handler, quality in endpoints.handlers:
-                subscription = node.create_subscription(self._kind, self.name, handler, quality, **endpoints.options)
+                subscription = node.subscribe(self._kind, self.name, handler, quality, **endpoints.options)
                 self._subscriptions.append(subscription)
             endpoints.on_open()
         except Exception:

@@ -24,7 +24,8 @@ from dock_gateway.core.velocity_types import choose_types
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.endpoints import Endpoints
 from dock_gateway.ros.graph import find_gateways, read_topic
-from dock_gateway.ros.listener import Handler, ListeningNode
+from dock_gateway.ros.listener import Handler
+from dock_gateway.ros.listening_node import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
@@ -80,8 +81,8 @@ class VelocityTopic:
         ]
         return tuple(name for name in self.types if any(name not in endpoints for endpoints in used))
 
-    def look(self) -> None:
-        """See which types bases subscribe to, and leave the others. `arrange` joins new ones."""
+    def update_types(self) -> None:
+        """Read which types bases subscribe to, and leave the others. `arrange` joins new ones."""
         node = self._bridge.node
         topic, own = read_topic(node, self._name), node.get_fully_qualified_name()
         gateways = {own}
@@ -112,7 +113,7 @@ class VelocityTopic:
     def publish(self) -> None:
         """Publish zero velocity from now on."""
         self._ports += 1
-        self.look()
+        self.update_types()
         self.arrange()
 
     def add(self, bridge: Bridge, name: str) -> None:
@@ -169,7 +170,7 @@ class VelocityListener:
 
         def make(node: ListeningNode, kind: type) -> Subscription:
             overrides = QoSOverridingOptions.with_default_policies()
-            return node.create_subscription(kind, name, self._hear, LISTEN, qos_overriding_options=overrides)
+            return node.subscribe(kind, name, self._hear, LISTEN, qos_overriding_options=overrides)
 
         self.subscriptions = Endpoints(bridge, make, ListeningNode.destroy_subscription)
         self._topic.listeners.append(self)
@@ -301,7 +302,7 @@ class VelocityTopics:
                 log.exception("the types of %s could not be followed; trying again", name)
 
     async def _follow(self, topic: VelocityTopic) -> None:
-        await self._bridge.call(topic.look)
+        await self._bridge.call(topic.update_types)
         if topic.missing:
             await asyncio.sleep(SETTLE)
         for other in await self._bridge.call(topic.arrange):

@@ -75,18 +75,18 @@ async def test_frames_are_there_if_only_fixed_ones_are_published(topics: dict[st
 async def test_a_topic_of_another_type_is_not_joined_and_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     graph, relays = Graph(), Relays()
     reader = TopicReader(cast("Any", relays), cast("Any", graph), "/map", GRID, cast("Any", object()))
-    await reader.look()
+    await reader.check()
     assert reader.hint == f"Nothing is published on /map ({GRID})."
     graph.topics["map"] = TEXT
     with caplog.at_level(logging.WARNING):
-        await reader.look()
-        await reader.look()
+        await reader.check()
+        await reader.check()
     assert [record.getMessage() for record in caplog.records] == [reader.hint]
     assert reader.hint == f"/map is of the type {TEXT}, not {GRID}."
     assert not relays.joined
     graph.topics["map"] = GRID
-    await reader.look()
-    await reader.look()
+    await reader.check()
+    await reader.check()
     assert (relays.joined, reader.hint) == (["/map"], None)
     await reader.close()
     await reader.close()

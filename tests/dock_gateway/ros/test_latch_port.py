@@ -18,7 +18,7 @@ def test_the_one_that_holds_on_is_named_when_the_other_lets_go(monkeypatch: pyte
 
     monkeypatch.setattr(module, "read_topic", read_topic)
     inbox = SimpleNamespace(put=lambda call, *args: call(*args))
-    node = SimpleNamespace(create_publisher=lambda *_: None, create_subscription=lambda *_: None)
+    node = SimpleNamespace(create_publisher=lambda *_: None, subscribe=lambda *_: None)
     bridge: Any = SimpleNamespace(inbox=lambda: inbox, node=node)
     names: list[str | None] = []
     topics: Any = SimpleNamespace(bridge=bridge, join=lambda *_: None)

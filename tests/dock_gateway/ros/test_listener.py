@@ -13,7 +13,8 @@ from rclpy.qos import QoSProfile
 from std_msgs.msg import Int32, String
 from std_srvs.srv import SetBool
 
-from dock_gateway.ros.listener import AnswerListener, Handler, ListeningNode, MessageListener, Unread
+from dock_gateway.ros.listener import AnswerListener, Handler, MessageListener, Unread
+from dock_gateway.ros.listening_node import ListeningNode
 from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
@@ -53,7 +54,7 @@ def test_every_message_is_heard_in_order_with_its_timestamp(node: ListeningNode)
             raise ValueError("it goes on")
 
     publisher = node.create_publisher(Int32, "numbers", QoSProfile(depth=1000))
-    node.create_subscription(Int32, "numbers", Handler(hear), QoSProfile(depth=1000))
+    node.subscribe(Int32, "numbers", Handler(hear), QoSProfile(depth=1000))
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for number in range(500):
         publisher.publish(Int32(data=number))
@@ -77,9 +78,7 @@ def test_subscriptions_come_and_go_while_messages_do(node: ListeningNode) -> Non
     try:
         for _ in range(30):
             heard.clear()
-            subscription = node.create_subscription(
-                Int32, "numbers", Handler(lambda message, _: heard.append(message.data)), 10
-            )
+            subscription = node.subscribe(Int32, "numbers", Handler(lambda message, _: heard.append(message.data)), 10)
             wait_for(lambda: len(heard) > 3)
             assert node.destroy_subscription(subscription)
     finally:
@@ -109,7 +108,7 @@ def test_a_message_that_is_too_large_is_not_read(node: ListeningNode) -> None:
         lambda message, _: heard.append(len(message.data)), lambda data, why: unread.append((len(data), why))
     )
     publisher = node.create_publisher(String, "texts", 10)
-    node.create_subscription(String, "texts", callback, 10)
+    node.subscribe(String, "texts", callback, 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for size in (MAX_BYTES - 100, MAX_BYTES + 100, 5):
         publisher.publish(String(data="x" * size))
@@ -130,7 +129,7 @@ def test_messages_that_are_not_wanted_are_not_read(node: ListeningNode) -> None:
 
     publisher = node.create_publisher(String, "texts", 10)
     callback = Handler(lambda message, _: heard.append(message.data), wants=wants)
-    node.create_subscription(String, "texts", callback, 10)
+    node.subscribe(String, "texts", callback, 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for text in ("no", "yes", "no" * MAX_BYTES, "yes"):
         publisher.publish(String(data=text))
@@ -151,7 +150,7 @@ def test_large_messages_that_take_long_leave_most_of_the_time_to_others(node: Li
             pass
 
     publisher = node.create_publisher(String, "texts", 10)
-    node.create_subscription(String, "texts", Handler(hear, lambda _, why: unread.append(why)), 10)
+    node.subscribe(String, "texts", Handler(hear, lambda _, why: unread.append(why)), 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     for size in (20_000, 20_000, 20_000, 5):
         publisher.publish(String(data="x" * size))
@@ -163,7 +162,7 @@ def test_large_messages_that_take_long_leave_most_of_the_time_to_others(node: Li
 def test_bytes_that_are_no_message_harm_no_other(node: ListeningNode) -> None:
     heard: list[str] = []
     publisher = node.create_publisher(String, "texts", 10)
-    node.create_subscription(String, "texts", Handler(lambda message, _: heard.append(message.data)), 10)
+    node.subscribe(String, "texts", Handler(lambda message, _: heard.append(message.data)), 10)
     wait_for(lambda: publisher.get_subscription_count() == 1)
     publisher.publish(b"\0\1\0\0\xff\xff\xff\xff")
     publisher.publish(String(data="hello"))

@@ -36,7 +36,7 @@ class FakeNode:
     def create_publisher(self, *_: object) -> str:
         return self._create(f"publisher {len(self.history)}")
 
-    def create_subscription(self, *_: object) -> str:
+    def subscribe(self, *_: object) -> str:
         return self._create(f"subscription {len(self.history)}")
 
     destroy_publisher = destroy_subscription = _destroy
