@@ -108,7 +108,7 @@ class Action:
 
     @property
     def hint(self) -> str | None:
-        """What is wrong with what is heard on it, without a full stop; None if nothing is."""
+        """The fault of its messages, without a full stop; None if there is none."""
         return None if self.port.listener is None else self.port.listener.excess
 
     @property
@@ -146,7 +146,7 @@ class Action:
 
         Raises:
             InvalidField: It is not valid.
-            Conflict: `stopped`: a stop was requested meanwhile.
+            Conflict: `stopped`: a stop was requested in the meantime.
         """
         stops = self.delivery.stops
         message = await self.port.goal_codec.read(value, path)

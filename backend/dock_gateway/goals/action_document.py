@@ -40,7 +40,7 @@ class Uninstalled:
     Attributes:
         name: Absolute name.
         type: Its type on the graph.
-        verb: What it does with its robot, as far as its name says that.
+        verb: Whether its name says that it docks or undocks a robot.
         hint: Why it cannot be used, and what to install.
     """
 

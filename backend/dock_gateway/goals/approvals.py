@@ -29,7 +29,7 @@ class Approval:
 
     Attributes:
         principal: The agent.
-        robot: The namespace of the robot, as far as it is known.
+        robot: The namespace of the robot, by the name of the action.
         verb: Whether it docks or undocks the robot.
         goal: The goal message.
         refused: None if it was allowed, else why not.
@@ -99,9 +99,9 @@ class Approvals:
         """Wait until a person has allowed a goal of an agent; not at all if others send it, or the robot is simulated.
 
         Raises:
-            NotAllowed: A person has refused it (`approval_refused`), or nobody has answered (`approval_expired`).
-            Conflict: A stop was requested meanwhile (`stopped`).
-            NotAuthenticated: The agent's login has ended meanwhile (`invalid_token`).
+            NotAllowed: A person has refused it (`approval_refused`), or it has expired (`approval_expired`).
+            Conflict: A stop was requested in the meantime (`stopped`).
+            NotAuthenticated: The agent's login has ended (`invalid_token`).
             TooManyRequests: Too many goals wait already (`too_many_approvals`).
             Unavailable: The gateway closes.
         """
@@ -149,7 +149,7 @@ class Approvals:
     # ------------------------------------------------------------------ answers
 
     def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
-        """Return what waits, oldest first, as far as a grant covers it."""
+        """Return the approvals that wait and that a grant covers, oldest first."""
         return [each.document() for each in self._waiting.values() if grant.covers_action(each.action_name)]
 
     def get(self, approval_id: str, grant: Grant = UNLIMITED) -> Approval:

@@ -45,7 +45,7 @@ class Canceler:
 
     Attributes:
         unwanted: Why goals must not run, by their ids.
-        insisting: Ids of the goals that are being canceled until they have ended.
+        retrying: Ids of the goals that are being canceled until they have ended.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Canceler:
         self._tracker = tracker
         self._interlock = interlock
         self.unwanted: dict[str, GoalError] = {}
-        self.insisting: set[str] = set()
+        self.retrying: set[str] = set()
         for news in (News.SEEN, News.RETURNED):
             tracker.on[news].append(self.seen_again)
         tracker.on[News.RESUMED].append(self._resume)
@@ -66,7 +66,7 @@ class Canceler:
         """Ask the server to cancel a goal. If the server cannot be reached, the goal stays unwanted.
 
         Raises:
-            NotAuthenticated: The login of who cancels it has ended meanwhile (`invalid_token`).
+            NotAuthenticated: The login of the user who cancels it has ended (`invalid_token`).
             Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
             Unavailable: There is no action server. If the goal is seen again, it is canceled.
             ServerTimeout: The server did not answer in time. The request is repeated.
@@ -136,12 +136,12 @@ class Canceler:
         try:
             return await self._cancel_all(goals)
         except (ServerTimeout, Unavailable):
-            self._insist_on(self._tracker.running())
+            self._retry_cancels(self._tracker.running())
             if goals:
                 raise
             return []
-        finally:  # also on those that a further stop has marked meanwhile; on others once they are accepted
-            self._insist_on([goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING])
+        finally:  # also on those that a further stop has marked since; on others once they are accepted
+            self._retry_cancels([goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING])
 
     async def _cancel_all(self, goals: list[Goal]) -> list[str]:
         try:
@@ -194,16 +194,16 @@ class Canceler:
     def seen_again(self, goal: Goal) -> None:
         """Cancel a goal that appears to run, if it is unwanted."""
         why = self._why_unwanted(goal)
-        if why is None or goal.goal_id in self.insisting or goal.status is GoalStatus.CANCELING:
+        if why is None or goal.goal_id in self.retrying or goal.status is GoalStatus.CANCELING:
             return
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail, extra={"goal_id": goal.goal_id})
         self._tracker.apply(GoalMachine.explain, goal, why)
-        self.insisting.add(goal.goal_id)
-        self._tracker.tasks.spawn(self._insist(goal))
+        self.retrying.add(goal.goal_id)
+        self._tracker.tasks.spawn(self._retry_cancel(goal))
 
     def cancel_unwanted(self) -> None:
         """Cancel the unwanted goals that run, which another gateway's stop has not canceled."""
-        self._insist_on(self._tracker.running())
+        self._retry_cancels(self._tracker.running())
 
     def _why_unwanted(self, goal: Goal) -> GoalError | None:
         """Return why a goal must not run, or None if it may."""
@@ -214,12 +214,12 @@ class Canceler:
         by = self._interlock.requested_by(goal.action_name)
         return STOPPED if by is None else GoalError(STOPPED.code, f"{STOPPED.detail} by {by}")
 
-    def _insist_on(self, goals: list[Goal]) -> None:
+    def _retry_cancels(self, goals: list[Goal]) -> None:
         for goal in goals:
             if not goal.status.terminal:
                 self.seen_again(goal)
 
-    async def _insist(self, goal: Goal) -> None:
+    async def _retry_cancel(self, goal: Goal) -> None:
         refused = False
         try:
             while self._why_unwanted(goal) is not None and not goal.status.terminal:
@@ -246,7 +246,7 @@ class Canceler:
                 await asyncio.sleep(self._limits.cancel_retry)
             self._tracker.apply(GoalMachine.explain, goal, None)  # the stop was released, so the goal may run
         finally:
-            self.insisting.discard(goal.goal_id)
+            self.retrying.discard(goal.goal_id)
 
     def _forget(self, goal: Goal) -> None:
         if goal.status.final:

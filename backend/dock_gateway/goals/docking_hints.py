@@ -1,4 +1,4 @@
-"""Explains why a robot has no docking server, by what is on the ROS graph."""
+"""Explains why a robot has no docking server, from the docking servers and batteries on the ROS graph."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,8 +36,8 @@ class DockingHints:
     def _sight(self, robot: Robot) -> Sight:
         name = robot.namespace
         dock, undock = (state.action_name if state.available else None for state in self._actions.servers_of(name))
-        heard = robot.battery.age is not None
-        return Sight(name, dock, undock, self._settings.battery_of(name) if heard else None)
+        battery = None if robot.battery.age is None else self._settings.battery_of(name)
+        return Sight(name, dock, undock, battery)
 
     def hint(self, robot: str | None, grant: Grant) -> Hint | None:
         """Return the hint for a robot without a docking server; None if nothing on the graph helps."""

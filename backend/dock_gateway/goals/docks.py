@@ -56,7 +56,7 @@ class Docks:
         self._readings = {name: each for name, each in self._readings.items() if _is_fresh(each, now)}
         if action not in self._readings:
             task = asyncio.create_task(self._read(action, family))
-            task.add_done_callback(lambda done: done.cancelled() or done.exception())  # even if nobody waits any longer
+            task.add_done_callback(lambda done: done.cancelled() or done.exception())  # even if no request waits for it
             self._readings[action] = _Reading(task, now)
         return await asyncio.shield(self._readings[action].task)  # shared with other requests
 

@@ -216,7 +216,7 @@ class GoalMachine:
         self._publish(feedback_event, goal, stamp_ns)
 
     def _note_progress(self, now: Now, goal: Goal, feedback: Json) -> bool:
-        """Note the stage and the retries that feedback tells; return whether they changed."""
+        """Note the stage and the retries in feedback; return whether they changed."""
         if self._adapter is None or not self._adapter.tells_stage:
             return False
         stage, retries = self._adapter.progress(orjson.loads(feedback))
@@ -255,7 +255,7 @@ class GoalMachine:
         If it ended since this gateway started and another gateway saw that, publish the end to our readers, too.
         """
         if (newcomer := self.newcomers.claim(goal_id)) is None:
-            return  # it became known meanwhile
+            return  # it has become known since
         if known is not None and known.status.final:
             self._note_ended(goal_id)
             if known.finished_at is not None and known.finished_at > self._started:

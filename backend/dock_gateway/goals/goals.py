@@ -43,7 +43,7 @@ class Goals:
         """Return a goal of any action.
 
         Raises:
-            NotFound: There is no such goal, or the grant does not cover it, which is the same to who asks.
+            NotFound: There is no such goal, or the grant does not cover it: the client gets the same answer.
         """
         goal = self._live.goal(goal_id)
         if goal is None or not grant.covers_action(goal.action_name):  # if the history is away, that is the same, too

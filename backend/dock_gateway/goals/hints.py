@@ -1,4 +1,4 @@
-"""What a robot without a docking server may be told: what is on the ROS graph, and the settings that join it. Pure."""
+"""Hints for a robot without a docking server: what is on the ROS graph, and the settings that join it. Pure."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -11,13 +11,13 @@ MAX_NAMES = 5
 
 @dataclass(frozen=True)
 class Sight:
-    """What is on the graph of a robot.
+    """The docking server and the battery that a robot has on the graph.
 
     Attributes:
         robot: Its namespace.
         dock: Its docking action, if that has a server.
-        undock: Its undocking action, likewise.
-        battery: Its battery topic, if it was heard.
+        undock: Its undocking action, if that has a server.
+        battery: Its battery topic, if a message has arrived.
     """
 
     robot: str
@@ -45,7 +45,7 @@ class Join:
 
 @dataclass(frozen=True)
 class Hint:
-    """What a robot without a docking server may be told.
+    """A hint for a robot without a docking server.
 
     Attributes:
         detail: What is on the graph, and what to do.
@@ -81,7 +81,7 @@ def find_join(robot: str, sights: Iterable[Sight]) -> Join | None:
 
 
 def docking_hint(robot: str, sights: Sequence[Sight]) -> Hint | None:
-    """Return what to tell who asks a robot without a docking server to dock; None if nothing is on the graph.
+    """Return the hint for a robot without a docking server; None if there is nothing on the graph to point at.
 
     Args:
         robot: The robot.

@@ -35,8 +35,8 @@ class Submitter:
             sender: Who sends it; None: a rule of automatic docking.
 
         Raises:
-            Conflict: A stop is latched (`stop_latched`) or was requested meanwhile (`stopped`), the server rejected the
-                goal (`goal_rejected`, `dock_busy`), or the key was used for another goal.
+            Conflict: A stop is latched (`stop_latched`) or was requested in the meantime (`stopped`), the server
+                rejected the goal (`goal_rejected`, `dock_busy`), or the key was used for another goal.
             Unavailable: There is no action server.
             ServerTimeout: It did not answer in time. If it accepts the goal later, the goal is canceled at once.
             TooManyRequests: Too many goals are waiting for an answer.

@@ -19,7 +19,7 @@ class GoalLimits:
         batch_interval: Time between two batches of adopted goals.
         newcomers: Maximum number of goals that wait to be looked up.
         cancel_retry: Time between two cancel requests for the same goal.
-        unwanted: Maximum number of unwanted goals besides those that are tracked.
+        unwanted: Maximum number of unwanted goals, not counting those that are tracked.
         lost: Maximum number of lost goals that are tracked.
         ended: Maximum number of ids of ended goals kept, as an action server may go on reporting them for a while.
         gone_grace: How long a server may be off the graph, as during a restart, before its goals are lost.

@@ -77,7 +77,7 @@ class ServerWatch:
         """Check the server periodically, until canceled."""
         while True:
             try:
-                await self.look(ping=self._ping_idle or bool(self._tracker.live))
+                await self.check(ping=self._ping_idle or bool(self._tracker.live))
             except GatewayError as error:
                 log.warning("cannot monitor the action server: %s", error.detail)
                 self._set(available=False, answering=False, duplicate=self.state.duplicate)
@@ -85,7 +85,7 @@ class ServerWatch:
             interval = self._settings.ping_interval
             await asyncio.sleep(interval if self.state.answering else min(interval, self._recheck))
 
-    async def look(self, *, ping: bool = True) -> ServerState:
+    async def check(self, *, ping: bool = True) -> ServerState:
         """Check the server once."""
         presence = await self._tracker.port.presence()
         available, answering, crowded = presence.available, False, len(presence.servers) > 1
@@ -122,7 +122,7 @@ class ServerWatch:
 
     @property
     def ready(self) -> bool:
-        """Whether a goal sent now would reach the server, as far as is known."""
+        """Whether a goal sent now would reach the server, by what is known."""
         return self.state.available and self.state.answering and not self._refuses
 
     async def require(self) -> None:
@@ -143,7 +143,7 @@ class ServerWatch:
                     f"no action server for {self.state.action_name}: check that it runs in this ROS domain{partly}"
                 )
             await asyncio.sleep(0.05)
-        state = await self.look()
+        state = await self.check()
         if self._refuses:
             detail = f"more than one action server serves {state.action_name}, and each would move the robot"
             raise Conflict(f"{detail}: shut down all but one", code="duplicate_action_server")

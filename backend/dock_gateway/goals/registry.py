@@ -56,13 +56,13 @@ class ActionRegistry:
         robots: All robots.
         robot_actions: The robots of the actions, and which of these dock and undock them.
         share: The robots whose actions these are.
-        limits: How long to wait for what is to be known of goals.
+        limits: How long to wait for what is not yet known of goals.
         forget_after: Seconds after which an action that is off the graph is removed.
 
     Attributes:
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
         halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
-        before_send: What every goal that somebody sends waits for; what it raises refuses the goal.
+        before_send: Called and awaited before each goal is sent through the gateway; what it raises refuses the goal.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.

@@ -58,7 +58,7 @@ class Rejoiner:
 
     Args:
         tracker: The goals on that action.
-        watch: Is told when the server is reached another way.
+        watch: The watch of its server, which notes when that is reached another way.
         limits: When to try.
     """
 
@@ -70,7 +70,7 @@ class Rejoiner:
         self._home_after = limits.home_after
 
     async def run(self) -> None:
-        """Look after the action, until canceled."""
+        """Rejoin the action whenever its server does not answer, until canceled."""
         home_at = 0.0
         while True:
             await asyncio.sleep(INTERVAL)

@@ -89,7 +89,7 @@ class Results:
     async def _await_answer(self, goal: Goal, call: PendingCall) -> None:
         try:
             await self._take_answer(goal, await call.response)
-        finally:  # only now: a status message that arrives meanwhile would trigger another request
+        finally:  # only now: a status message that arrives before would trigger another request
             if self._calls.get(goal.goal_id) is call:
                 del self._calls[goal.goal_id]
 

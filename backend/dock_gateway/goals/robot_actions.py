@@ -17,7 +17,7 @@ log = logging.getLogger(__name__)
 
 
 class KnownAction(Protocol):
-    """An action, as far as the choice of a robot's docking actions depends on it."""
+    """What the choice of a robot's docking actions needs of an action."""
 
     name: str
     type: str

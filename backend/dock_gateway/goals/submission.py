@@ -49,7 +49,7 @@ class Delivery:
         reasons: Why goals were rejected.
         interlock: The latched stops.
         canceler: Cancels goals that a stop has overtaken.
-        before_send: Called with every goal that somebody sends, before it is stored.
+        before_send: Called with every goal that is sent through the gateway, before it is stored.
 
     Attributes:
         stops: Number of stops requested.
@@ -119,9 +119,9 @@ class Delivery:
             sender: Who sends it; None: a rule of automatic docking.
 
         Raises:
-            Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
-                (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
-            NotAuthenticated: Raised by the task: the sender's login has ended meanwhile (`invalid_token`).
+            Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested in the
+                meantime (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
+            NotAuthenticated: Raised by the task: the sender's login has ended (`invalid_token`).
             NotAllowed: Raised by the task: `before_send` refuses it (`approval_refused`, `approval_expired`).
             Unavailable: There is no action server; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal

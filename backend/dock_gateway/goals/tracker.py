@@ -49,7 +49,7 @@ class GoalTracker:
     Attributes:
         live: The running goals, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
-        known: Tells which goals are known, on any thread.
+        known: Returns whether a goal is known, on any thread.
         on: The functions to call with a goal, by what happened to it.
         last_heard: When the action server last gave a sign of life, on the monotonic clock.
         tasks: Background tasks, which run until the tracker is closed.

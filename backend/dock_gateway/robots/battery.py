@@ -73,16 +73,16 @@ class Battery:
 
     async def published(self, publishing: Awaitable[Json]) -> Json:
         """Publish a message and wait until it has come back, so that it is the latest; return it as published."""
-        heard: asyncio.Queue[Json] = asyncio.Queue()
-        self._awaiting.add(heard)
+        received: asyncio.Queue[Json] = asyncio.Queue()
+        self._awaiting.add(received)
         try:
             state = await publishing
             with suppress(TimeoutError):
                 async with asyncio.timeout(BACK_WITHIN):
-                    while await heard.get() != state:
+                    while await received.get() != state:
                         pass
         finally:
-            self._awaiting.discard(heard)
+            self._awaiting.discard(received)
         return state
 
     def on_battery(self, state: Json, stamp_ns: int, infinite: Mapping[str, Any] = NOTHING) -> None:
@@ -94,8 +94,8 @@ class Battery:
             infinite: Its fields that are infinite, as texts: in `state` they are null.
         """
         self._state = state
-        for heard in self._awaiting:
-            heard.put_nowait(state)
+        for received in self._awaiting:
+            received.put_nowait(state)
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
         fields = {**orjson.loads(state), **infinite}
@@ -119,7 +119,7 @@ class Battery:
 
     @property
     def reading(self) -> Reading:
-        """The last message, as far as it is believed."""
+        """The believed values of the last message."""
         return self._reading
 
     def _believed(self) -> dict[str, Any]:

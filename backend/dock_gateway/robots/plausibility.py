@@ -100,7 +100,7 @@ class Plausibility:
         """Return the doubt about a percentage that is in range only as a driver that counts to 100 is below 1 %.
 
         If it falls to about a hundredth at once, it is the same charge, and the driver has been corrected. 1.0 after 12
-        is 1 %: a robot that was out of reach meanwhile is not full.
+        is 1 %: a robot that was out of reach in between is not full.
         """
         if self._counts_to_100 or not isinstance(value, int | float):
             return None

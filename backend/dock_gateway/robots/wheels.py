@@ -14,9 +14,9 @@ from robot_io.halt import Halt
 
 log = logging.getLogger(__name__)
 
-# Seconds between two zeros. Publishing to hundreds of robots takes 20 ms, and a stop has to be answered meanwhile.
+# Seconds between two zeros. Publishing to hundreds of robots takes 20 ms, and a stop has to be answered in that time.
 PERIOD = 0.1
-# The number of intervals between commands that tell how often a robot is commanded, and the least number of them.
+# The number of intervals between commands that the usual one is taken from, and the least number of them.
 INTERVALS, FEWEST = 5, 3
 
 
@@ -34,7 +34,7 @@ class Command:
     Attributes:
         at: When it arrived, on the monotonic clock.
         motion: Whether it commands a motion.
-        publisher: The id of its publisher; None if none was heard since the topic was subscribed to.
+        publisher: The id of its publisher; None if no command has arrived since the topic was subscribed to.
     """
 
     at: float
@@ -52,7 +52,7 @@ class Wheels:
 
     Attributes:
         last: The last command; None while the topic is not subscribed to.
-        catch_up: Hears commands that have arrived and wait to be taken. It does not raise.
+        catch_up: Takes commands that have arrived and wait. It does not raise.
     """
 
     def __init__(self, port: VelocityPort, *, period: float = PERIOD, clock: Callable[[], float] = time.monotonic):
@@ -102,7 +102,7 @@ class Wheels:
             return median(self._intervals) if len(self._intervals) >= FEWEST else 0.0
 
     def listen(self) -> None:
-        """Note that commands are heard from now on. The one before is not known: it may be a motion."""
+        """Note that the topic is subscribed to. The last command before is not known: it may be a motion."""
         self.last = Command(self._clock(), motion=True)
 
     def hear(self, motion: bool, publisher: bytes, at: float) -> None:
@@ -128,7 +128,7 @@ class Wheels:
                 self._moved_at = at if motion else None
 
     def stop_listening(self) -> None:
-        """Note that commands are not heard any more."""
+        """Note that the topic is not subscribed to any more."""
         self.last = self._moved_at = None
         self.catch_up = _nothing_waits
 

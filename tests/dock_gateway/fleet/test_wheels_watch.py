@@ -182,7 +182,7 @@ def stall() -> None:
 
 
 async def looks() -> None:
-    """Let the watch look once."""
+    """Let the watch check once."""
     for _ in range(3):
         await asyncio.sleep(0)
 

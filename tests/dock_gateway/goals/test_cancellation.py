@@ -241,7 +241,7 @@ async def test_a_server_that_cannot_cancel_a_goal_is_asked_until_its_status_says
     scene.canceler.seen_again(goal)
     await until(lambda: len(scene.port.asked) > 6)
     scene.tracker.on_status([StatusReport(A, S.CANCELING, 1)], 1)
-    await until(lambda: not scene.canceler.insisting)
+    await until(lambda: not scene.canceler.retrying)
 
 
 async def test_a_goal_that_a_server_forgot_to_name_is_being_canceled(scene: Scene) -> None:
@@ -314,7 +314,7 @@ async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog:
     await until(lambda: len(scene.port.asked) >= 4)
     refusals = [record for record in caplog.records if "could not be canceled: " in record.getMessage()]
     assert len(refusals) == 1
-    assert len(scene.canceler.insisting) == 1
+    assert len(scene.canceler.retrying) == 1
 
 
 async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
@@ -391,7 +391,7 @@ async def test_a_refusal_is_taken_once_the_stop_is_released(scene: Scene) -> Non
     scene.canceler.seen_again(goal)
     await until(lambda: len(scene.port.asked) >= 2)
     scene.held = False
-    await until(lambda: not scene.canceler.insisting)
+    await until(lambda: not scene.canceler.retrying)
     asked = len(scene.port.asked)
     await asyncio.sleep(0.05)
     assert len(scene.port.asked) == asked

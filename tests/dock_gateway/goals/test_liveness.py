@@ -67,7 +67,7 @@ class Scene:
 
     async def look_after(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
-        await self.watch.look()
+        await self.watch.check()
 
 
 @pytest.fixture
@@ -76,10 +76,10 @@ async def scene() -> Scene:
 
 
 async def test_a_goal_is_lost_when_its_server_has_left_and_is_silent(scene: Scene) -> None:
-    await scene.watch.look()
+    await scene.watch.check()
     assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
     scene.port.on_graph = False
-    await scene.watch.look()
+    await scene.watch.check()
     assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=False, answering=False)
     assert scene.goal.status is S.EXECUTING
     await scene.look_after(0.06)
@@ -90,12 +90,12 @@ async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_t
     scene: Scene, caplog: pytest.LogCaptureFixture
 ) -> None:
     scene.port.on_graph = False
-    await scene.watch.look()
+    await scene.watch.check()
     with caplog.at_level(logging.WARNING):
         for number in range(3):
             await asyncio.sleep(0.04)
             scene.tracker.on_feedback(A, b"{}", number + 1)
-            await scene.watch.look()
+            await scene.watch.check()
     assert scene.goal.status is S.EXECUTING
     assert [record.message for record in caplog.records] == [
         "/dock: messages arrive, but requests do not reach the action server"
@@ -104,7 +104,7 @@ async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_t
     assert scene.goal.status is S.LOST
     scene.port.on_graph = True
     scene.tracker.on_feedback(A, b"{}", 9)
-    await scene.watch.look()
+    await scene.watch.check()
     assert scene.goal.status is S.EXECUTING
 
 
@@ -127,10 +127,10 @@ async def test_a_server_that_did_not_answer_is_asked_again_soon_though_it_is_sel
 
 
 async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None:
-    await scene.watch.look()
+    await scene.watch.check()
     await scene.watch.require()
     scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
-    await scene.watch.look()
+    await scene.watch.check()
     assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=True, answering=True, duplicate=True)
     assert not scene.watch.ready
     with pytest.raises(Conflict) as refused:
@@ -144,16 +144,16 @@ async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None
 async def test_two_servers_can_be_allowed() -> None:
     scene = Scene(allow_duplicate_servers=True)
     scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
-    await scene.watch.look()
+    await scene.watch.check()
     assert scene.states[-1].duplicate
     await scene.watch.require()
 
 
 async def test_where_there_may_be_two_servers_they_are_asked_each_time(scene: Scene) -> None:
     scene.tracker.heard()
-    await scene.watch.look(ping=False)
+    await scene.watch.check(ping=False)
     assert scene.port.pings == 0
     scene.port.servers = {"a", "b"}
-    await scene.watch.look(ping=False)
+    await scene.watch.check(ping=False)
     assert scene.port.pings == 1
     assert not scene.states[-1].duplicate
