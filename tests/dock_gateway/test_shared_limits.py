@@ -24,6 +24,7 @@ from dock_gateway.core.work import Work
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.subscriptions import FoxgloveSubscriptions
 from dock_gateway.graph.relays import Relays
+from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import TURNS, Quotas, limits
 from dock_gateway.rosbridge.protocol import Subscribe
 from dock_gateway.rosbridge.subscriptions import RosbridgeSubscriptions
@@ -276,7 +277,8 @@ async def test_a_subscription_that_fails_keeps_no_place() -> None:
     """Such as one of a type that is not installed, again and again."""
     relays = AsyncMock(Relays)
     relays.join.side_effect = NotFound("its package is not installed", code="interface_not_found")
-    rosbridge, foxglove = RosbridgeSubscriptions(relays, AsyncMock(Work), None), FoxgloveSubscriptions(relays, None)
+    parts = Parts({Relays: relays, Work: AsyncMock(Work)})
+    rosbridge, foxglove = RosbridgeSubscriptions(parts, VIEWER, None), FoxgloveSubscriptions(parts, VIEWER, None)
     quotas = Quotas(Settings())
     with acting(quotas, VIEWER):
         for number in range(100):

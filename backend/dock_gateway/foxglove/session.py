@@ -40,11 +40,10 @@ from dock_gateway.foxglove.publications import FoxglovePublications
 from dock_gateway.foxglove.services import FoxgloveServices
 from dock_gateway.foxglove.subscriptions import FoxgloveSubscriptions
 from dock_gateway.graph.cache import GraphCache
-from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.parts import Parts
-from dock_gateway.operations.topics import subscribes_topic
+from dock_gateway.operations.topics import subscribe
 from dock_gateway.settings import Settings
 from dock_gateway.streams.socket_session import Request, SocketSession
 
@@ -65,7 +64,7 @@ class FoxgloveSession(SocketSession):
 
     def __init__(self, websocket: WebSocket, parts: Parts, principal: Principal) -> None:
         super().__init__(websocket, parts, principal)
-        self._subscriptions = FoxgloveSubscriptions(parts[Relays], frame_writer(websocket))
+        self._subscriptions = FoxgloveSubscriptions(parts, principal, frame_writer(websocket))
         self._services = FoxgloveServices(parts, self.rights)
         self._publications = FoxglovePublications(parts, self.rights)
         self._parameters = ClientParameters(parts, self.rights)
@@ -140,7 +139,6 @@ class FoxgloveSession(SocketSession):
             response = await self._services.call(call)
         await self._send_bytes(protocol.service_call_response(call, response))
 
-    @subscribes_topic
     async def subscribe(self, fields: Json) -> None:
         """Send the messages of channels."""
         await self._each("subscribe", read_fields(Subscribe, fields).subscriptions, self._subscribe)
@@ -149,7 +147,7 @@ class FoxgloveSession(SocketSession):
         self._subscriptions.require_room()
         if (channel := self._view.channels.find(wanted.channel)) is None:
             raise NotFound(f"there is no channel {wanted.channel}", code="channel_not_found")
-        await self.rights.require(FoxgloveSession.subscribe, {"topic": channel.topic})
+        await self.rights.require(subscribe, {"topic": channel.topic})
         await self._subscriptions.subscribe(wanted.id, channel)
 
     async def unsubscribe(self, fields: Json) -> None:

@@ -3,17 +3,18 @@
 import asyncio
 from collections import Counter, deque
 from collections.abc import Awaitable, Callable
-from contextlib import ExitStack
+from contextlib import AsyncExitStack
 from typing import NamedTuple
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, TooManyRequests
 from dock_gateway.core.event import websocket_frame
 from dock_gateway.core.fanout import FrameWriter
-from dock_gateway.core.request import hold
 from dock_gateway.foxglove.channels import Channel
 from dock_gateway.foxglove.protocol import message_data
 from dock_gateway.graph.received import Received
-from dock_gateway.graph.relays import Relays
+from dock_gateway.http.parts import Parts
+from dock_gateway.operations import topics as operations
 
 MAX_SUBSCRIPTIONS = 100
 # Messages and bytes that wait for a client that reads slowly.
@@ -113,15 +114,17 @@ class FoxgloveSubscriptions:
     """All subscriptions of one client.
 
     Args:
-        relays: The relayed topics.
+        parts: Carry out the operations.
+        principal: The user.
         writer: Writes frames past the queue; None if the connection cannot.
     """
 
-    def __init__(self, relays: Relays, writer: FrameWriter | None) -> None:
-        self._relays = relays
+    def __init__(self, parts: Parts, principal: Principal, writer: FrameWriter | None) -> None:
+        self._parts = parts
+        self._principal = principal
         self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
         self._outlets: dict[int, ChannelOutlet] = {}
-        self._places: dict[int, ExitStack] = {}
+        self._readings: dict[int, AsyncExitStack] = {}
         self._queue = Queue()
         self._waiting = asyncio.Event()
         self._sending = False  # something waits, or is just being sent
@@ -140,26 +143,22 @@ class FoxgloveSubscriptions:
 
         Raises:
             Conflict: The id is in use, or the channel has a subscription.
-            GatewayError: As `Relays.join`.
-            TooManyRequests: The user has too many topics, or all users together.
+            GatewayError: As `operations.subscribe`.
         """
         if identity in self._outlets:
             raise Conflict(f"the subscription {identity} already exists", code="subscription_exists")
         if any(each.channel.id == channel.id for each in self._outlets.values()):
             raise Conflict(f"the channel {channel.id} ({channel.topic}) is subscribed to", code="subscription_exists")
         outlet = ChannelOutlet(channel, lambda message: self._put(identity, message))
-        with ExitStack() as place:
-            place.enter_context(hold("topics", channel.topic))
-            await self._relays.join(channel.topic, channel.type, outlet)
-            self._places[identity] = place.pop_all()
+        order = operations.ReadTopic(channel.topic, outlet, channel.type)
+        self._readings[identity] = await operations.subscribe(self._parts, self._principal, order)
         self._outlets[identity] = outlet
 
     async def unsubscribe(self, identity: int) -> bool:
         """End a subscription; return whether there was one."""
-        if (outlet := self._outlets.pop(identity, None)) is None:
+        if self._outlets.pop(identity, None) is None:
             return False
-        with self._places.pop(identity):
-            await self._relays.leave(outlet.channel.topic, outlet)
+        await self._readings.pop(identity).aclose()
         self._queue.forget(identity)  # its id may be used again
         return True
 

@@ -1,17 +1,49 @@
 """Topics of the ROS graph: they are read, and messages are published on those that the settings name."""
 
+from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
+from dock_gateway.core.request import hold
 from dock_gateway.graph.publishing import FoundTopic, Published, Publishing
+from dock_gateway.graph.relay import Outlet
+from dock_gateway.graph.relays import Relays
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.messages.types import MessageClass
 
-# Declared once: each door's function that sends the messages of a topic carries it.
-subscribes_topic = operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
+
+@dataclass(frozen=True)
+class ReadTopic:
+    """A topic to read.
+
+    Attributes:
+        topic: Absolute name of the topic.
+        outlet: Receives each message as bytes, decoded at most once for all readers.
+        type: Its type, as the reader knows it; needed if no one has the topic yet.
+    """
+
+    topic: str
+    outlet: Outlet
+    type: str | None = None
+
+
+@operation(Role.VIEWER, Scope.TOPIC, Audit.NEVER)
+async def subscribe(parts: Parts, _: Principal, order: ReadTopic) -> AsyncExitStack:
+    """Read a topic until what is returned is closed.
+
+    Raises:
+        GatewayError: As `Relays.join`.
+        TooManyRequests: The user has too many topics, or all users together.
+    """
+    relays = parts[Relays]
+    async with AsyncExitStack() as reading:
+        reading.enter_context(hold("topics", order.topic))
+        await relays.join(order.topic, order.type, order.outlet)
+        reading.push_async_callback(relays.leave, order.topic, order.outlet)
+        return reading.pop_all()
 
 
 @dataclass(frozen=True)

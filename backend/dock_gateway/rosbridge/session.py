@@ -18,13 +18,12 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, TooManyRequests
 from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.work import SMALL, Work
+from dock_gateway.core.work import SMALL
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.graph.relays import Relays
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.parts import Parts
-from dock_gateway.operations.topics import subscribes_topic
+from dock_gateway.operations.topics import subscribe
 from dock_gateway.ros.messages.interfaces import full_type
 from dock_gateway.ros.messages.types import kinds
 from dock_gateway.rosbridge import rosapi
@@ -85,7 +84,7 @@ class RosbridgeSession(SocketSession):
         self._goals = ClientGoals(self._send)
         self._services = RosbridgeServices(parts, self.rights)
         self._publications = RosbridgePublications(parts, self.rights)
-        self._subscriptions = RosbridgeSubscriptions(parts[Relays], parts[Work], writer)
+        self._subscriptions = RosbridgeSubscriptions(parts, principal, writer)
         self._framed = writer is not None
         self._in_order = asyncio.Lock()
         self._asking = asyncio.Lock()
@@ -174,12 +173,11 @@ class RosbridgeSession(SocketSession):
                 await stack.enter_async_context(self._in_order)
             await operate(self, fields, request.identity)
 
-    @subscribes_topic
     async def subscribe(self, fields: Json, identity: Identity) -> None:
         """Send the messages of a topic."""
         request = read_fields(Subscribe, fields)
         topic = self.parts[Settings].resolve(request.topic, "")
-        await self.rights.require(RosbridgeSession.subscribe, {"topic": topic})
+        await self.rights.require(subscribe, {"topic": topic})
         if self.closed:
             return
         type_name = full_type(request.type) if request.type else None

@@ -3,14 +3,15 @@
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable
-from contextlib import ExitStack
+from contextlib import AsyncExitStack
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.fanout import FrameWriter
-from dock_gateway.core.request import hold
 from dock_gateway.core.work import MEDIUM, TooLarge, Work
 from dock_gateway.graph.received import Received
-from dock_gateway.graph.relays import Relays
+from dock_gateway.http.parts import Parts
+from dock_gateway.operations import topics as operations
 from dock_gateway.rosbridge.encoding import Payload
 from dock_gateway.rosbridge.protocol import Compression, Identity, Subscribe
 from dock_gateway.rosbridge.published import Published
@@ -114,25 +115,24 @@ class RosbridgeSubscriptions:
     """All subscriptions of one client.
 
     Args:
-        relays: The relayed topics.
-        work: Encodes messages.
+        parts: Carry out the operations.
+        principal: The user.
         writer: Writes frames past the queue; None if the connection cannot.
     """
 
-    def __init__(self, relays: Relays, work: Work, writer: FrameWriter | None) -> None:
-        self._relays = relays
-        self._work = work
+    def __init__(self, parts: Parts, principal: Principal, writer: FrameWriter | None) -> None:
+        self._parts = parts
+        self._principal = principal
         self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
         self._outlets: dict[str, TopicOutlet] = {}
-        self._places: dict[str, ExitStack] = {}
+        self._readings: dict[str, AsyncExitStack] = {}
         self._changed = asyncio.Event()
 
     async def subscribe(self, topic: str, type_name: str | None, identity: Identity, request: Subscribe) -> None:
         """Send the messages of a topic.
 
         Raises:
-            GatewayError: As `Relays.join`; the client has too many topics or subscriptions already, its user has too
-                many topics, or all users together.
+            GatewayError: As `operations.subscribe`, or the client has too many topics or subscriptions already.
         """
         outlet = self._outlets.get(topic)
         if outlet is None and len(self._outlets) >= MAX_TOPICS:
@@ -140,14 +140,12 @@ class RosbridgeSubscriptions:
         known = outlet is not None and identity in outlet.requests
         if not known and sum(len(each.requests) for each in self._outlets.values()) >= MAX_SUBSCRIPTIONS:
             raise TooManyRequests(f"this connection already has {MAX_SUBSCRIPTIONS} subscriptions")
-        joined = outlet or TopicOutlet(topic, self._work, self._write, self._changed.set)
+        joined = outlet or TopicOutlet(topic, self._parts[Work], self._write, self._changed.set)
         joined.requests[identity] = request
         joined.configure()
         if outlet is None:
-            with ExitStack() as place:
-                place.enter_context(hold("topics", topic))
-                await self._relays.join(topic, type_name, joined)
-                self._places[topic] = place.pop_all()
+            order = operations.ReadTopic(topic, joined, type_name)
+            self._readings[topic] = await operations.subscribe(self._parts, self._principal, order)
             self._outlets[topic] = joined
 
     async def unsubscribe(self, topic: str, identity: Identity) -> None:
@@ -162,8 +160,7 @@ class RosbridgeSubscriptions:
             outlet.configure()
         else:
             del self._outlets[topic]
-            with self._places.pop(topic):
-                await self._relays.leave(topic, outlet)
+            await self._readings.pop(topic).aclose()
 
     async def send_all(
         self, send: Callable[[Payload, int | None], Awaitable[None]], report: Callable[[str], Awaitable[None]]

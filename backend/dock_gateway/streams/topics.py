@@ -6,11 +6,12 @@ from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.graph.relays import Relays
+from dock_gateway.http.operation import carries_out
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import known_query
-from dock_gateway.operations.topics import subscribes_topic
+from dock_gateway.operations.topics import subscribe
 from dock_gateway.settings import Settings
 from dock_gateway.streams.events import ignore_input, until_one_ends, write_events
 from dock_gateway.streams.feed import follow
@@ -22,7 +23,7 @@ MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 20.0, 5.0
 
 
 @router.websocket("/ws/topics", dependencies=[Depends(known_query("topic", "max_rate", TICKET))])
-@subscribes_topic
+@carries_out(subscribe)
 async def echo_topic(websocket: WebSocket, parts: AllParts) -> None:
     """Send a topic's endpoints, its newest messages, and once a second the rate of all its messages.
 

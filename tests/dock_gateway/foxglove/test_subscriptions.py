@@ -15,7 +15,9 @@ from dock_gateway.foxglove.protocol import message_data
 from dock_gateway.foxglove.subscriptions import MAX_SUBSCRIPTIONS, FoxgloveSubscriptions, Framed, Queue, Waiting
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.http.parts import Parts
 from dock_gateway.ros.raw_port import Arrival, EchoType
+from tests.support.permits import user
 
 KIND = cast("EchoType", SimpleNamespace(name="std_msgs/msg/String"))
 
@@ -68,7 +70,7 @@ class Writer:
 
 async def subscribed(writer: Writer, identity: int = 1) -> tuple[FoxgloveSubscriptions, Any]:
     relays = AsyncMock(Relays)
-    subscriptions = FoxgloveSubscriptions(relays, writer)
+    subscriptions = FoxgloveSubscriptions(Parts({Relays: relays}), user("ada"), writer)
     await subscriptions.subscribe(identity, channel(5))
     return subscriptions, relays.join.await_args.args[2]
 
@@ -119,7 +121,7 @@ async def test_a_topic_that_has_another_type_by_now_is_another_channel() -> None
 
 
 async def test_a_client_cannot_subscribe_without_end_or_twice() -> None:
-    subscriptions = FoxgloveSubscriptions(AsyncMock(Relays), None)
+    subscriptions = FoxgloveSubscriptions(Parts({Relays: AsyncMock(Relays)}), user("ada"), None)
     for number in range(MAX_SUBSCRIPTIONS):
         subscriptions.require_room()
         await subscriptions.subscribe(number, channel(number))

@@ -23,7 +23,7 @@ DECLARED = {
     "Role.VIEWER, Scope.TOPIC": [
         "doors/rest/publish_routes.py get_topic_message",
         "graph/routes.py get_topic",
-        "operations/topics.py subscribes_topic",
+        "operations/topics.py subscribe",
     ],
     "Role.OPERATOR, Scope.ALERT": ["hub/routes.py acknowledge_alert", "operations/fleet.py acknowledge_alert"],
     "Role.SUPERVISOR, Scope.ROBOT": [

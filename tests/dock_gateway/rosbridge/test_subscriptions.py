@@ -11,6 +11,7 @@ from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.work import MEDIUM, MOST, TooLarge, Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.http.parts import Parts
 from dock_gateway.rosbridge.encoding import Payload
 from dock_gateway.rosbridge.protocol import Compression, Subscribe
 from dock_gateway.rosbridge.subscriptions import (
@@ -20,6 +21,7 @@ from dock_gateway.rosbridge.subscriptions import (
     RosbridgeSubscriptions,
     TopicOutlet,
 )
+from tests.support.permits import user
 
 
 class FakeMessage:
@@ -134,7 +136,8 @@ async def test_several_subscriptions_of_one_topic_share_their_messages() -> None
 
 async def test_a_client_cannot_subscribe_without_end() -> None:
     relays = AsyncMock(Relays)
-    client, request = RosbridgeSubscriptions(relays, Work(), None), Subscribe(topic="/topic")
+    parts = Parts({Relays: relays, Work: Work()})
+    client, request = RosbridgeSubscriptions(parts, user("ada"), None), Subscribe(topic="/topic")
     for number in range(MAX_SUBSCRIPTIONS):
         await client.subscribe(f"/topic{number % 2}", None, number, request)
     for topic in ("/topic0", "/topic2"):
