@@ -110,7 +110,7 @@ class Cameras:
             camera: The camera.
             viewer: Is woken up by each picture. It may be used for nothing else.
             max_width: Width in pixels; at most that of the settings.
-            max_rate: Pictures per second, likewise.
+            max_rate: Maximum pictures per second.
 
         Raises:
             TooManyRequests: The user watches too many cameras, or all users together.

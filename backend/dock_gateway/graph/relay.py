@@ -87,7 +87,7 @@ class Relay:
         """Subscribe to the topic.
 
         Args:
-            type_name: Its type, if nobody has the topic yet.
+            type_name: Its type, if no node has the topic yet.
 
         Raises:
             Conflict: `topic_in_use`: the gateway itself uses the topic with another type.
@@ -127,7 +127,7 @@ class Relay:
         """Add one of those that are joining. It gets the `EarlierMessages`, if the topic's publishers keep any."""
         for message in self._earlier:
             await outlet.offer(message)
-        if outlet in self.joining:  # else it has left meanwhile
+        if outlet in self.joining:  # else it has left since
             self.joining.remove(outlet)
             self.outlets.add(outlet)
 
@@ -169,7 +169,7 @@ class Relay:
         heard = self._subscription
         if heard.port is None or heard.kind is None or not heard.keeps_all:
             return
-        heard.tell_next(self._news)  # before the take: what comes after it is told, and does not wait for the next one
+        heard.tell_next(self._news)  # before the take: what comes after it wakes us at once
         for arrival in heard.port.take():
             message = Received(heard.topic.name, heard.kind, arrival, heard.offer)
             for outlet in tuple(self.outlets):

@@ -42,13 +42,13 @@ class Relays:
 
         Args:
             topic: Absolute name.
-            type_name: Its type, as the reader knows it. Needed if nobody has the topic yet.
+            type_name: Its type, as the reader knows it. Needed if no node has the topic yet.
             outlet: Receives the messages.
 
         Raises:
             Conflict: The topic has another type (`type_conflict`), or the gateway itself uses it with another type
                 (`topic_in_use`).
-            InvalidField: The name is none, or nobody has the topic, and the reader does not know its type.
+            InvalidField: The name is invalid, or no node has the topic and the reader does not know its type.
             NotFound: Its messages cannot be read here (`interface_not_found`).
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
@@ -105,7 +105,7 @@ class Relays:
             return await self._graph.topic(topic)
         except NotFound:
             if ACTION_PART in topic:
-                expected, unknown = "an action that has a server", "no server tells the type of the topic yet"
+                expected, unknown = "an action that has a server", "no server gives the type of the topic yet"
                 raise InvalidField([FieldError("topic", expected, unknown)]) from None
             if type_name is None:
                 unknown = "no node has this topic yet, so its type has to be given"

@@ -45,7 +45,7 @@ OFFER = Offer(reliable=True, kept=0)
 
 
 class TopicSubscription:
-    """A subscription that is made anew when the topic's publishers change.
+    """A subscription that is replaced when the topic's publishers change.
 
     Args:
         bridge: Runs calls on the ROS thread.

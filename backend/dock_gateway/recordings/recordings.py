@@ -80,7 +80,7 @@ class Recordings:
         """Return a recording with the topics that a grant covers.
 
         Raises:
-            NotFound: It has been deleted meanwhile (`recording_not_found`).
+            NotFound: It has been deleted (`recording_not_found`).
         """
         try:
             return await asyncio.to_thread(_narrow, recording, covers(grant))
@@ -97,7 +97,7 @@ class Recordings:
             grant: Of who asks.
 
         Raises:
-            NotFound: It has been deleted meanwhile (`recording_not_found`).
+            NotFound: It has been deleted (`recording_not_found`).
         """
         replay = Replay(nanoseconds(goal.created_at), velocity)
         try:
@@ -137,7 +137,7 @@ class Recordings:
 
 
 def covers(grant: Grant) -> Callable[[str], bool]:
-    """Return a function that tells which topics of a recording a grant covers."""
+    """Return a function that says which topics of a recording a grant covers."""
     return lambda topic: not grant.actions if topic == EVENTS else grant.covers_topic(topic)
 
 

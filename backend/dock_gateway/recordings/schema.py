@@ -23,7 +23,7 @@ class ReplayScan(Schema):
 
 
 class ReplayVelocity(Schema):
-    """What the robot was told: m/s and rad/s."""
+    """The commanded velocity: m/s and rad/s."""
 
     at: float
     linear: float | None

@@ -216,7 +216,7 @@ class ActionPort:
                 presence = await link.bridge.call(link.read_presence)
             except Exception as error:
                 if link is not self._link:
-                    continue  # it was replaced meanwhile
+                    continue  # it was replaced while it answered
                 if isinstance(error, InvalidHandle):
                     raise Unavailable("the action has left the ROS graph") from None
                 raise

@@ -136,7 +136,7 @@ class Survey:
         try:
             served = self._node.get_service_names_and_types_by_node(name, namespace)
             used = self._node.get_client_names_and_types_by_node(name, namespace)
-        except NodeNameNonExistentError:  # the node has left meanwhile
+        except NodeNameNonExistentError:  # the node has left since
             return
         node = _full_name(name, namespace)
         for service, types in served:
@@ -176,7 +176,7 @@ def read_service(node: Node, name: str) -> list[str]:
 def _served_types(node: Node, name: str) -> list[str]:
     found = set[str]()
     for peer, namespace in dict.fromkeys(node.get_node_names_and_namespaces()):
-        with suppress(NodeNameNonExistentError):  # the node has left meanwhile
+        with suppress(NodeNameNonExistentError):  # the node has left since
             served = node.get_service_names_and_types_by_node(peer, namespace)
             found.update(*(types for known, types in served if known == name))
     return sorted(found)

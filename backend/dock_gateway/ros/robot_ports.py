@@ -47,7 +47,7 @@ class BatteryPort:
         topics: Joins the topic.
         topic: Absolute name.
         on_battery: Called on the loop with a message, its source timestamp in ns, and its fields that are infinite.
-        stop_topic: The topic that tells who is a gateway.
+        stop_topic: The topic by whose endpoints gateways are known.
     """
 
     def __init__(self, topics: TypedTopics, topic: str, on_battery: OnBattery, stop_topic: str) -> None:
@@ -101,7 +101,7 @@ class DiagnosticsPort:
         on_reason: Called on the loop with a goal id and why the goal was rejected or aborted.
         on_progress: Called on the loop with a goal id, stage, retries, and the source timestamp in ns.
         on_simulator: Called on the loop with the namespace of a simulator and its key values.
-        stop_topic: The topic that tells who is a gateway.
+        stop_topic: The topic by whose endpoints gateways are known.
     """
 
     def __init__(

@@ -54,7 +54,7 @@ class ScenePort:
         namespace: Namespace of the robot.
         resolve: Makes a name absolute.
         on_scene: Called on the loop with an event, at most 20 times a second.
-        stop_topic: The topic that tells who is a gateway.
+        stop_topic: The topic by whose endpoints gateways are known.
     """
 
     # Topic of a pose → its name in the scene.

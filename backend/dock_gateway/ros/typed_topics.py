@@ -50,7 +50,7 @@ class TypedTopic:
         topics: All such topics.
         name: Absolute name.
         kind: The message class.
-        stop_topic: The topic that tells who is a gateway.
+        stop_topic: The topic by whose endpoints gateways are known.
         endpoints: Our endpoints.
 
     Attributes:

@@ -206,7 +206,7 @@ class VelocityPort:
     Args:
         topics: Knows the topic.
         name: Absolute name of the topic.
-        stop_topic: The topic that tells who is a gateway.
+        stop_topic: The topic by whose endpoints gateways are known.
     """
 
     def __init__(self, topics: "VelocityTopics", name: str, stop_topic: str) -> None:

@@ -4540,7 +4540,7 @@ export interface components {
         };
         /**
          * ReplayVelocity
-         * @description What the robot was told: m/s and rad/s.
+         * @description The commanded velocity: m/s and rad/s.
          */
         ReplayVelocity: {
             /** At */

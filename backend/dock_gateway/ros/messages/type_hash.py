@@ -1,4 +1,4 @@
-"""The hash of a message type, by which ROS tells whether two programs mean the same by a name."""
+"""The hash of a message type, by which ROS knows whether two programs mean the same by a name."""
 
 from functools import lru_cache
 
