@@ -80,10 +80,14 @@ class Watcher:
         if message != Twist():
             self.commanded_at = time.monotonic()
 
-    def commands(self, moment: float) -> str:
-        """The commands around a moment of the system's clock, in ms after it; those of zero velocity are marked."""
-        near = [(at - moment, moves) for at, moves in self._commands if at > moment - 1.0]
-        return "commands at " + ", ".join(f"{1000 * at:.0f}{'' if moves else ' (0)'}" for at, moves in near)
+    def story(self, moment: float) -> list[str]:
+        """The commands and the poses around a moment of the system's clock, in ms after it."""
+        commands = [(at - moment, moves) for at, moves in self._commands if at > moment - 1.0]
+        poses = [(at - moment, way) for at, way, _ in self._past if at > moment - 1.0]
+        return [
+            "commands at " + ", ".join(f"{1000 * at:.0f}{'' if moves else ' (zero)'}" for at, moves in commands),
+            "way in m at " + ", ".join(f"{1000 * at:.0f}: {way:.3f}" for at, way in poses),
+        ]
 
 
 class Robot:
@@ -145,7 +149,7 @@ def server_dies(gateway: Gateway, robot: Robot, how: signal.Signals, moment: str
     went, wrong = judge(robot.watcher, died_at, moment)
     if wrong:
         lines = [line for line in gateway.running.process.output.splitlines() if f"{robot.name} " in line]
-        wrong += [robot.watcher.commands(died_at), *lines]
+        wrong += [*robot.watcher.story(died_at), *lines]
     return went if driven else None, wrong
 
 
