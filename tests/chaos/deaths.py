@@ -188,6 +188,7 @@ def main(moments: int, seed: int) -> None:
             after = chance.uniform(0.0, LONGEST_GOAL)
             with ExitStack() as processes:
                 robot = Robot(observer, f"/robot{number}", start, processes)
+                wait_until(lambda robot=robot: robot.watcher.pose is not None, f"{robot.name} on the graph")
                 gateway.dock(robot)
                 time.sleep(after)
                 went, wrong = happens(gateway, robot, how, f"moment {number}, {name} after {after:.2f} s")

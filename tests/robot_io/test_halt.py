@@ -5,6 +5,8 @@ from collections.abc import Callable
 from random import Random
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
@@ -12,7 +14,7 @@ from docking.estimation.standstill import Standstill
 from docking.simulation.robot import RobotSettings
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
-from robot_io.halt import LONGEST, PERIOD, REPEATS, Halt
+from robot_io.halt import DISCOVERY, LONGEST, PERIOD, REPEATS, Halt
 
 FREE = -math.inf
 
@@ -44,6 +46,27 @@ def test_the_wheels_are_left_to_another_one_who_drives() -> None:
 
 def test_who_drove_before_does_not_count() -> None:
     assert zeros(lambda _: False, commanded_at=99.9) == REPEATS
+
+
+@given(st.floats(0.0, DISCOVERY - 1.0), st.integers(0, 3), st.booleans())
+def test_a_base_that_is_found_late_gets_as_many_zeros_as_one_that_was_there(
+    found_at: float, others: int, leaves: bool
+) -> None:
+    """`others`, such as a recorder, are subscribed before; the base may be one that leaves and comes back."""
+    halt, later, received = Halt(0.0, others + leaves), 0.0, 0
+    while not halt.over:
+        later += PERIOD
+        there = later >= found_at
+        if halt.repeat(later, moves=False, commanded_at=FREE, subscribers=others + there) and there:
+            received += 1
+        assert later < 2 * DISCOVERY
+    assert received >= REPEATS
+
+
+def test_a_new_subscriber_gets_no_zero_once_another_node_drives() -> None:
+    halt = Halt(0.0, 0)
+    assert not halt.repeat(5.0, moves=False, commanded_at=4.0, subscribers=1)
+    assert halt.over
 
 
 def halted(seed: int, loss: float, *, odometry: bool) -> tuple[float, float]:

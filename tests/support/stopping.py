@@ -23,6 +23,8 @@ from tests.support.audit import AuditList, audit_parts
 class FakeVelocity:
     """`cmd_vel` of a robot."""
 
+    subscribers = 1
+
     def __init__(self) -> None:
         self.zeros = 0
         self.failures = 0  # so many more are not taken

@@ -10,6 +10,7 @@ import httpx2
 import orjson
 import pytest
 from action_msgs.msg import GoalStatus
+from geometry_msgs.msg import Twist
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool
 
@@ -77,6 +78,14 @@ def test_every_way_to_send_a_goal_is_closed_until_the_release(domain: int) -> No
         latch.wait_for(lambda message: not message.data)
         gateway.publish(CHARGING)
         assert gateway.http.post("/dock", headers={"Prefer": "wait=50"}).json()["status"] == "succeeded"
+
+
+def test_a_base_that_dds_finds_after_the_stop_gets_zero_velocity(domain: int, observer: Observer) -> None:
+    """It may have got the last motion of a server that is gone, and go on with it."""
+    with running_gateway(domain) as gateway:
+        gateway.stop_once()
+        time.sleep(3.0)  # longer than zero velocity is repeated for those who are there
+        observer.record(Twist, "/cmd_vel").wait_for(lambda message: message == Twist())
 
 
 def test_a_slow_network_takes_no_name_from_a_stop(domain: int) -> None:

@@ -26,6 +26,10 @@ class VelocityPort(Protocol):
     def publish_zero(self) -> None:
         """Command zero velocity, immediately."""
 
+    @property
+    def subscribers(self) -> int:
+        """How many subscriptions it reaches now."""
+
 
 @dataclass(frozen=True, slots=True)
 class Command:
@@ -75,17 +79,22 @@ class Wheels:
             Exception: It cannot be published now. It is repeated nevertheless.
         """
         repeats = self._halt is not None
-        self._halt = Halt(self._clock())
+        self._halt = Halt(self._clock(), self._port.subscribers)
         if not repeats:
             asyncio.get_running_loop().call_later(self._period, self._repeat)
         self._port.publish_zero()
 
     def _repeat(self) -> None:
-        halt = self._halt
-        if halt is None or not halt.repeat(self._clock(), moves=False, commanded_at=self._commanded_at):
+        if (halt := self._halt) is None:
+            return
+        subscribers = self._port.subscribers
+        due = halt.repeat(self._clock(), moves=False, commanded_at=self._commanded_at, subscribers=subscribers)
+        if halt.over:
             self._halt = None
             return
         asyncio.get_running_loop().call_later(self._period, self._repeat)
+        if not due:
+            return
         try:
             self._port.publish_zero()
         except Exception as error:  # noqa: BLE001 - the failure of the first one was reported

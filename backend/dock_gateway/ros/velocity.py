@@ -133,6 +133,15 @@ class VelocityTopic:
         """Take no more publishers."""
         self._publishers.close()
 
+    @property
+    def subscribers(self) -> int:
+        """How many subscriptions its publishers are matched with."""
+        count = 0
+        for _, publisher in self._publishers.of.values():
+            with suppress(InvalidHandle, RCLError):  # it was just destroyed
+                count += publisher.get_subscription_count()
+        return count
+
     def publish_zero(self) -> None:
         """Command zero velocity in all types.
 
@@ -220,6 +229,11 @@ class VelocityPort:
         """Leave the topic."""
         self._topic.withdraw()
         self._topics.forget(self._name)
+
+    @property
+    def subscribers(self) -> int:
+        """How many subscriptions it reaches now."""
+        return self._topic.subscribers
 
     def publish_zero(self) -> None:
         """Command zero velocity, immediately.

@@ -21,6 +21,8 @@ NAMES = {SERVER: "/docking_server", TELEOP: "/teleop"}
 
 
 class Port:
+    subscribers = 1
+
     def __init__(self) -> None:
         self.zeros = 0
         self.fails = False

@@ -15,6 +15,7 @@ LONG = 0.2
 class Port:
     def __init__(self) -> None:
         self.zeros = self.failures = 0
+        self.subscribers = 1
 
     def publish_zero(self) -> None:
         if self.failures:
@@ -29,6 +30,29 @@ async def test_each_zero_is_repeated() -> None:
     assert port.zeros == 1
     await asyncio.sleep(LONG)
     assert port.zeros == 1 + REPEATS
+
+
+async def test_a_base_that_dds_finds_late_gets_zero_too() -> None:
+    wheels = Wheels(port := Port(), period=PERIOD)
+    port.subscribers = 0
+    wheels.publish_zero()
+    await asyncio.sleep(LONG)
+    before = port.zeros
+    port.subscribers = 1
+    await asyncio.sleep(LONG)
+    assert port.zeros == before + 1 + REPEATS
+
+
+async def test_a_base_that_another_one_drives_by_then_gets_none() -> None:
+    wheels = Wheels(port := Port(), period=PERIOD)
+    port.subscribers = 0
+    wheels.publish_zero()
+    await asyncio.sleep(LONG)
+    before = port.zeros
+    wheels.hear(True, b"another", time.monotonic())
+    port.subscribers = 1
+    await asyncio.sleep(LONG)
+    assert port.zeros == before
 
 
 async def test_zeros_that_overlap_are_repeated_once() -> None:
