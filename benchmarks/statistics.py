@@ -21,8 +21,8 @@ from tests.support.waiting import until
 from benchmarks.machine import describe
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.storage import History
 from dock_gateway.storage.rows import goal_row
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.statistics import merged
 from dock_gateway.storage.tables import goals
 
@@ -50,7 +50,7 @@ def make_goals(count: int) -> Iterator[dict[str, Any]]:
         yield goal_row(goal)
 
 
-async def fill(history: SqlHistory, count: int) -> None:
+async def fill(history: History, count: int) -> None:
     """Write the goals in large transactions."""
     rows = make_goals(count)
 

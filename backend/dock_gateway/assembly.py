@@ -30,6 +30,7 @@ from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import PendingFacts, Tasks, closed_by
 from dock_gateway.core.work import Work, in_turn
+from dock_gateway.fleet.alert import Acknowledgement
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.findings import claimed_twice
@@ -66,7 +67,7 @@ from dock_gateway.recordings.recorder import Recorder
 from dock_gateway.recordings.recordings import Recordings
 from dock_gateway.recordings.store import RecordingStore
 from dock_gateway.robots.calibration import Calibrations
-from dock_gateway.robots.labels import Labels
+from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry
@@ -80,7 +81,7 @@ from dock_gateway.ros.velocity import VelocityListener
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stop_of_all import StopOfAll
 from dock_gateway.stop.stopper import Stopper
-from dock_gateway.storage import Acknowledgement, AuditSpool, History, RobotLabel, open_history
+from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.streams.gateway_present import GatewayPresent

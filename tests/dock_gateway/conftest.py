@@ -12,7 +12,7 @@ from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
 from dock_gateway.access import login_guard
-from dock_gateway.storage import immediate, reader, sql, writer
+from dock_gateway.storage import immediate, reader, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
 _numbers = itertools.count()
@@ -21,7 +21,7 @@ _numbers = itertools.count()
 @pytest.fixture(autouse=True)
 def history_timeouts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The database of a busy machine takes its time; without an answer a goal would go to the spool, say."""
-    monkeypatch.setattr(sql, "OPEN_TIMEOUT", 30.0)
+    monkeypatch.setattr("dock_gateway.storage.history.OPEN_TIMEOUT", 30.0)
     monkeypatch.setattr(writer, "ANSWER_TIMEOUT", 30.0)
     monkeypatch.setattr(reader, "READ_TIMEOUT", 30.0)
     monkeypatch.setattr(immediate, "WRITE_TIMEOUT", 30.0)

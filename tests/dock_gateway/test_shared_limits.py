@@ -105,7 +105,7 @@ BOUNDS = {
     "storage.notes:_require_room": STORED,
     "storage.shared_entries:SharedBook.replace.check": STORED,
     "storage.spool:Files.__init__": OF_GATEWAY,
-    "storage.sql:SqlHistory._hold": OLDEST_GO,
+    "storage.keys:IdempotencyKeys._hold": OLDEST_GO,
     "storage.sqlite:SqliteDatabase.__init__": TURN,
     "streams.socket:CommandSession.subscribe": OF_CONNECTION,
     "streams.socket_session:SocketSession.read": OF_CONNECTION,

@@ -2,13 +2,12 @@
 
 import asyncio
 from collections.abc import Callable, Mapping
-from typing import Generic
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.storage import Dependency, EntryT
+from dock_gateway.storage import Dependency, Entries, EntryT
 
 
-class EntriesInMemory(Generic[EntryT]):
+class EntriesInMemory(Entries[EntryT]):
     """Stores entries, as `Entries` does."""
 
     def __init__(self) -> None:

@@ -16,7 +16,6 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.retention import Limits
 from dock_gateway.storage.spool import Spool
-from dock_gateway.storage.sql import SqlHistory
 from tests.support.waiting import PATIENCE, until
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
@@ -43,14 +42,14 @@ START_NS = time.time_ns()
 GENEROUS = Limits(10**9, 10**9, 10**9, 10**12, 10**9, 10**9)
 
 
-def history_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> SqlHistory:
+def history_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> History:
     """A history that is not open yet; limits as `Limits` has them."""
     keep = replace(GENEROUS, **limits)  # type: ignore[arg-type]
-    return SqlHistory(url, Spool(folder / "spool"), max_waiting=max_waiting, limits=keep)
+    return History(url, Spool(folder / "spool"), max_waiting=max_waiting, limits=keep)
 
 
 @asynccontextmanager
-async def open_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> AsyncIterator[SqlHistory]:
+async def open_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> AsyncIterator[History]:
     """A history, closed in the end."""
     history = history_at(url, folder, max_waiting=max_waiting, **limits)
     await history.open()
@@ -60,7 +59,7 @@ async def open_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: 
         await history.close()
 
 
-class HistoryInMemory(SqlHistory):
+class HistoryInMemory(History):
     """A history in memory, which needs no closing.
 
     Its writer runs if it is made on an event loop. What it has not written yet is read as if it were, except by
@@ -99,11 +98,10 @@ def locked(path: str) -> Iterator[None]:
 
 async def settled(history: History) -> None:
     """Wait until all is where it is kept."""
-    if isinstance(history, SqlHistory):
-        await written(history)
+    await written(history)
 
 
-async def written(history: SqlHistory, timeout: float = PATIENCE) -> None:
+async def written(history: History, timeout: float = PATIENCE) -> None:
     """Wait until all is in the database."""
     await until(lambda: not history.stats().waiting and not history.stats().spooled, timeout)
 

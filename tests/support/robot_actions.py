@@ -1,9 +1,8 @@
 """The actions of robots that are fakes."""
 
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.robots.labels import Labels
+from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.settings import Settings
-from dock_gateway.storage import RobotLabel
 from tests.support.history import HistoryInMemory
 
 

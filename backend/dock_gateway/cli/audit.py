@@ -45,7 +45,7 @@ def verify_audit(expect: str | None, database_url: str | None) -> None:
 async def _check(url: str, expected: str | None) -> Verdict:
     from dock_gateway.storage.audit import check  # noqa: PLC0415 - takes a second
     from dock_gateway.storage.database import DATABASE_ERRORS, brief  # noqa: PLC0415
-    from dock_gateway.storage.sql import open_database  # noqa: PLC0415
+    from dock_gateway.storage.history import open_database  # noqa: PLC0415
 
     database = open_database(url)
     try:

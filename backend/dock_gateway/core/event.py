@@ -78,6 +78,8 @@ STAMP_DIGITS = 20
 # Maximum difference between the clocks of two gateways, in nanoseconds.
 CLOCK_TOLERANCE = 5_000_000_000
 KIND_AT = STAMP_DIGITS + 1
+# Sorts after the id of every event.
+NEVER = "~"
 
 
 class EventClock:

@@ -7,7 +7,14 @@ from enum import StrEnum
 from typing import Any
 
 from dock_gateway.fleet.findings import FindingKind
-from dock_gateway.storage import Acknowledgement
+
+
+@dataclass(frozen=True)
+class Acknowledgement:
+    """Who has acknowledged an alert, and when."""
+
+    by: str
+    at: datetime
 
 
 class AlertKind(StrEnum):

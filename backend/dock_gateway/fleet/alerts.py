@@ -14,12 +14,12 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alert import ON_GRAPH, Alert, AlertKind, alert_id
+from dock_gateway.fleet.alert import ON_GRAPH, Acknowledgement, Alert, AlertKind, alert_id
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, AlertRules
 from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.hints import Join
-from dock_gateway.storage import Acknowledgement, Incident
+from dock_gateway.storage import Incident
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)

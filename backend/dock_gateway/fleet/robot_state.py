@@ -9,7 +9,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.robots.battery import Battery, BatteryPublisher
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import RobotLabel
 
 CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
 DRAINS = frozenset({PowerSupply.DISCHARGING, PowerSupply.NOT_CHARGING})

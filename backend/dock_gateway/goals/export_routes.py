@@ -6,7 +6,7 @@ from collections.abc import AsyncGenerator
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
+from dock_gateway.core.event import FEEDBACK, NEVER, STORED_KINDS, Event, utc_now
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
@@ -19,7 +19,6 @@ from dock_gateway.http.requests import GoalId
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
 from dock_gateway.storage import GoalFilter, History
-from dock_gateway.storage.protocol import NEVER
 
 router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 

@@ -37,7 +37,6 @@ from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
 from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.streams.present import Present
 from dock_gateway.webhooks.notifier import Notifier, make_notifier
 
@@ -60,7 +59,6 @@ async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
     """Open the history, connect to the NATS server in the background, and run the hub until the block ends."""
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
-        assert isinstance(history, SqlHistory)  # the command refuses `memory:`
         audit = closed_by(stack, AuditLog(history.audit, AuditSpool(settings.spool_folder / "audit")))
         await audit.open()
         options = BrokerOptions(
@@ -74,9 +72,7 @@ async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
         yield await _open(settings, history, audit, broker, stack)
 
 
-async def _open(
-    settings: Settings, history: SqlHistory, audit: AuditLog, broker: Broker, stack: AsyncExitStack
-) -> Parts:
+async def _open(settings: Settings, history: History, audit: AuditLog, broker: Broker, stack: AsyncExitStack) -> Parts:
     fanout = Fanout(queue_limit=settings.subscriber_queue, newest=history.newest)
     signer = Signer.load_or_create(settings.hub_key_file)
     caller = Caller(broker)

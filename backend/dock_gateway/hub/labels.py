@@ -1,8 +1,7 @@
 """The labels of robots at a hub: those that the robots have at their sites."""
 
 from dock_gateway.hub.sites import Sites
-from dock_gateway.robots.labels import NO_LABEL
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import NO_LABEL, RobotLabel
 
 
 class SiteLabels:

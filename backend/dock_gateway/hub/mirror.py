@@ -9,10 +9,9 @@ import sqlalchemy as sa
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal
-from dock_gateway.storage import queries
+from dock_gateway.storage import History, queries
 from dock_gateway.storage.database import brief, is_about_data
 from dock_gateway.storage.rows import Batch
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.tables import documents, events
 
 CURSOR = "site_cursor"
@@ -44,7 +43,7 @@ class Mirror:
         history: The database that they are in.
     """
 
-    def __init__(self, history: SqlHistory) -> None:
+    def __init__(self, history: History) -> None:
         self._reader = history.reader
         self._writer = history.immediate
 

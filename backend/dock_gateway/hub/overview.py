@@ -16,11 +16,11 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.fleet.alert import Alert, AlertKind
+from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind
 from dock_gateway.goals.goals import Goals
 from dock_gateway.hub.directory import SILENT_AFTER, SiteState
 from dock_gateway.hub.sites import Sites
-from dock_gateway.storage import Acknowledgement, History
+from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)

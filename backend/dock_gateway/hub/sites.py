@@ -29,7 +29,7 @@ from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.subscription import Received
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
 
@@ -69,7 +69,7 @@ class Sites:
         pending_stop: Returns the stop that a site has not confirmed, as `GET /sites` shows it.
     """
 
-    def __init__(self, broker: Broker, caller: Caller, signer: Signer, history: SqlHistory, store: HubStore) -> None:
+    def __init__(self, broker: Broker, caller: Caller, signer: Signer, history: History, store: HubStore) -> None:
         self._broker = broker
         self._caller = caller
         self._signer = signer

@@ -14,8 +14,7 @@ from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Parts
-from dock_gateway.robots.labels import Labels
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import Labels, RobotLabel
 
 Documents = list[dict[str, Any]]
 

@@ -4,14 +4,24 @@ import asyncio
 import logging
 import unicodedata
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import cancel
-from dock_gateway.storage import Entries, RobotLabel
+from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class RobotLabel:
+    """The display name of a robot, and the groups that it is in."""
+
+    display_name: str | None
+    groups: tuple[str, ...]
+
 
 NO_LABEL = RobotLabel(None, ())
 

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import RobotLabel
 
 
 class RobotNames(Protocol):

@@ -6,27 +6,17 @@ from pathlib import Path
 
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.settings import Settings
+from dock_gateway.storage.audit import AuditStore
 from dock_gateway.storage.database import Incident
-from dock_gateway.storage.protocol import (
-    Acknowledgement,
-    AuditStore,
-    Dependency,
-    Entries,
-    EntryT,
-    GoalNotes,
-    History,
-    HistoryStats,
-    LaterEvents,
-    Note,
-    RobotLabel,
-    fingerprint_of,
-)
+from dock_gateway.storage.entries import Dependency, Entries, EntryT
+from dock_gateway.storage.event_reader import LaterEvents
+from dock_gateway.storage.history import History, HistoryStats
+from dock_gateway.storage.notes import GoalNotes, Note
 from dock_gateway.storage.retention import Limits, in_memory
+from dock_gateway.storage.rows import fingerprint_of
 from dock_gateway.storage.spool import AuditSpool, Spool
-from dock_gateway.storage.sql import SqlHistory
 
 __all__ = [
-    "Acknowledgement",
     "AuditSpool",
     "AuditStore",
     "Dependency",
@@ -39,7 +29,6 @@ __all__ = [
     "Incident",
     "LaterEvents",
     "Note",
-    "RobotLabel",
     "fingerprint_of",
     "open_history",
 ]
@@ -59,7 +48,7 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
     folder: Path | None = settings.spool_folder
     if settings.database == "memory:":
         limits, folder = in_memory(limits, settings.max_goals), None
-    history = SqlHistory(settings.database, Spool(folder), max_waiting=settings.history_queue, limits=limits)
+    history = History(settings.database, Spool(folder), max_waiting=settings.history_queue, limits=limits)
     try:
         await history.open()
         yield history

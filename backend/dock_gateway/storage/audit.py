@@ -39,8 +39,10 @@ _ADD = sa.insert(audit)
 _ADVANCE = sa.update(audit_chain).values(head_sequence=sa.bindparam("sequence"), head_digest=sa.bindparam("digest"))
 
 
-class SqlAudit:
-    """The audit log in a database.
+class AuditStore:
+    """Stores the entries of the audit log.
+
+    Both methods raise `Unavailable` (`history_unavailable`) if the database does not answer in time.
 
     Args:
         reader: Reads from the database.
@@ -52,11 +54,17 @@ class SqlAudit:
         self._writer = writer
 
     async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
-        """Store entries in their order; return the new rows."""
+        """Store entries in their order; return the new rows. Entries that are stored already are left out.
+
+        Entries that are not `durable` may be lost in a power cut. That costs less, and new goals wait less for it.
+        """
         return await self._writer.write(append, entries, durable=durable)
 
     async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:
-        """Return rows, newest first. A filter that few of many rows pass takes its time."""
+        """Return rows, newest first; with `before`, only rows before that number.
+
+        A filter that few of many rows pass takes its time.
+        """
         return await self._reader.read_much(_page, wanted, limit, before)
 
 

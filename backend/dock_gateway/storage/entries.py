@@ -1,20 +1,33 @@
 """Entries by key, each stored as a JSON document in a database that several gateways may share."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, Generic
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import sqlalchemy as sa
 from pydantic import TypeAdapter
 
 from dock_gateway.storage.immediate import ImmediateWriter
-from dock_gateway.storage.protocol import Dependency, EntryT
 from dock_gateway.storage.queries import insert_into
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.tables import documents
 
+EntryT = TypeVar("EntryT")
 
-class SqlEntries(Generic[EntryT]):
-    """The entries of one kind.
+
+class Dependency(NamedTuple):
+    """Entries of another kind that a write depends on.
+
+    Attributes:
+        entries: Where they are stored.
+        check: Is given all of them, and raises if the write must not happen.
+    """
+
+    entries: "Entries[Any]"
+    check: Callable[[Mapping[str, Any]], None]
+
+
+class Entries(Generic[EntryT]):
+    """Stores the entries of one kind by key.
 
     Args:
         reader: Reads from the database.
@@ -50,8 +63,9 @@ class SqlEntries(Generic[EntryT]):
         Args:
             key: The key.
             entry: The entry.
-            check: Is given all entries in the same transaction, and raises if this one must not be stored.
-            dependency: Entries of the same database that are checked in that transaction, too.
+            check: Is given all entries, and raises if this one must not be stored. No other gateway can write between
+                the check and the write.
+            dependency: Entries of the same history that are checked likewise.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -70,11 +84,10 @@ class SqlEntries(Generic[EntryT]):
         check: Callable[[Mapping[str, EntryT]], None] | None,
         dependency: Dependency | None,
     ) -> None:
-        checks: list[tuple[SqlEntries[Any], Callable[[Mapping[str, Any]], None]]] = []
+        checks: list[tuple[Entries[Any], Callable[[Mapping[str, Any]], None]]] = []
         if check is not None:
             checks.append((self, check))
         if dependency is not None:
-            assert isinstance(dependency.entries, SqlEntries)
             checks.append((dependency.entries, dependency.check))
         if checks and connection.dialect.name == "postgresql":  # SQLite has only one writer at a time anyway
             connection.execute(sa.text(f"LOCK TABLE {documents.name} IN SHARE ROW EXCLUSIVE MODE"))

@@ -3,17 +3,25 @@
 import asyncio
 from collections.abc import Callable, Collection, Iterator
 from copy import copy
+from dataclasses import dataclass
 from functools import partial
 
 import sqlalchemy as sa
 
-from dock_gateway.core.event import FEEDBACK, Event, kind_of, nanoseconds, time_id
+from dock_gateway.core.event import FEEDBACK, NEVER, Event, kind_of, nanoseconds, time_id
 from dock_gateway.core.goal import Goal
 from dock_gateway.storage import battery, queries
 from dock_gateway.storage.battery import BatterySpan, Bucket, add_events
-from dock_gateway.storage.protocol import NEVER, LaterEvents
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.waiting import Waiting
+
+
+@dataclass(frozen=True)
+class LaterEvents:
+    """The events after a given one, ordered by id; `complete` if none of them was dropped."""
+
+    events: list[Event]
+    complete: bool
 
 
 class EventReader:

@@ -1,12 +1,13 @@
 """Notes and tags on goals. Read from the database each time, so that every gateway that shares it has the same."""
 
 from collections.abc import Collection
+from dataclasses import dataclass
+from datetime import datetime
 
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.storage.immediate import ImmediateWriter
-from dock_gateway.storage.protocol import GoalNotes, Note
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.tables import goal_notes, goal_tags, goals
 
@@ -14,8 +15,29 @@ MAX_NOTES = 100  # on one goal
 MAX_TAGS_LISTED = 1000
 
 
-class SqlNotes:
-    """Notes and tags in a database.
+@dataclass(frozen=True)
+class Note:
+    """A note on a goal."""
+
+    note_id: str
+    by: str
+    at: datetime
+    text: str
+
+
+@dataclass(frozen=True)
+class GoalNotes:
+    """The tags of a goal, sorted, and its notes, oldest first."""
+
+    tags: tuple[str, ...]
+    notes: tuple[Note, ...]
+
+
+class Notes:
+    """Stores notes and tags of goals.
+
+    Every method raises `Unavailable` (`history_unavailable`) if the database does not answer in time; nothing has
+    changed then.
 
     Args:
         reader: Reads from the database.
@@ -39,11 +61,19 @@ class SqlNotes:
         return await self._reader.read(_all_tags)
 
     async def add(self, goal_id: str, note: Note) -> GoalNotes:
-        """Store a note; return what the goal has then."""
+        """Store a note; return what the goal has then.
+
+        Raises:
+            Conflict: The goal has too many notes (`too_many_notes`).
+        """
         return await self._writer.write(_add, goal_id, note)
 
     async def remove(self, goal_id: str, note_id: str) -> GoalNotes:
-        """Delete a note; return what the goal has then."""
+        """Delete a note; return what the goal has then.
+
+        Raises:
+            NotFound: The goal has no such note (`note_not_found`).
+        """
         return await self._writer.write(_remove, goal_id, note_id)
 
     async def replace_tags(self, goal_id: str, tags: Collection[str]) -> GoalNotes:

@@ -12,11 +12,10 @@ from typing import NamedTuple
 import orjson
 import sqlalchemy as sa
 
-from dock_gateway.core.event import KIND_AT, RESULT, STATUS, Event, is_end, kind_of, restamped, stamp_of, time_id
+from dock_gateway.core.event import KIND_AT, NEVER, RESULT, STATUS, Event, is_end, kind_of, restamped, stamp_of, time_id
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.storage import queries
 from dock_gateway.storage.merge import RANK
-from dock_gateway.storage.protocol import NEVER
 from dock_gateway.storage.rows import Batch, event_of
 from dock_gateway.storage.tables import REACHED, events, horizons
 

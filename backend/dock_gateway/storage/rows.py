@@ -1,16 +1,17 @@
 """Conversion of goals, events and keys to table rows and spool lines, and back."""
 
+import hashlib
 import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import orjson
 
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.event import Event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json
 
 Row = dict[str, Any]
 
@@ -22,6 +23,9 @@ MAX_CODE = 200
 
 _TIMES = ("created_at", "updated_at", "finished_at")
 _MESSAGES = ("goal", "feedback", "result")
+
+
+KEY_LIFETIME = timedelta(hours=24)
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,11 @@ class Key:
     def expired(self) -> bool:
         """Whether another goal may use the key."""
         return self.expires_at <= datetime.now(UTC)
+
+
+def fingerprint_of(action_name: str, goal: Json | None) -> str:
+    """Return a hash that tells whether two goals sent with the same key are the same goal."""
+    return hashlib.sha256(action_name.encode() + b"\0" + (goal or b"")).hexdigest()
 
 
 Entry = Goal | Event | Key

@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Generic
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
-from dock_gateway.storage.protocol import Dependency, Entries, EntryT
+from dock_gateway.storage.entries import Dependency, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
 SYNC_INTERVAL = 2.0

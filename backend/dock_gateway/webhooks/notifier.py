@@ -14,9 +14,9 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
-from dock_gateway.robots.labels import NO_LABEL
+from dock_gateway.robots.labels import NO_LABEL, RobotLabel
 from dock_gateway.robots.robots import RobotLabels
-from dock_gateway.storage import History, RobotLabel
+from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.outbox import Document, Outbox, delivery_document
 from dock_gateway.webhooks.sender import new_secret

@@ -2,11 +2,10 @@
 
 import orjson
 
-from dock_gateway.core.event import Event, EventClock, event_id, time_id
+from dock_gateway.core.event import NEVER, Event, EventClock, event_id, time_id
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.line import Line
-from dock_gateway.storage.protocol import NEVER
 
 A, B = "goal-a", "goal-b"
 

@@ -9,13 +9,13 @@ import pytest
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.fleet.alert import Alert, AlertKind, alert_id
+from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind, alert_id
 from dock_gateway.fleet.alert_rules import AlertRules
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.robots.labels import NO_LABEL
-from dock_gateway.storage import Acknowledgement, Incident
+from dock_gateway.storage import Incident
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 UNKNOWN, CHARGING, DISCHARGING, NOT_CHARGING, FULL = 0, 1, 2, 3, 4

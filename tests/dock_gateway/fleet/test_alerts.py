@@ -11,9 +11,8 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.fleet.alert import AlertKind, alert_id
+from dock_gateway.fleet.alert import Acknowledgement, AlertKind, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.storage import Acknowledgement
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import EntriesInMemory

@@ -9,9 +9,8 @@ from starlette.testclient import TestClient
 from dock_gateway.app import create_app
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.http.parts import Parts
-from dock_gateway.robots.labels import Labels
+from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.settings import Settings
-from dock_gateway.storage import RobotLabel
 from tests.support.audit import audit_parts
 from tests.support.entries import EntriesInMemory
 from tests.support.shapes import check_answer

@@ -18,9 +18,8 @@ from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import DockingServers
 from dock_gateway.robots.battery import Battery
-from dock_gateway.robots.labels import NO_LABEL
+from dock_gateway.robots.labels import NO_LABEL, RobotLabel
 from dock_gateway.settings import Settings
-from dock_gateway.storage import RobotLabel
 from tests.support.robot_actions import make_robot_actions
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)

@@ -26,8 +26,7 @@ from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
-from dock_gateway.storage import sql
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History
 from tests.support.calls import FakeCall
 from tests.support.history import EVERYTHING, locked, make_event, make_goal, open_at, written
 from tests.support.sizes import sizes
@@ -80,7 +79,7 @@ class FakePort:
 
 
 class Scene:
-    def __init__(self, history: SqlHistory) -> None:
+    def __init__(self, history: History) -> None:
         self.port = FakePort()
         self.fanout = Fanout(queue_limit=10, keep=history.record_event, recent=10)
         self.history = history
@@ -158,7 +157,7 @@ class Scene:
 
 @pytest.fixture
 async def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    monkeypatch.setattr(sql, "MAX_KEYS", 10)
+    monkeypatch.setattr("dock_gateway.storage.keys.MAX_KEYS", 10)
     async with open_at(f"sqlite:///{tmp_path}/history.db", tmp_path) as history:
         scene = Scene(history)
         yield scene
@@ -204,7 +203,7 @@ async def test_a_goal_that_is_spooled_leaves_nothing_pending(tmp_path: Path) -> 
             for number in range(50):
                 await history.add(make_goal(number))
             await until(lambda: history.stats().waiting <= 10)
-            assert sizes(history)["SqlHistory.writer._new_goals._pending"] == 0
+            assert sizes(history)["History.writer._new_goals._pending"] == 0
         await written(history)
     assert max(sizes(history).values()) < 10
 

@@ -20,7 +20,7 @@ from dock_gateway.hub.site_view import SiteView
 from dock_gateway.hub.store import HubStore
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.failures import SiteFailed
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History
 from tests.dock_gateway.hub.test_renaming import ROBOT, decoded
 from tests.support.history import open_at
 from tests.support.waiting import until
@@ -91,7 +91,7 @@ def told(goal: Goal, second: int) -> dict[str, Any]:
 
 
 class Hub:
-    def __init__(self, history: SqlHistory, site: FakeSite) -> None:
+    def __init__(self, history: History, site: FakeSite) -> None:
         self.history = history
         self.told: list[Event] = []
         self.store = HubStore(Mirror(history), Fanout(queue_limit=10, keep=self.told.append))

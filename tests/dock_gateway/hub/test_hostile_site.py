@@ -29,9 +29,8 @@ from dock_gateway.hub.mirror import Mirror
 from dock_gateway.hub.site_view import MAX_BYTES, SiteView
 from dock_gateway.hub.store import HubStore, News
 from dock_gateway.sites.tunnel.caller import Address
-from dock_gateway.storage import retention, shares
+from dock_gateway.storage import History, retention, shares
 from dock_gateway.storage.retention import OVERHEAD
-from dock_gateway.storage.sql import SqlHistory
 from tests.dock_gateway.hub.test_follower import FakeSite, snapshot, told
 from tests.dock_gateway.hub.test_renaming import ROBOT, decoded
 from tests.support.history import open_at
@@ -56,7 +55,7 @@ def honest_news() -> News:
 
 
 @asynccontextmanager
-async def hub_of(folder: Path, url: str = "", most: int = MOST) -> AsyncIterator[tuple[SqlHistory, HubStore]]:
+async def hub_of(folder: Path, url: str = "", most: int = MOST) -> AsyncIterator[tuple[History, HubStore]]:
     """A hub with the goals of the honest site, and its retention."""
     async with open_at(url or f"sqlite:///{folder / 'hub.db'}", folder, goal_bytes=most) as history:
         await until(lambda: history.stats().database_reachable)
@@ -69,7 +68,7 @@ async def hub_of(folder: Path, url: str = "", most: int = MOST) -> AsyncIterator
             await store.close()
 
 
-async def of_honest(history: SqlHistory) -> tuple[list[dict[str, Any]], list[Event], str | None]:
+async def of_honest(history: History) -> tuple[list[dict[str, Any]], list[Event], str | None]:
     """What the hub has of the honest site."""
     goals = await history.page(GoalFilter(namespace="/berlin"), limit=100)
     events = [event for goal_id in HONEST for event in await history.events_of(goal_id, kinds="sz", limit=100)]

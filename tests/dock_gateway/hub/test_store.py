@@ -16,7 +16,7 @@ from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.hub.goal_documents import Happening, ends_of
 from dock_gateway.hub.mirror import Mirror, MirrorBatch
 from dock_gateway.hub.store import HubStore, News
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History
 from tests.support.history import open_at
 from tests.support.waiting import until
 
@@ -40,7 +40,7 @@ def ended(goal_id: str = FIRST, cursor: str = "0-z-1") -> News:
 
 
 @asynccontextmanager
-async def opened(url: str, folder: Path) -> AsyncIterator[tuple[SqlHistory, HubStore, list[Event]]]:
+async def opened(url: str, folder: Path) -> AsyncIterator[tuple[History, HubStore, list[Event]]]:
     async with open_at(url, folder) as history:
         await until(lambda: history.stats().database_reachable)
         told: list[Event] = []
@@ -84,7 +84,7 @@ async def test_a_goal_of_another_site_is_refused_and_the_others_are_kept(databas
 
 async def test_what_was_written_although_no_answer_came_is_told_all_the_same(tmp_path: Path) -> None:
     class Forgetful:
-        def __init__(self, history: SqlHistory) -> None:
+        def __init__(self, history: History) -> None:
             self.known_keys = Mirror(history).known_keys
             self._take = Mirror(history).take
             self.failures = 1

@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.robots.labels import NO_LABEL, Labels
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import NO_LABEL, Labels, RobotLabel
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
 

@@ -21,9 +21,8 @@ from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.parts import Parts
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
-from dock_gateway.storage import History, sql, writer
+from dock_gateway.storage import History
 from dock_gateway.storage.retention import Limits
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.streams.present import Present
 from tests.dock_gateway.simulation.chance import TICK, Chance
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
@@ -102,8 +101,8 @@ class Gateway(Process):
         spool: Any = SimulatedSpool(self._spool)
         shared = self.chance.faults.gateways > 1
         database = SimulatedDatabase(self._disk, self, self.chance.database_delay, shared=shared)
-        with patch.object(sql, "open_database", lambda _: database):
-            history = SqlHistory("", spool, max_waiting=1000, limits=FOREVER)
+        with patch("dock_gateway.storage.history.open_database", lambda _: database):
+            history = History("", spool, max_waiting=1000, limits=FOREVER)
         await history.open()
         self.history = history
         self.fanout = Fanout(queue_limit=1000, keep=history.record_event, newest=history.newest)
@@ -186,10 +185,10 @@ class Gateway(Process):
 def simulated() -> Iterator[None]:
     """Let everything have the time of the simulation, and the limits of the product, not those of tests."""
     with ExitStack() as stack:
-        for module, name, value in (
-            (unfinished, "utc_now", lambda: moment(time.time_ns())),
-            (sql, "OPEN_TIMEOUT", 2.0),
-            (writer, "ANSWER_TIMEOUT", 0.1),
+        for name, value in (
+            ("goals.unfinished.utc_now", lambda: moment(time.time_ns())),
+            ("storage.history.OPEN_TIMEOUT", 2.0),
+            ("storage.writer.ANSWER_TIMEOUT", 0.1),
         ):
-            stack.enter_context(patch.object(module, name, value))
+            stack.enter_context(patch(f"dock_gateway.{name}", value))
         yield

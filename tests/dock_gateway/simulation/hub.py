@@ -18,8 +18,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.subjects import HUB
 from dock_gateway.sites.tunnel.caller import Address, Caller
-from dock_gateway.storage import History, sql
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History
 from dock_gateway.streams.present import Present
 from tests.dock_gateway.simulation.chance import Chance
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
@@ -52,8 +51,8 @@ class Hub(Process):
     async def start(self) -> None:
         spool: Any = SimulatedSpool(self._spool)
         database = SimulatedDatabase(self._disk, self, self.chance.database_delay, shared=False)
-        with patch.object(sql, "open_database", lambda _: database):
-            history = SqlHistory("", spool, max_waiting=1000, limits=FOREVER)
+        with patch("dock_gateway.storage.history.open_database", lambda _: database):
+            history = History("", spool, max_waiting=1000, limits=FOREVER)
         await history.open()
         self.fanout = Fanout(queue_limit=1000, newest=history.newest)
         settings = SimpleNamespace(heartbeat_interval=3600.0)
@@ -66,7 +65,7 @@ class Hub(Process):
         self.ready = True
         self.chance.say(self.name, "ready")
 
-    async def _follow(self, caller: Caller, history: SqlHistory) -> None:
+    async def _follow(self, caller: Caller, history: History) -> None:
         store, view = HubStore(Mirror(history), self.fanout), self.view
         signer: Any = SimpleNamespace(sign=lambda *_, **__: "")
         follower, at = None, None

@@ -8,8 +8,7 @@ from unittest.mock import patch
 import pytest
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.storage import sql
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
 from tests.dock_gateway.simulation.gateway import FOREVER, simulated
 from tests.dock_gateway.simulation.virtual import run
@@ -37,8 +36,8 @@ async def record_for(seconds: float, delay: float) -> CountingSpool:
     disk.empty()
     owner = SimpleNamespace(dead=False)
     database = SimulatedDatabase(disk, owner, lambda: delay, shared=False)
-    with patch.object(sql, "open_database", lambda _: database):
-        history = SqlHistory("", spool, max_waiting=1000, limits=FOREVER)  # type: ignore[arg-type]
+    with patch("dock_gateway.storage.history.open_database", lambda _: database):
+        history = History("", spool, max_waiting=1000, limits=FOREVER)  # type: ignore[arg-type]
     await history.open()
     spool.began = asyncio.get_running_loop().time()
     for number in range(round(seconds / 0.05)):

@@ -17,10 +17,10 @@ from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
-from dock_gateway.robots.labels import Labels
+from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.settings import Settings
 from dock_gateway.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
-from dock_gateway.storage import GoalFilter, History, RobotLabel
+from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.statistics import Tally
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory, make_goal

@@ -19,7 +19,7 @@ from dock_gateway.core.audit import AuditFilter, Outcome, Verdict
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.storage import History, audit, immediate, sqlite
-from dock_gateway.storage.sql import SqlHistory, open_database
+from dock_gateway.storage.history import open_database
 from tests.support.audit import NOON, make_entry
 from tests.support.history import history_at, locked, open_at, open_place
 from tests.support.waiting import PATIENCE, until
@@ -186,7 +186,6 @@ async def test_the_oldest_rows_are_deleted_and_the_rest_is_still_a_chain(databas
     old, now = utc_now() - timedelta(days=2), utc_now()
     entries = [make_entry(number, at=old if number < 4 else now) for number in range(8)]
     async with opened(database_url, tmp_path, audit_age=86_400) as history:
-        assert isinstance(history, SqlHistory)
         await history.audit.append(entries)
         await history.retention.enforce()
         assert await sequences(history) == [8, 7, 6, 5]
@@ -200,7 +199,6 @@ async def test_the_oldest_rows_are_deleted_and_the_rest_is_still_a_chain(databas
 async def test_more_than_the_limit_are_deleted_also_in_several_transactions(database_url: str, tmp_path: Path) -> None:
     count = 2 * audit.CHUNK + 5
     async with opened(database_url, tmp_path, audit_entries=2) as history:
-        assert isinstance(history, SqlHistory)
         await history.audit.append([make_entry(number, at=utc_now()) for number in range(count)])
         await history.retention.enforce()
         assert await sequences(history) == [count, count - 1]
@@ -210,7 +208,6 @@ async def test_more_than_the_limit_are_deleted_also_in_several_transactions(data
 
 async def test_goals_may_go_and_the_audit_stays(database_url: str, tmp_path: Path) -> None:
     async with opened(database_url, tmp_path, goal_age=1, goal_bytes=1, event_age=1, event_bytes=1) as history:
-        assert isinstance(history, SqlHistory)
         await history.audit.append([make_entry(1)])
         await history.retention.enforce()
         assert await sequences(history) == [1]

@@ -12,7 +12,9 @@ from pydantic import BaseModel
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
-from dock_gateway.storage import Acknowledgement, Entries, History, RobotLabel, sqlite
+from dock_gateway.fleet.alert import Acknowledgement
+from dock_gateway.robots.labels import RobotLabel
+from dock_gateway.storage import Entries, History, sqlite
 from tests.support.history import locked, open_place
 from tests.support.waiting import PATIENCE, until
 

@@ -11,8 +11,8 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import GoalStatus
+from dock_gateway.storage import History
 from dock_gateway.storage import files as damage
-from dock_gateway.storage.sql import SqlHistory
 from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, written
 from tests.support.waiting import until
 
@@ -36,14 +36,14 @@ def goals_in(path: Path) -> list[str]:
         return [row[0] for row in connection.execute("SELECT goal_id FROM goals ORDER BY 1")]
 
 
-async def reopened(history: SqlHistory) -> None:
+async def reopened(history: History) -> None:
     """Wait until something has happened to the file and a new one is in use."""
     await until(lambda: history.incident is not None and history.stats().database_reachable)
     await written(history)
     await readable(history)
 
 
-async def readable(history: SqlHistory) -> None:
+async def readable(history: History) -> None:
     for _ in range(100):
         try:
             await history.get("any")

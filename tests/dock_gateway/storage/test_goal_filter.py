@@ -8,7 +8,6 @@ import pytest
 
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.storage import GoalFilter, History
-from dock_gateway.storage.sql import SqlHistory
 from tests.support.history import NOW, make_goal, open_at, page_of, written
 
 GOALS = [
@@ -39,7 +38,7 @@ async def history(place: tuple[str, str], tmp_path: Path) -> AsyncIterator[Histo
         yield history
 
 
-async def fill(history: SqlHistory) -> None:
+async def fill(history: History) -> None:
     for goal in GOALS:
         history.record(goal)
     await written(history)

@@ -5,12 +5,11 @@ from pathlib import Path
 
 import sqlalchemy as sa
 
-from dock_gateway.core.event import Event, result_event, status_event, time_id
+from dock_gateway.core.event import NEVER, Event, result_event, status_event, time_id
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.storage import History
 from dock_gateway.storage.order import STEP, Turn, take_turn
-from dock_gateway.storage.protocol import NEVER
 from dock_gateway.storage.rows import Batch
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.tables import events
 from tests.support.history import make_goal, open_at, written
 from tests.support.waiting import until
@@ -26,7 +25,7 @@ def ended(number: int, status: GoalStatus = GoalStatus.SUCCEEDED, stamp: int = 1
     return Batch(goals=[goal], events=end)
 
 
-async def turn(history: SqlHistory, after: str | None, wanted: int = 0, batch: Batch | None = None) -> Turn:
+async def turn(history: History, after: str | None, wanted: int = 0, batch: Batch | None = None) -> Turn:
     return await history.database.write(take_turn, batch or Batch(), after, wanted)
 
 

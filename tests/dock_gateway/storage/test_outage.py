@@ -17,8 +17,7 @@ import sqlalchemy as sa
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import cancel
-from dock_gateway.storage import GoalFilter, queries, writer
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import GoalFilter, History, queries, writer
 from dock_gateway.storage.sqlite import SqliteDatabase
 from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, written
 from tests.support.postgresql import PostgreSQL
@@ -79,7 +78,7 @@ async def test_an_outage_has_a_reason_from_its_first_moment_on(outage: tuple[str
     url, not_answering = outage
     reasons: set[str | None] = set()
 
-    def look(history: SqlHistory) -> bool:
+    def look(history: History) -> bool:
         stats = history.stats()
         if not stats.database_reachable:
             reasons.add(stats.last_error)
@@ -150,7 +149,7 @@ async def test_goals_go_on_and_arrive_later(
         assert (await history.by_key("key-1") or goal).status is GoalStatus.EXECUTING
 
 
-async def pages(history: SqlHistory) -> list[Goal]:
+async def pages(history: History) -> list[Goal]:
     """All goals, as soon as the database is read again."""
     for _ in range(100):
         try:

@@ -11,8 +11,7 @@ import sqlalchemy as sa
 from dock_gateway.core.event import Event, feedback_event, nanoseconds, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.settings import Settings
-from dock_gateway.storage import open_history, retention
-from dock_gateway.storage.sql import SqlHistory
+from dock_gateway.storage import History, open_history, retention
 from dock_gateway.storage.tables import events, goals, idempotency_keys
 from tests.support.history import EVERYTHING, START_NS, make_event, make_goal, open_at, written
 from tests.support.waiting import until
@@ -20,11 +19,11 @@ from tests.support.waiting import until
 HOUR_NS = 3600 * 10**9
 
 
-async def left(history: SqlHistory) -> list[str]:
+async def left(history: History) -> list[str]:
     return await history.database.read(lambda db: list(db.scalars(sa.select(events.c.id).order_by(events.c.id))))
 
 
-async def follows(history: SqlHistory, event_id: str, *topics: str) -> int | None:
+async def follows(history: History, event_id: str, *topics: str) -> int | None:
     found = await history.events_after(
         event_id, goal_id=None, action_name=None, topics=frozenset(topics) or EVERYTHING, limit=10_000
     )
@@ -94,7 +93,7 @@ def story(goal: Goal, feedback: int = 0) -> list[Event]:
     return [make(goal, start + number) for number, make in enumerate(kinds)]
 
 
-async def keep(history: SqlHistory, goals: list[Goal], feedback: int = 0) -> list[Event]:
+async def keep(history: History, goals: list[Goal], feedback: int = 0) -> list[Event]:
     kept = [event for goal in goals for event in story(goal, feedback)]
     for goal in goals:
         history.record(goal)
@@ -104,7 +103,7 @@ async def keep(history: SqlHistory, goals: list[Goal], feedback: int = 0) -> lis
     return kept
 
 
-async def goals_left(history: SqlHistory) -> list[str]:
+async def goals_left(history: History) -> list[str]:
     return await history.database.read(
         lambda db: list(db.scalars(sa.select(goals.c.goal_id).order_by(goals.c.goal_id)))
     )
@@ -135,7 +134,6 @@ async def test_old_goals_go_with_all_that_there_is_of_them(database_url: str, tm
 
 async def test_memory_keeps_a_number_of_goals_and_of_keys(tmp_path: Path) -> None:
     async with open_history(Settings(database_url="memory:", max_goals=10)) as history:
-        assert isinstance(history, SqlHistory)
         with_key = [made(number, 3) for number in range(2)]
         for number, goal in enumerate(with_key):
             await history.add(goal, f"key-{number}")
@@ -156,7 +154,6 @@ async def test_memory_is_checked_often(monkeypatch: pytest.MonkeyPatch) -> None:
     async with open_history(Settings(database_url="memory:", retention_hours=1)) as history:
         now = time.time_ns() - START_NS
         history.record_event(make_event(now - 2 * HOUR_NS, "battery", droppable=True))
-        assert isinstance(history, SqlHistory)
         await until(lambda: not history.stats().waiting)
         for _ in range(1000):
             if not await left(history):
@@ -229,7 +226,6 @@ async def test_the_longest_and_largest_that_can_be_set(database_url: str, tmp_pa
         spool_path=tmp_path / "spool",
     )
     async with open_history(settings) as history:
-        assert isinstance(history, SqlHistory)
         kept = await keep(history, [made(1, 10_000)], feedback=1)
         assert await history.retention.enforce() == 0
         assert await left(history) == [event.id for event in kept]

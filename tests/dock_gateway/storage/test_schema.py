@@ -11,9 +11,9 @@ import pytest
 import sqlalchemy as sa
 
 from dock_gateway.storage import queries
+from dock_gateway.storage.history import open_database
 from dock_gateway.storage.rows import Batch
 from dock_gateway.storage.schema import REVISION, create_tables
-from dock_gateway.storage.sql import open_database
 from dock_gateway.storage.tables import revisions
 from tests.support.history import make_goal, open_at, written
 from tests.support.waiting import PATIENCE, until

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.storage import Acknowledgement
+from dock_gateway.fleet.alert import Acknowledgement
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.support.entries import SharedStore
 from tests.support.history import HistoryInMemory, open_at

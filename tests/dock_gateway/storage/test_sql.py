@@ -10,23 +10,22 @@ import sqlalchemy as sa
 
 from dock_gateway.core.event import STATUS, Event, event_id, feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.storage import queries, sql, sqlite
+from dock_gateway.storage import History, queries, sqlite
 from dock_gateway.storage.rows import Batch
-from dock_gateway.storage.sql import SqlHistory
 from dock_gateway.storage.tables import events, goals, idempotency_keys
 from tests.support.history import EVERYTHING, NOW, START_NS, make_event, make_goal, open_at, page_of, written
 
 
-async def count(history: SqlHistory, table: sa.Table) -> int:
+async def count(history: History, table: sa.Table) -> int:
     counted = sa.select(sa.func.count()).select_from(table)
     return await history.database.read(lambda connection: connection.scalar(counted)) or 0
 
 
-async def ids(history: SqlHistory, **query: object) -> list[str]:
+async def ids(history: History, **query: object) -> list[str]:
     return [goal.goal_id for goal in await page_of(history, **query)]
 
 
-async def after(history: SqlHistory, number: int, **query: object) -> list[bytes] | None:
+async def after(history: History, number: int, **query: object) -> list[bytes] | None:
     asked = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 100} | query
     found = await history.events_after(make_event(number).id or "", **asked)  # type: ignore[arg-type]
     return [event.data for event in found.events] if found.complete else None
@@ -125,7 +124,7 @@ async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path
         past = datetime.now(UTC) - timedelta(seconds=1)
         expire = sa.update(idempotency_keys).values(expires_at=past)
         await history.database.write(lambda connection: connection.execute(expire) and None)
-        history._keys.clear()
+        history._keys._known.clear()
         assert await history.by_key("key") is None
         assert await history.claim("key", "g2", "f2") == ("g2", "f2")
 
@@ -146,8 +145,8 @@ async def test_a_key_is_let_go_of_by_its_goal(database_url: str, tmp_path: Path)
 
 
 async def test_one_of_many_claims_wins(database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for patience in ("OPEN_TIMEOUT", "KEY_TIMEOUT"):  # a database that is away decides nothing
-        monkeypatch.setattr(sql, patience, 30.0)
+    for patience in ("history.OPEN_TIMEOUT", "keys.KEY_TIMEOUT"):  # a database that is away decides nothing
+        monkeypatch.setattr(f"dock_gateway.storage.{patience}", 30.0)
     monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", 30.0)
     async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
         for round_ in range(10):

@@ -13,8 +13,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.webhook import Delivery, DeliveryState
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.http.schema import RobotSelection
-from dock_gateway.robots.labels import Labels
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox

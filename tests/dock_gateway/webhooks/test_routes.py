@@ -11,8 +11,8 @@ from starlette.testclient import TestClient
 from dock_gateway.app import create_app
 from dock_gateway.core.webhook import Delivery
 from dock_gateway.http.parts import Parts
+from dock_gateway.robots.labels import RobotLabel
 from dock_gateway.settings import Settings
-from dock_gateway.storage import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.outbox import Outbox

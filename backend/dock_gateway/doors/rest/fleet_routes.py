@@ -13,7 +13,7 @@ from dock_gateway.http.principal import ThePrincipal
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
-from dock_gateway.storage import RobotLabel
+from dock_gateway.robots.labels import RobotLabel
 
 router = APIRouter(route_class=ApiRoute)
 

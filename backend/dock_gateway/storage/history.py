@@ -6,35 +6,27 @@ import time
 from collections.abc import Awaitable, Callable, Collection, Sequence
 from contextlib import suppress
 from copy import copy
-from datetime import UTC, datetime
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import Event, time_id
+from dock_gateway.core.event import NEVER, Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import queries, statistics
-from dock_gateway.storage.audit import SqlAudit
+from dock_gateway.storage.audit import AuditStore
 from dock_gateway.storage.battery import BatterySpan, Bucket
 from dock_gateway.storage.database import DATABASE_ERRORS, Database, Incident
-from dock_gateway.storage.entries import SqlEntries
-from dock_gateway.storage.event_reader import EventReader
+from dock_gateway.storage.entries import Entries, EntryT
+from dock_gateway.storage.event_reader import EventReader, LaterEvents
 from dock_gateway.storage.immediate import ImmediateWriter
+from dock_gateway.storage.keys import IdempotencyKeys
 from dock_gateway.storage.merge import merge_all
-from dock_gateway.storage.notes import SqlNotes
-from dock_gateway.storage.protocol import (
-    KEY_LIFETIME,
-    NEVER,
-    EntryT,
-    HistoryStats,
-    LaterEvents,
-    fingerprint_of,
-)
-from dock_gateway.storage.reader import AWAY, Reader
+from dock_gateway.storage.notes import Notes
+from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.retention import Limits, Retention
-from dock_gateway.storage.rows import Key
 from dock_gateway.storage.seals import Sealer
 from dock_gateway.storage.spool import Spool
 from dock_gateway.storage.statistics import Span, Tallies
@@ -47,12 +39,34 @@ OPEN_TIMEOUT = 2.0  # Seconds that the start waits for the database.
 CLOSE_TIMEOUT = 1.0  # Seconds.
 LOOK_INTERVAL = 2.0  # Seconds between two polls of the database.
 KEPT_TOPICS = ("goals", "battery", "cmd_vel")
-KEY_TIMEOUT = 0.5  # Seconds to look up an idempotency key before its goal is sent.
-MAX_KEYS = 10_000
 
 
-class SqlHistory:
-    """Goals, events and keys in SQLite or PostgreSQL, with a spool as fallback.
+@dataclass(frozen=True)
+class HistoryStats:
+    """The state of the history.
+
+    Attributes:
+        waiting: Goals and events in memory that are not in the database yet.
+        spooled: Entries of the spool that are not in the database yet.
+        dropped: Feedback and battery events dropped since the start because memory was full.
+        database_reachable: Whether the last access to the database succeeded.
+        last_error: The database's last error, or the detail of the incident, and what it is busy with while it does not
+            answer. Never None while it is not reachable.
+    """
+
+    waiting: int = 0
+    spooled: int = 0
+    dropped: int = 0
+    database_reachable: bool = True
+    last_error: str | None = None
+
+
+class History:
+    """Goals, their events and their idempotency keys in SQLite or PostgreSQL, with a spool as fallback.
+
+    Goals are returned as copies. A read raises `Unavailable` (`history_unavailable`) if the database does not answer in
+    time and the data is not in memory either. A failed lookup is never reported as missing data. docs/history.md lists
+    what is kept and for how long.
 
     Args:
         url: `sqlite:///path`, `postgresql://…` or `memory:`.
@@ -65,6 +79,10 @@ class SqlHistory:
         writer: Writes what waits in memory.
         reader: Reads from the database.
         immediate: Writes what a request waits for.
+        notes: The notes and tags of goals.
+        audit: The audit log.
+        shared: Whether other gateways may store goals in the same database.
+        on_loss: Called when stored data is lost, so that unfinished goals are recorded again.
     """
 
     def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
@@ -73,13 +91,13 @@ class SqlHistory:
         self._waiting = Waiting(max_waiting)
         self.writer = Writer(self.database, self._spool, self._waiting, self._write_again)
         self._sealer = Sealer(self.database)
-        self._keys: dict[str, Key] = {}
         self._newest = ""
         self.shared = self.database.shared
         self.reader = Reader(self.database, self.writer)
         self.immediate = ImmediateWriter(self.database, self.writer)
-        self.notes = SqlNotes(self.reader, self.immediate)
-        self.audit = SqlAudit(self.reader, self.immediate)
+        self._keys = IdempotencyKeys(self.database, self.writer, self.reader, self._waiting)
+        self.notes = Notes(self.reader, self.immediate)
+        self.audit = AuditStore(self.reader, self.immediate)
         self._events = EventReader(self.reader, self._waiting)
         self.retention = Retention(self.database, limits)
         self.on_loss: Callable[[], None] = lambda: None
@@ -96,10 +114,8 @@ class SqlHistory:
         self._tasks = [asyncio.create_task(each) for each in work]
         await self._sealer.open()  # first: what is stored later comes with a turn, and all else has to be in `_newest`
         with suppress(Unavailable):
-            self._keys = {key.key: key for key in await self.reader.read(queries.newest_keys, MAX_KEYS)}
             self._newest = await self.reader.read(queries.newest)
-        for key in self._waiting.keys.values():
-            self._keys.setdefault(key.key, key)
+        await self._keys.load()
 
     async def _look_after_database(self) -> None:
         """Poll the database, so that an outage or a replaced file is noticed without any writes."""
@@ -113,96 +129,80 @@ class SqlHistory:
         """After the database lost its data: queue what this process knows, and mark the rest as missing."""
         now = time_id(time.time_ns())
         self._waiting.gaps |= dict.fromkeys(KEPT_TOPICS, now)
-        for key in self._keys.values():
-            self._waiting.put_key(key)
+        self._keys.store_again()
         self.on_loss()
 
     @property
     def newest(self) -> str:
-        """The id of the newest event stored when the history was opened, or that a turn returned before `follow`."""
+        """The id of the newest event that is stored, but not published here after `follow`; empty if there is none."""
         return max(self._newest, self._sealer.newest)
 
     @property
     def incident(self) -> Incident | None:
-        """The last loss of the database's data, as long as it must be reported."""
+        """The last loss of stored data, as long as it must be reported."""
         return self.database.incident
 
-    def documents(self, kind: str, model: type[EntryT]) -> SqlEntries[EntryT]:
-        """Return the entries of a kind."""
-        return SqlEntries(self.reader, self.immediate, kind, model)
+    def documents(self, kind: str, model: type[EntryT]) -> Entries[EntryT]:
+        """Return the entries of a kind. They are stored as JSON, so that a new field changes no table.
+
+        A field that a document lacks has its default; one that the model does not know is ignored.
+
+        Args:
+            kind: The kind: `rule`, `webhook`, `user`, ….
+            model: The dataclass or pydantic model of an entry.
+        """
+        return Entries(self.reader, self.immediate, kind, model)
 
     # ------------------------------------------------------------------ write
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
-        """Store a new goal; on return it is in the database or in the spool."""
-        key = None
-        if idempotency_key is not None:
-            key = self._held(idempotency_key)
-            if key is None:
-                key = _new_key(idempotency_key, goal.goal_id, fingerprint_of(goal.action_name, goal.goal))
-                self._hold(key)
-        await self.writer.keep(goal, key)
+        """Store a new goal. On return it is committed to the database or on this machine's disk.
+
+        Raises:
+            Unavailable: Neither the database nor the disk took it (`history_unavailable`).
+        """
+        await self.writer.keep(goal, None if idempotency_key is None else self._keys.of(goal, idempotency_key))
 
     async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
-        """Bind a key to a goal, or return its owner.
+        """Bind a key to a goal for 24 hours; return goal_id and fingerprint of the first claim, across replicas.
 
         While the database does not answer, the key is bound in this process and its successors, not at other replicas.
         """
-        held = self._held(idempotency_key)
-        if held is None:
-            held = _new_key(idempotency_key, goal_id, fingerprint)
-            if self.writer.reachable:
-                try:
-                    async with asyncio.timeout(KEY_TIMEOUT):
-                        # Not durable: the goal, which is written next, is, and so is what was written before it.
-                        held = await self.database.write(queries.claim, held, durable=False)
-                except DATABASE_ERRORS as error:
-                    self.writer.doubt(error)
-            held = self._held(idempotency_key) or held
-            self._hold(held)
-        return held.goal_id, held.fingerprint
+        return await self._keys.claim(idempotency_key, goal_id, fingerprint)
 
     async def release(self, idempotency_key: str, goal_id: str) -> None:
-        """Release the key of a goal, here and at all replicas.
+        """Release a key whose goal was never sent, here and at all replicas; a key of another goal stays bound.
 
         A replica that has held the key since the first attempt retries with the same goal, and finds another's key.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`), so the key stays bound.
         """
-        if not self.writer.reachable:
-            raise Unavailable(AWAY, code="history_unavailable")
-        try:
-            async with asyncio.timeout(KEY_TIMEOUT):
-                await self.database.write(queries.release, idempotency_key, goal_id)
-        except DATABASE_ERRORS as error:
-            self.writer.doubt(error)
-            raise Unavailable(AWAY, code="history_unavailable") from error
-        held = self._keys.get(idempotency_key)
-        if held is not None and held.goal_id == goal_id:
-            del self._keys[idempotency_key]
-        self._waiting.forget_key(idempotency_key, goal_id)
-
-    def _held(self, key: str) -> Key | None:
-        held = self._keys.get(key)
-        return None if held is None or held.expired else held
-
-    def _hold(self, key: Key) -> None:
-        self._keys.pop(key.key, None)
-        self._keys[key.key] = key
-        if len(self._keys) > MAX_KEYS:
-            del self._keys[next(iter(self._keys))]
+        await self._keys.release(idempotency_key, goal_id)
 
     def record(self, goal: Goal) -> None:
-        """Record the current state of a goal."""
+        """Record the current state of a goal, new or changed; never waits, never raises."""
         self._waiting.put_goal(goal)
         self.writer.notice()
 
     def record_event(self, event: Event) -> None:
-        """Record an event; duplicates are ignored."""
+        """Record an event; duplicates are ignored. Never waits, never raises.
+
+        An event without an id is not stored.
+        """
         if event.id is not None:
             self._waiting.put_event(event)
             self.writer.notice()
 
     def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
-        """Record a goal, then store it and its events now, if the database answers; return them as stored."""
+        """Store events of a goal before they are published, so that a killed process neither repeats nor forgets them.
+
+        Records the goal at once. What it returns waits a second at most, and never raises.
+
+        Returns:
+            The events as stored: those of another gateway, if it stored them first. In a history that is shared, a
+            state that another gateway has made outdated is left out. None if they are not stored.
+        """
         self.record(goal)
         if events and not self.database.volatile:
             self._waiting.hold(goal.goal_id)
@@ -221,13 +221,22 @@ class SqlHistory:
                 self.writer.notice()
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
-        """Publish in the order of all gateways that share the database; return what asks for more."""
+        """Publish in the order of all gateways that share the history.
+
+        Args:
+            publish: Called with the states and results of goals that any of them has stored, and the id up to which
+                other events may be published then; None: all, as the database does not answer. Never called if none
+                shares it.
+
+        Returns:
+            Asks for `publish` to be called again soon.
+        """
         return self._sealer.follow(publish)
 
     # ------------------------------------------------------------------ read
 
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
-        """Return goals, newest first."""
+        """Return goals, newest first; with `before`, only goals older than that one."""
         self.reader.require_everything()
         read = partial(queries.page_with_waiting, limit=limit, before=before)
         return await self.reader.read(read, wanted, dict(self._waiting.goals))
@@ -263,14 +272,22 @@ class SqlHistory:
         return found
 
     async def by_key(self, idempotency_key: str) -> Goal | None:
-        """Return the goal sent with this key."""
-        key = self._held(idempotency_key)
-        if key is None:
-            key = await self.reader.read(queries.key_of, idempotency_key, timeout=KEY_TIMEOUT)
+        """Return the goal sent with this key within the last 24 hours."""
+        key = await self._keys.find(idempotency_key)
         return None if key is None else await self.get(key.goal_id)
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
-        """Return the goals without a final status, oldest first."""
+        """Return the goals without a final status, oldest first, to be resumed after a restart.
+
+        While the database does not answer, only the goals in memory are returned.
+
+        Args:
+            complete: Raise instead of returning only the goals in memory.
+
+        Raises:
+            Unavailable: `complete` is set, and the database does not answer or does not have all goals of the spool
+                (`history_unavailable`).
+        """
         if complete:
             self.reader.require_everything()
         waiting = dict(self._waiting.goals)
@@ -286,7 +303,7 @@ class SqlHistory:
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> LaterEvents:
-        """Return the events after a given id, oldest first."""
+        """Return the events after a given id, which need not be stored itself."""
         return await self._events.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
 
     async def events_of(
@@ -296,15 +313,19 @@ class SqlHistory:
         return await self._events.of_goal(goal_id, kinds=kinds, after=after, until=until, limit=limit)
 
     async def knows_all_of(self, goal: Goal) -> bool:
-        """Return whether no event of a goal is missing."""
+        """Return whether no event of a goal has been dropped."""
         return await self._events.knows_all_of(goal)
 
     async def battery(self, span: BatterySpan) -> list[Bucket]:
-        """Return the battery states of a span in buckets, oldest first."""
+        """Return the battery states of a span in buckets, oldest first; empty buckets are left out."""
         return await self._events.battery(span)
 
     async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
-        """Return how the wanted goals ended, for each span of the time when they were created."""
+        """Return how the wanted goals ended, for each span of the time when they were created.
+
+        Goals that are not in the database yet are not counted: an ended goal is written before its end is published, or
+        half a second after it.
+        """
         self.reader.require_everything()
         rows = await self.reader.read_much(statistics.read_rows, wanted, spans, by_action)
         return await asyncio.to_thread(statistics.tally_rows, rows)
@@ -345,7 +366,3 @@ def open_database(url: str) -> Database:
     from dock_gateway.storage.postgresql import PostgresqlDatabase  # noqa: PLC0415
 
     return PostgresqlDatabase(url)
-
-
-def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:
-    return Key(key, goal_id, fingerprint, datetime.now(UTC) + KEY_LIFETIME)
