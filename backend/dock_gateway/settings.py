@@ -546,8 +546,9 @@ class Settings(SiteSettings):
             raise ValueError("ping_interval must be shorter than stalled_after")
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
-        if self.foxglove_port is not None and self.foxglove_port == self.rosbridge_port:
-            raise ValueError("foxglove_port must not be rosbridge_port")
+        ports = [port for port in self.ports.values() if port]
+        if len(set(ports)) < len(ports):
+            raise ValueError(f"{', '.join(self.ports)} must be different ports")
         if (self.tls_cert is None) != (self.tls_key is None):
             raise ValueError("tls_cert and tls_key belong together: set both or neither")
         if self.tls_client_ca is not None and not self.tls:
@@ -593,6 +594,12 @@ class Settings(SiteSettings):
         if not self.oidc_roles:
             raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: without it no one has a role")
         return self
+
+    @property
+    def ports(self) -> dict[str, int]:
+        """The ports to listen on, by the names of their settings."""
+        ports = {"port": self.port, "rosbridge_port": self.rosbridge_port, "foxglove_port": self.foxglove_port}
+        return {name: port for name, port in ports.items() if port is not None}
 
     @property
     def open_to(self) -> Literal["machine", "network"] | None:

@@ -1,4 +1,4 @@
-"""Carries out a command: read, allowed, recorded, done. Every door but REST calls this function."""
+"""Carries out a command: read, allowed, recorded, done. Every door but REST sends its commands through here."""
 
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any

@@ -60,6 +60,10 @@ class Uplink(Protocol):
 MakeUplink = Callable[[Settings, Parts, ASGIApp], Uplink | None]
 
 
+# The paths of WebSockets that have a port of their own, by its setting.
+OWN_PORTS = {"rosbridge_port": "/rosbridge", "foxglove_port": "/foxglove"}
+
+
 class Server(uvicorn.Server):
     """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
@@ -85,8 +89,7 @@ class Server(uvicorn.Server):
             return
         self._parts = parts
         app = RequestId(SecurityHeaders(app, tls=settings.tls))
-        own = {settings.rosbridge_port: "/rosbridge", settings.foxglove_port: "/foxglove"}
-        self._own_ports = {port: path for port, path in own.items() if port is not None}
+        self._own_ports = {settings.ports[name]: path for name, path in OWN_PORTS.items() if name in settings.ports}
         self._uplink = self._make_uplink(settings, parts, app)
         self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then

@@ -18,8 +18,8 @@ from dock_gateway.settings import Settings
 SQLITE = "sqlite:///"
 # What to do about an address that cannot be listened on.
 ADVICE = {
-    errno.EADDRINUSE: "is a gateway running already? --port takes another",
-    errno.EACCES: "ports below 1024 are for root; --port takes another",
+    errno.EADDRINUSE: "is a gateway running already? {option} takes another",
+    errno.EACCES: "ports below 1024 are for root; {option} takes another",
     errno.EADDRNOTAVAIL: "--host has to be an address of this machine",
 }
 # Free space in bytes below which the history soon does not fit, and below which it does not now.
@@ -46,8 +46,12 @@ def own_url(settings: Settings) -> str:
 
 
 def find_port_fault(settings: Settings) -> str | None:
-    """Return why the gateway's address cannot be listened on, and what to do; None if it can."""
-    host, port = settings.host, settings.port
+    """Return why one of the gateway's ports cannot be listened on, and what to do; None if all can."""
+    faults = (_find_port_fault(settings.host, port, name) for name, port in settings.ports.items())
+    return next(filter(None, faults), None)
+
+
+def _find_port_fault(host: str, port: int, name: str) -> str | None:
     try:
         addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         for family, _, _, _, address in dict.fromkeys(addresses):
@@ -55,6 +59,7 @@ def find_port_fault(settings: Settings) -> str | None:
     except OSError as error:
         reason = os.strerror(error.errno) if error.errno in ADVICE else error.strerror or str(error)
         advice = ADVICE.get(error.errno or 0, "--host has to be a name or an address of this machine")
+        advice = advice.format(option=f"--{name.replace('_', '-')}")
         return f"cannot listen on {host} port {port}: {reason.lower()}; {advice}"
     return None
 

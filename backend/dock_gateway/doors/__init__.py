@@ -1,1 +1,4 @@
-"""Doors: each decodes what a client sends, calls an operation, and encodes its answer."""
+"""REST: each endpoint decodes what a client sends, calls an operation, and encodes its answer.
+
+The other doors are `streams` (SSE, `/ws`), `rosbridge`, `foxglove` and `agents`.
+"""

@@ -57,7 +57,7 @@ class FoxglovePublications:
             found, kind = await operations.advertise(self._parts, self._rights.principal, wanted)
             self._channels[channel.id] = Advertised(topic, found.type, channel.encoding, MessageForm(kind))
 
-        await self._rights.carry_out(operations.advertise, {"topic": topic}, advertise)
+        await self._rights.perform(operations.advertise, {"topic": topic}, advertise)
 
     def unadvertise(self, identity: int) -> None:
         """Forget a channel. The publisher leaves after a minute without messages."""
@@ -78,4 +78,4 @@ class FoxglovePublications:
             order = operations.Publish(channel.topic, fields, channel.type)
             await operations.publish(self._parts, self._rights.principal, order)
 
-        await self._rights.carry_out(operations.publish, {"topic": channel.topic}, publish, recorded=False)
+        await self._rights.perform(operations.publish, {"topic": channel.topic}, publish, recorded=False)

@@ -209,7 +209,7 @@ class FoxgloveServices:
     def _of_node(self, name: str, kind: str) -> Draft:
         async def call(request: Any) -> Any:
             order = operations.CallService(name, request, kind, TIMEOUT)
-            answer = await self._rights.carry_out(
+            answer = await self._rights.perform(
                 operations.call_service,
                 {"service": name},
                 lambda: operations.call_service(self._parts, self._rights.principal, order),

@@ -62,7 +62,7 @@ class RosbridgePublications:
             self._types[topic] = wanted
             await self._prepare(topic)
 
-        await self._rights.carry_out(operations.advertise, {"topic": topic}, advertise)
+        await self._rights.perform(operations.advertise, {"topic": topic}, advertise)
 
     def unadvertise(self, topic: str) -> None:
         """Forget a topic. Its publisher leaves after a minute without messages."""
@@ -76,7 +76,7 @@ class RosbridgePublications:
             GatewayError: As `Publishing.publish`; or the user's grant does not reach.
         """
         known = topic in self._advertised
-        await self._rights.carry_out(
+        await self._rights.perform(
             operations.publish, {"topic": topic}, lambda: self._publish(topic, message), recorded=not known
         )
 

@@ -81,7 +81,7 @@ class RosbridgeServices:
             response = orjson.loads(await services.encode(service, answer))
             return response if adapt is None else adapt(response)
 
-        return await self._rights.carry_out(operations.call_service, {"service": service}, call)
+        return await self._rights.perform(operations.call_service, {"service": service}, call)
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     async def ask(self, service: str, args: Any) -> Json:

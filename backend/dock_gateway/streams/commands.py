@@ -1,4 +1,4 @@
-"""The commands of `/ws`, without the socket: a decoded message in, the fields of the ack out."""
+"""The commands that every door but REST has: decoded fields in, the fields of the answer out. `/ws` has them all."""
 
 from typing import Any
 

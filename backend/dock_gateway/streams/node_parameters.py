@@ -29,7 +29,7 @@ class NodeParameters:
         Raises:
             GatewayError: It may not be asked, is not there, or does not answer.
         """
-        return await self._rights.carry_out(
+        return await self._rights.perform(
             get_parameters,
             {"node": node},
             lambda: get_parameters(self._parts, self._rights.principal, node),
@@ -50,7 +50,7 @@ class NodeParameters:
             GatewayError: They may not be set, or the node refuses them.
         """
         order = SetParameters(node, values)
-        await self._rights.carry_out(
+        await self._rights.perform(
             NodeParameters.set_param,  # the name that the audit log has
             {"node": node},
             lambda: set_parameters(self._parts, self._rights.principal, order),

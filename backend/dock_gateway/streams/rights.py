@@ -58,7 +58,7 @@ class Rights:
         """
         await authorize_command(self._parts, self.principal, function.__name__, operation_of(function), fields)
 
-    async def carry_out(
+    async def perform(
         self,
         function: Callable[..., object],
         fields: Json,
@@ -67,10 +67,11 @@ class Rights:
         recorded: bool = True,
         subject: str | None = None,
     ) -> T:
-        """Carry out an operation if it is allowed, and record it. Return its answer.
+        """Perform what is an operation, but no command, if it is allowed, and record it. Return its answer.
 
         Args:
-            function: Declares what the operation needs.
+            function: Declares what the operation needs. It is none that reads a request itself, such as a stop: that is
+                a `command`.
             fields: What it is about.
             do: Carries it out.
             recorded: Whether the audit log has it. It only reads, or was recorded when it was prepared, if not.
@@ -95,7 +96,7 @@ class Rights:
         return await audited_command(self._scope, name, operation, fields, do, subject=subject)
 
     async def command(self, name: str, request: object) -> Json:
-        """Carry out a command of `/ws`. `request` is what the client has sent, an error if it could not be read."""
+        """Carry out a command. `request` is what the client has sent, an error if it could not be read."""
         return await carry_out(self._parts, self.principal, COMMANDS[name], request, self._scope)
 
     async def cancel(self, goal_id: str) -> None:

@@ -36,13 +36,15 @@ def test_what_cannot_work(command: str, variable: str, value: str, mends: str) -
     assert mends in refusal(command, "--port", "0" if command == "serve" else "8999", **{variable: value})
 
 
+@pytest.mark.parametrize("option", ["--port", "--rosbridge-port", "--foxglove-port"])
 @pytest.mark.parametrize("command", ["serve", "up"])
-def test_a_port_in_use(command: str) -> None:
+def test_a_port_in_use(command: str, option: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        sentence = refusal(command, "--port", str(port))
+        # Click takes the last one.
+        sentence = refusal(command, "--port", "0" if command == "serve" else "8999", option, str(port))
     assert f"cannot listen on 127.0.0.1 port {port}: address already in use" in sentence
-    assert "--port takes another" in sentence
+    assert f"{option} takes another" in sentence
 
 
 def test_addresses_that_work_and_one_of_another_machine() -> None:
