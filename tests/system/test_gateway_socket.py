@@ -170,6 +170,11 @@ def test_a_command_whose_socket_breaks_is_carried_out_once(gateway: RunningGatew
         ('{"op": "subscribe", "id": "a", "max_rate": 0}', "invalid_field", "a"),
         ('{"op": "subscribe", "id": "a", "after": "yesterday"}', "invalid_field", "a"),
         ('{"op": "publish_battery", "id": "a", "state": {"voltage": 1e300}}', "invalid_field", "a"),
+        ('{"op": "subscribe", "id": "a", "robot": "robot 1"}', "invalid_field", "a"),
+        ('{"op": "subscribe", "id": "a", "feedback": "some"}', "invalid_field", "a"),
+        ('{"op": "send_goal", "id": "a", "robot": "robot 1"}', "invalid_field", "a"),
+        ('{"op": "release_stop", "id": "a", "robot": "robot 1"}', "invalid_field", "a"),
+        ('{"op": "publish_battery", "id": "a", "state": {}, "robot": "robot 1"}', "invalid_field", "a"),
         ('{"op": "publish_battery", "id": "a", "state": {}, "rate_hz": 1e9}', "invalid_field", "a"),
     ],
 )
@@ -180,6 +185,8 @@ def test_bad_messages_get_an_error_and_the_socket_goes_on(
         socket.connection.send(message)
         error = socket.receive()
         assert (error["op"], error["code"], error["id"]) == ("error", code, identity)
+        assert not [each for each in error.get("errors", ()) if each["path"].startswith("query.")]
+        assert "query." not in error["detail"]
         assert socket.ask("ping")["op"] == "ack"
 
 

@@ -8,6 +8,7 @@ from starlette.types import Scope
 from dock_gateway.access.authorization import authorize_command
 from dock_gateway.audit.trail import audited_command
 from dock_gateway.core.access import Principal
+from dock_gateway.core.errors import fields_of_a_message
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
 
@@ -46,7 +47,8 @@ async def carry_out(
         fields = request if isinstance(request, Mapping) else {}
 
     async def do() -> Fields:
-        await authorize_command(parts, principal, name, operation, fields)
-        return await command(parts, principal, dict(fields))
+        with fields_of_a_message():
+            await authorize_command(parts, principal, name, operation, fields)
+            return await command(parts, principal, dict(fields))
 
     return await audited_command(scope, name, operation, fields, do, subject=subject)

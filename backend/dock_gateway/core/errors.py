@@ -17,8 +17,9 @@ GatewayError
 The core raises these; `http/problems.py` turns them into problem+json, streams into a denial with the same body.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from http import HTTPStatus
 from typing import Any
 
@@ -93,10 +94,21 @@ class InvalidField(GatewayError):
     code = "invalid_field"
 
     def __init__(self, errors: Sequence[FieldError]) -> None:
+        self.errors = errors
         super().__init__(
             "; ".join(map(str, errors)),
             errors=[{"path": e.path, "expected": e.expected, "detail": e.detail} for e in errors],
         )
+
+
+@contextmanager
+def fields_of_a_message() -> Iterator[None]:
+    """Name fields of a message as they are there: what is a query parameter in REST has no `query.` before its name."""
+    try:
+        yield
+    except InvalidField as error:
+        named = [replace(each, path=each.path.removeprefix("query.")) for each in error.errors]
+        raise InvalidField(named) from error.__cause__
 
 
 class NotAuthenticated(GatewayError):

@@ -18,7 +18,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.access import Principal
-from dock_gateway.core.errors import GatewayError, TooManyRequests
+from dock_gateway.core.errors import GatewayError, TooManyRequests, fields_of_a_message
 from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
@@ -177,7 +177,8 @@ class SocketSession(ABC):
     async def attempt(self, request: Request, work: Callable[[Request], Awaitable[None]]) -> None:
         """Do what a client asks for; tell it why if that is not possible."""
         try:
-            await work(request)
+            with fields_of_a_message():
+                await work(request)
         except GatewayError as error:
             await self._refuse(request, error)
         except (WebSocketDisconnect, TimeoutError) as error:
