@@ -1,4 +1,4 @@
-"""Gateways that are killed at random moments under load: no goal is missing, repeated or told twice."""
+"""Gateways that are killed at random moments under load: no goal is missing, repeated or reported twice."""
 
 import os
 import random
