@@ -135,11 +135,12 @@ class VelocityTopic:
 
     @property
     def subscribers(self) -> int:
-        """How many subscriptions its publishers are matched with."""
+        """How many subscriptions its publishers are matched with; its own listeners do not count."""
         count = 0
-        for _, publisher in self._publishers.of.values():
+        for name, (_, publisher) in self._publishers.of.items():
             with suppress(InvalidHandle, RCLError):  # it was just destroyed
                 count += publisher.get_subscription_count()
+                count -= sum(name in listener.subscriptions.of for listener in self.listeners)
         return count
 
     def publish_zero(self) -> None:

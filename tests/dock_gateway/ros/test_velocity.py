@@ -113,6 +113,19 @@ def running_base(domain: int, name: str, speed: float) -> Iterator[Callable[[], 
 
 
 @pytest.mark.ros
+async def test_who_watches_through_the_gateway_is_no_base_that_was_found(bridge: Bridge, domain: int) -> None:
+    robot = Robot(bridge)
+    await robot.join()
+    assert robot.port.subscribers == 0
+    with running_base(domain, "plain", 0.25) as plain:
+        await robot.stop_until(plain)
+        assert robot.port.subscribers == 1
+        await bridge.call(robot.listener.close)
+        assert robot.port.subscribers == 1
+    await bridge.call(robot.port.close)
+
+
+@pytest.mark.ros
 async def test_a_stop_follows_the_base_from_type_to_type_and_all_drivers_are_heard(bridge: Bridge, domain: int) -> None:
     robot = Robot(bridge)
     await robot.join()
