@@ -1,8 +1,8 @@
 """A login at the provider that is under way. Pure: the time is given.
 
-Nothing of it is stored: the browser keeps it in a cookie, and what the provider gets is derived from that. So whoever
-has not the cookie cannot finish the login, a change of the cookie changes everything else, and logins that nobody
-finishes cost nothing.
+Nothing of it is stored: the browser keeps it in a cookie, and what the provider gets is derived from that. So a login
+cannot be finished without the cookie, a change of the cookie changes everything else, and logins that are not finished
+cost nothing.
 """
 
 import base64

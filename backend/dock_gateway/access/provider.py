@@ -105,7 +105,7 @@ class Provider:
     async def refresh(self) -> Endpoints:
         """Read the addresses and the keys of the provider, unless they were read a moment ago.
 
-        Whoever asks for an unknown key makes the gateway do this, but not more often, and one at a time.
+        A request with an unknown key causes this, too, but not more often, and one at a time.
 
         Raises:
             Unavailable: It does not answer, or not as a provider does (`provider_unavailable`).

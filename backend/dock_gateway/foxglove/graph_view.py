@@ -21,7 +21,7 @@ from dock_gateway.streams.rights import Rights
 log = logging.getLogger(__name__)
 
 # Seconds between two scans of the graph.
-LOOK = 2.0
+SCAN_INTERVAL = 2.0
 # Channels or services in one message: a definition has kilobytes, and a client may not read.
 AT_ONCE = 20
 
@@ -37,7 +37,7 @@ class GraphView:
         services: The client's services.
         subscriptions: The client's subscriptions, which end with their channels.
         send: Sends a message to the client.
-        look: Seconds between two scans of the graph.
+        scan_interval: Seconds between two scans of the graph.
 
     Attributes:
         channels: The client's channels.
@@ -52,7 +52,7 @@ class GraphView:
         subscriptions: FoxgloveSubscriptions,
         send: Callable[[bytes], Awaitable[None]],
         *,
-        look: float = LOOK,
+        scan_interval: float = SCAN_INTERVAL,
     ) -> None:
         self.channels = Channels(rights.grant)
         self.changing = asyncio.Lock()
@@ -61,7 +61,7 @@ class GraphView:
         self._services = services
         self._subscriptions = subscriptions
         self._send = send
-        self._look = look
+        self._scan_interval = scan_interval
         self._seen: Seen | None = None
         self._connections: Connections | None = None  # as sent to the client; None: it has not subscribed to them
 
@@ -75,7 +75,7 @@ class GraphView:
                 log.info("cannot read the ROS graph: %s", error.detail)
             else:
                 await self._show(seen)
-            await asyncio.sleep(self._look)
+            await asyncio.sleep(self._scan_interval)
 
     async def _show(self, seen: Seen) -> None:
         if seen is not self._seen:

@@ -116,7 +116,7 @@ class HubStore:
             _settle(done)
 
     async def _keep_the_rest(self, news: News) -> None:
-        """Keep what can be kept, goal by goal, and then the cursor: else the site would tell the same for ever."""
+        """Keep what can be kept, goal by goal, and then the cursor: else the site would send the same for ever."""
         for part in news.parts():
             with contextlib.suppress(RefusedError):
                 await self._keep([part])

@@ -12,7 +12,7 @@ from dock_gateway.graph.relays import Relays
 
 log = logging.getLogger(__name__)
 
-# The most bytes of a message that is read. Whoever decodes one holds up everything else, a stop included: 0.5 MB of
+# The most bytes of a message that is read. Decoding one holds up everything else, a stop included: 0.5 MB of
 # poses or transforms, 6,000 of them, take 0.2 s.
 MOST_BYTES = 500_000
 

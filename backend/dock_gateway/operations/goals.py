@@ -75,7 +75,7 @@ async def _submit(action: Action, principal: Principal, order: SendGoal) -> Goal
 
 @dataclass(frozen=True)
 class CancelGoal:
-    """A goal to cancel, on whichever action it is, whoever sent it; `goal_id` is in its canonical form."""
+    """A goal to cancel, on any action and of any sender; `goal_id` is in its canonical form."""
 
     goal_id: str
 

@@ -1,7 +1,7 @@
 """A client of one action that implements the action protocol itself.
 
 rclpy's ActionClient sees only its own goals and decodes feedback for each. The protocol is three services and two
-topics; subscribing to the topics shows every goal of the action, whoever sent it.
+topics; subscribing to the topics shows every goal of the action, of any sender.
 """
 
 import asyncio
@@ -31,7 +31,7 @@ from robot_io.rclpy_private import InvalidHandle
 
 # Seconds that a server has for an answer when it is tried through another participant, seconds between two checks, and
 # seconds for the server to be found through the common participant.
-ANSWER_WITHIN, LOOK_INTERVAL, HOME_WITHIN = 1.0, 0.1, 5.0
+ANSWER_WITHIN, CHECK_INTERVAL, HOME_WITHIN = 1.0, 0.1, 5.0
 
 # The maximum number of unanswered requests to cancel single goals: an action server queues only 10 (ROS's default), and
 # drops others, such as the request to cancel all goals.
@@ -199,7 +199,7 @@ class ActionPort:
                 return not (unless_answered and await self._ping(self._link, ANSWER_WITHIN))
             if unless_answered and self.unanswered_since is None:
                 return False
-            await asyncio.sleep(LOOK_INTERVAL)
+            await asyncio.sleep(CHECK_INTERVAL)
         return False
 
     # ------------------------------------------------------------------ requests

@@ -33,8 +33,8 @@ class LatchPort:
     """`std_msgs/Bool` on `stop_latched`: whether a stop is latched for the robot.
 
     Gateways keep what they said for late subscribers (transient local), and agree on what the last of them said.
-    Whoever publishes on it without keeping, and everyone on the other topics, such as an emergency stop, holds the
-    robot until it says otherwise, each for itself.
+    Each publisher on it that keeps nothing, and each on the other topics, such as an emergency stop, holds the robot
+    until it releases it itself.
 
     On a topic of another type nothing is published or heard, which `publish` reports; what was to be published last is
     published as soon as its type fits.

@@ -56,7 +56,7 @@ class Subscribe(RosbridgeOperation):
 
     Attributes:
         topic: Its name.
-        type: Its type, such as `std_msgs/msg/String` or `std_msgs/String`. Needed if nobody has the topic yet.
+        type: Its type, such as `std_msgs/msg/String` or `std_msgs/String`. Needed if no node has the topic yet.
         throttle_rate: Minimum milliseconds between two messages.
         queue_length: Number of messages that wait for a client that is slow, or for `throttle_rate`.
         fragment_size: Maximum number of characters of a message; longer ones come in pieces.
@@ -122,7 +122,7 @@ class Unadvertise(RosbridgeOperation):
 
 
 class Publish(RosbridgeOperation):
-    """Publish a message. Its type has to be advertised if nobody else has the topic."""
+    """Publish a message. Its type has to be advertised if no other node has the topic."""
 
     topic: Name
     msg: Any = None

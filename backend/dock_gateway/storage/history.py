@@ -37,7 +37,7 @@ log = logging.getLogger(__name__)
 
 OPEN_TIMEOUT = 2.0  # Seconds that the start waits for the database.
 CLOSE_TIMEOUT = 1.0  # Seconds.
-LOOK_INTERVAL = 2.0  # Seconds between two polls of the database.
+POLL_INTERVAL = 2.0  # Seconds between two polls of the database.
 KEPT_TOPICS = ("goals", "battery", "cmd_vel")
 
 
@@ -110,17 +110,17 @@ class History:
         with suppress(TimeoutError):
             async with asyncio.timeout(OPEN_TIMEOUT):
                 await self.writer.answered.wait()
-        work = (self._sealer.run(), self.retention.run(), self._look_after_database())
+        work = (self._sealer.run(), self.retention.run(), self._poll_database())
         self._tasks = [asyncio.create_task(each) for each in work]
         await self._sealer.open()  # first: what is stored later comes with a turn, and all else has to be in `_newest`
         with suppress(Unavailable):
             self._newest = await self.reader.read(queries.newest)
         await self._keys.load()
 
-    async def _look_after_database(self) -> None:
+    async def _poll_database(self) -> None:
         """Poll the database, so that an outage or a replaced file is noticed without any writes."""
         while True:
-            await asyncio.sleep(LOOK_INTERVAL)
+            await asyncio.sleep(POLL_INTERVAL)
             with suppress(Unavailable):
                 await self.reader.read(lambda _: None)
             self._sealer.ask()

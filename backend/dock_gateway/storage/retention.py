@@ -29,7 +29,7 @@ CHUNK, GOAL_CHUNK = 1000, 20
 # The maximum number of transactions of one kind in a run: what is added meanwhile is for the next one.
 MAX_CHUNKS = 10_000
 # The maximum number of events, and of goals, that are added up to find the last one that is too much.
-LOOK, GOAL_LOOK = 20_000, 2000
+MOST_EVENTS, MOST_GOALS = 20_000, 2000
 # Bytes of a status or result event in the file besides its text: ids, indexes and its share of the goal's row.
 OVERHEAD = 1000
 # The pause after each transaction, so that other writers get the lock and the disk: in seconds, or as a multiple of
@@ -201,7 +201,7 @@ def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[Any], ol
 
 def _last_event_beyond(most: int, connection: sa.Connection) -> str | None:
     total = sa.select(sa.func.sum(events.c.size)).where(IS_DROPPABLE)
-    oldest = sa.select(events.c.id, events.c.size).where(IS_DROPPABLE).order_by(events.c.id).limit(LOOK)
+    oldest = sa.select(events.c.id, events.c.size).where(IS_DROPPABLE).order_by(events.c.id).limit(MOST_EVENTS)
     last: str | None = _last_beyond(connection, most, total, oldest)
     return last
 
@@ -232,7 +232,7 @@ def _last_goal_beyond(most: int, connection: sa.Connection) -> datetime | None:
     total = sa.select(size).where(IS_KEPT)
     of_goal = total.where(events.c.goal_id == goals.c.goal_id).scalar_subquery()
     oldest = sa.select(goals.c.created_at, sa.func.coalesce(of_goal, 0)).where(_HAS_ENDED, _has_no_key())
-    last: datetime | None = _last_beyond(connection, most, total, oldest.order_by(goals.c.created_at).limit(GOAL_LOOK))
+    last: datetime | None = _last_beyond(connection, most, total, oldest.order_by(goals.c.created_at).limit(MOST_GOALS))
     return last
 
 
@@ -257,7 +257,7 @@ def _excess_of_a_site(most: int, connection: sa.Connection) -> Excess | None:
     for running in (False, True):
         ended = () if running else (_HAS_ENDED,)
         oldest = sa.select(goals.c.created_at, size_of_goal).where(shares.is_of(prefix), *ended)
-        oldest = oldest.order_by(goals.c.created_at).limit(GOAL_LOOK)
+        oldest = oldest.order_by(goals.c.created_at).limit(MOST_GOALS)
         last = _last_beyond(connection, shares.share(sizes.values(), most), total, oldest)
         if last is not None:
             return Excess(prefix, last, running)

@@ -199,8 +199,8 @@ async def test_two_replicas_delete_goals_together(database_url: str, tmp_path: P
 async def test_two_replicas_delete_no_more_than_is_too_much(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(retention, "LOOK", 30)
-    monkeypatch.setattr(retention, "GOAL_LOOK", 30)
+    monkeypatch.setattr(retention, "MOST_EVENTS", 30)
+    monkeypatch.setattr(retention, "MOST_GOALS", 30)
     ended = [made(number, 200 - number) for number in range(200)]
     status, feedback, result = story(ended[0], 1)
     size = len(status.data) + len(result.data) + 2 * retention.OVERHEAD
