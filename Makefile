@@ -113,7 +113,7 @@ wheels: frontend/dist/index.html $(UV) ## build into dist/ what dock-gateway is 
 test-wheels: setup wheels ## install from dist/ without a compiler, dock, stop; prints the seconds
 	@$(BIN)/pytest tests/wheels $(PYTEST_ARGS)
 
-test-clients: setup $(STAMPS)/clients/installed ## roslib, roslibpy and Foxglove's client from the registries, on a gateway; see docs/rosbridge.md
+test-clients: setup $(STAMPS)/clients/installed ## roslib, roslibpy and Foxglove's client from the registries, on a gateway; see docs/extensions/rosbridge.md
 	@. scripts/node-env && CLIENTS=$(STAMPS)/clients $(BIN)/pytest tests/clients $(PYTEST_ARGS)
 
 $(STAMPS)/clients/installed: scripts/install-clients | setup

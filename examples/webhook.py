@@ -8,7 +8,7 @@ import sys
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 SECRET = os.environ.get("WEBHOOK_SECRET") or sys.exit(
-    "Set WEBHOOK_SECRET to the webhook's secret: see docs/notifications.md"
+    "Set WEBHOOK_SECRET to the webhook's secret: see docs/extensions/webhooks.md"
 )
 PORT = int(os.environ.get("PORT", "9000"))
 

@@ -67,7 +67,7 @@ def gather(target: Path) -> None:
     shutil.copytree(ROOT / "docs", target / "docs")
     shutil.copy(ROOT / SEARCH, target / "docs/assets/iframe-worker.js")
     linked: set[Path] = set()
-    for page in [*map(Path, TOP_PAGES), *(path.relative_to(ROOT) for path in (ROOT / "docs").glob("*.md"))]:
+    for page in [*map(Path, TOP_PAGES), *(path.relative_to(ROOT) for path in (ROOT / "docs").rglob("*.md"))]:
         (target / page).write_text(with_links(page, linked))
     (target / FILES).write_text(FILES_HEAD + "".join(map(section, sorted(linked))))
     document = json.loads((ROOT / "frontend/openapi.json").read_text())

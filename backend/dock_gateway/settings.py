@@ -90,14 +90,14 @@ class Settings(SiteSettings):
         ge=1,
         le=65535,
         description="A further port, on which WebSockets of `/` are `/rosbridge`, such as 9090: "
-        "[rosbridge.md](rosbridge.md).",
+        "[rosbridge.md](extensions/rosbridge.md).",
     )
     foxglove_port: int | None = Field(
         None,
         ge=1,
         le=65535,
         description="A further port, on which WebSockets of `/` are `/foxglove`, such as 8765: "
-        "[foxglove.md](foxglove.md).",
+        "[foxglove.md](extensions/foxglove.md).",
     )
     allowed_hosts: HostNames = Field(
         (),
@@ -125,7 +125,7 @@ class Settings(SiteSettings):
     mcp: bool = Field(
         False,
         description="Whether agents can use the gateway at `/mcp`, by the Model Context Protocol: "
-        "[agents.md](agents.md). Needs `dock-gateway[mcp]`.",
+        "[agents.md](extensions/agents.md). Needs `dock-gateway[mcp]`.",
     )
     approval_timeout: Seconds = Field(
         60.0,
@@ -134,7 +134,7 @@ class Settings(SiteSettings):
     approval_by_client: bool = Field(
         False,
         description="Whether the person who uses an agent may allow its goals in the agent's own program, too "
-        "([agents.md](agents.md#who-allows-a-goal)). Without `authentication` that is always so.",
+        "([agents.md](extensions/agents.md#who-allows-a-goal)). Without `authentication` that is always so.",
     )
     insecure_open: bool = Field(
         False,
@@ -271,7 +271,7 @@ class Settings(SiteSettings):
     map_topic: Topic = Field(
         "map",
         description="Topic of `nav_msgs/OccupancyGrid`, the robot's map; if its robot has none, the one of this name "
-        "that all robots share ([maps.md](maps.md)).",
+        "that all robots share ([maps.md](extensions/maps.md)).",
     )
     scan_topic: Topic = Field("scan", description="Topic of `sensor_msgs/LaserScan`, shown on maps.")
     path_topic: Topic = Field("plan", description="Topic of `nav_msgs/Path`, shown on maps.")
@@ -342,8 +342,8 @@ class Settings(SiteSettings):
     )
     record: Literal["all", "failed", "none"] = Field(
         "failed",
-        description="Which goals leave a [recording](recordings.md): `all`, those that did not succeed (`failed`), or "
-        "`none`.",
+        description="Which goals leave a [recording](extensions/recordings.md): `all`, those that did not succeed "
+        "(`failed`), or `none`.",
     )
     record_topics: Topics = Field(
         (),
@@ -397,7 +397,8 @@ class Settings(SiteSettings):
         1280,
         ge=16,
         le=8192,
-        description="Width in pixels above which pictures of cameras are scaled down: [cameras.md](cameras.md).",
+        description="Width in pixels above which pictures of cameras are scaled down: "
+        "[cameras.md](extensions/cameras.md).",
     )
     camera_quality: int = Field(
         75, ge=10, le=95, description="Quality of the JPEG pictures that the gateway encodes itself, 10 to 95."
@@ -451,7 +452,7 @@ class Settings(SiteSettings):
     )
     audit_retention_days: Days = Field(
         365.0,
-        description="Days for which the entries of the [audit log](audit.md) are kept.",
+        description="Days for which the entries of the [audit log](extensions/audit_log.md) are kept.",
     )
     audit_max_entries: int = Field(
         1_000_000,

@@ -1,4 +1,4 @@
-"""The settings of a site that has a hub, and of a hub: docs/sites.md."""
+"""The settings of a site that has a hub, and of a hub: docs/extensions/sites.md."""
 
 from pathlib import Path
 from typing import Literal, Self
@@ -15,7 +15,7 @@ class SiteSettings(BaseSettings):
     hub: Brokers = Field(
         (),
         description="NATS servers, separated by commas, over which a hub reaches this gateway: "
-        "`tls://nats.example.com:4222` ([sites.md](sites.md)). Empty: no hub.",
+        "`tls://nats.example.com:4222` ([sites.md](extensions/sites.md)). Empty: no hub.",
     )
     site: SiteName = Field("", description="Name of this site at its hub, such as `berlin`.")
     hub_key: OptionalFile = Field(

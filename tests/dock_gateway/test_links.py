@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+INDEX = ROOT / "docs/index.md"
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def anchors(page: Path) -> set[str]:
@@ -29,9 +30,14 @@ def test_every_link_leads_somewhere(page: Path) -> None:
         assert not anchor or target.suffix != ".md" or anchor in anchors(target), link
 
 
-def test_every_page_is_in_the_navigation_of_the_site() -> None:
+def test_the_index_and_the_navigation_list_every_page_once_in_the_same_order() -> None:
     navigation = str(tomllib.loads((ROOT / "zensical.toml").read_text())["project"]["nav"])
-    assert {str(page.relative_to(ROOT)) for page in PAGES} - set(re.findall(r"'([\w/-]+\.md)'", navigation)) == set()
+    listed = re.findall(r"'([\w/-]+\.md)'", navigation)
+    generated = {"docs/operations.md", "docs/schemas.md", "docs/files.md"}
+    links = re.findall(r"(?m)^\| \[[^\]]*\]\(([^)]+)\)", INDEX.read_text())
+    pages = [str((INDEX.parent / link).resolve().relative_to(ROOT)) for link in links]
+    assert pages == [page for page in listed if page not in {*generated, "README.md", "docs/index.md"}]
+    assert sorted({*listed} - generated) == sorted(str(page.relative_to(ROOT)) for page in PAGES)
 
 
 def functions(path: Path) -> set[str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 # With a group each: the comment's kind and text, the language, the content.
 BLOCK = re.compile(
     r"^(?:<!-- (not run|run with): ([^\n]+) -->\n)?```(bash|console|python|sh)\n(.*?)^```$", re.MULTILINE | re.DOTALL

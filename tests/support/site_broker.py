@@ -1,4 +1,4 @@
-"""A NATS server with a login for a hub and for each site, with the permissions that docs/sites.md names."""
+"""A NATS server with a login for a hub and for each site, with the permissions that docs/extensions/sites.md names."""
 
 import json
 from collections.abc import Iterator

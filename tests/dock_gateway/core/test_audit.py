@@ -116,7 +116,7 @@ def test_what_was_deleted_without_an_anchor_is_found() -> None:
 
 
 def test_the_digest_is_the_documented_one() -> None:
-    """Computed by hand from the description in docs/audit.md."""
+    """Computed by hand from the description in docs/extensions/audit_log.md."""
     import hashlib
     import json
 

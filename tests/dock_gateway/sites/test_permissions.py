@@ -1,4 +1,4 @@
-"""The configurations of docs/sites-nats.md, with real NATS servers: sites and hub reach each other, nothing else."""
+"""The configurations of docs/extensions/sites-nats.md, with real NATS servers: sites and hub reach each other only."""
 
 import asyncio
 import contextlib
@@ -25,7 +25,7 @@ from tests.support.tunnel import accept_all, options_of
 from tests.support.waiting import until
 
 ROOT = Path(__file__).parents[3]
-PAGE = (ROOT / "docs/sites-nats.md").read_text()
+PAGE = (ROOT / "docs/extensions/sites-nats.md").read_text()
 ID = "0123456789abcdef"
 
 
