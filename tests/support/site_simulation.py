@@ -15,6 +15,7 @@ import orjson
 from dock_gateway.core.event import Event, fleet_event, result_event, status_event, system_event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.narrowing import narrow_robots
 
 ACTION_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
 # Seconds between two reports of the robots that have changed: as `fleet.overview` does it.
@@ -278,7 +279,9 @@ class SimulatedSite:
         while True:
             if self._changed:
                 changed, self._changed = self._changed, set()
-                self.fanout.publish(fleet_event("robots", self.now(), robots=self.robots(changed), gone=[]))
+                self.fanout.publish(
+                    fleet_event("robots", self.now(), narrow_robots, robots=self.robots(changed), gone=[])
+                )
             await asyncio.sleep(REPORT_PERIOD)
 
 

@@ -118,7 +118,13 @@ class DecisionLog(SharedEntries[Decision]):
         return [_document(identity, decisions[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
 
     def _publish(self, identity: str) -> None:
-        self._fanout.publish(fleet_event("automation", utc_now(), automation=_document(identity, self.all()[identity])))
+        decision = _document(identity, self.all()[identity])
+        self._fanout.publish(fleet_event("automation", utc_now(), narrow_decision, automation=decision))
+
+
+def narrow_decision(document: dict[str, Any], grant: Grant) -> dict[str, Any] | None:
+    """Return a decision about a robot that a grant covers."""
+    return document if grant.covers_robot(document["automation"]["robot"]) else None
 
 
 def _document(identity: str, decision: Decision) -> dict[str, Any]:

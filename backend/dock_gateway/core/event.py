@@ -7,12 +7,16 @@ the network: nanoseconds, padded so that ids sort as text. The event's kind and 
 import struct
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
+from dock_gateway.core.grant import Grant
+
+# Returns what a grant covers of the document of an event about several robots; None if that is nothing.
+Narrow = Callable[[dict[str, Any], Grant], dict[str, Any] | None]
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,7 @@ class Event:
     of the goal are expected. `supersedes`: the event replaces a queued one of the same topic and robot. `key`
     identifies what happened and is the same at every gateway, so the history stores it once. A goal has one end and
     one result. `source` is the ROS topic that it was read from, if readers need the right to read that, too.
+    `narrow` says what a limited reader is shown of an event about several robots.
     """
 
     data: bytes
@@ -38,6 +43,7 @@ class Event:
     supersedes: bool = False
     key: str | None = None
     source: str | None = None
+    narrow: Narrow | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def sse(self) -> bytes:
@@ -274,20 +280,16 @@ def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
     return Event(encode(document), "scene", droppable=True, robot=robot, supersedes=True)
 
 
-def scenes_event(scenes: dict[str, dict[str, Any]], now: datetime) -> Event:
-    """Return the event with the scenes of all robots, by robot. Only the newest matters; none is stored."""
-    return Event(encode({"type": "scenes", "time": now, "scenes": scenes}), "scenes", droppable=True, supersedes=True)
+def overview_event(kind: str, payload: dict[str, dict[str, Any]], now: datetime, narrow: Narrow) -> Event:
+    """Return the event with the `scenes` or `maps` of all robots, by robot. Only the newest matters; none is stored."""
+    document = {"type": kind, "time": now, kind: payload}
+    return Event(encode(document), kind, droppable=True, supersedes=True, narrow=narrow)
 
 
 def surroundings_event(kind: str, payload: dict[str, Any], now: datetime, *, robot: str, source: str | None) -> Event:
     """Return the event of a robot's `map`, `scan` or `path`. Only the newest matters; none is stored."""
     document = {"type": kind, "time": now, "robot": robot, kind: payload}
     return Event(encode(document), kind, droppable=True, robot=robot, supersedes=True, source=source)
-
-
-def maps_event(maps: dict[str, dict[str, Any]], now: datetime) -> Event:
-    """Return the event with the maps of all robots, by robot. Only the newest matters; none is stored."""
-    return Event(encode({"type": "maps", "time": now, "maps": maps}), "maps", droppable=True, supersedes=True)
 
 
 def system_event(
@@ -311,12 +313,9 @@ def loss_event(goal_id: str, action_name: str, why: str, count: int, now: dateti
     return Event(encode(document), "goals", goal_id, action_name)
 
 
-def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
-    """Return the event of a change in the fleet: `robots` holds those that changed, `alerts` all alerts.
-
-    `automation` holds a decision of automatic docking.
-    """
-    return Event(encode({"type": kind, "time": now, **payload}), "robots")
+def fleet_event(kind: str, now: datetime, narrow: Narrow, **payload: Any) -> Event:
+    """Return the event of a change in the fleet: `robots` holds those that changed, `alerts` all alerts."""
+    return Event(encode({"type": kind, "time": now, **payload}), "robots", narrow=narrow)
 
 
 def notice(kind: str, now: datetime, *, ends_goal: bool = False, **payload: Any) -> Event:

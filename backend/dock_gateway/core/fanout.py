@@ -12,8 +12,8 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, EventClock
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.grant import narrow
 from dock_gateway.core.line import Line
+from dock_gateway.core.narrowing import narrow
 
 
 class FrameWriter(Protocol):

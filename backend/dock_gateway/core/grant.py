@@ -6,11 +6,7 @@ from enum import StrEnum
 from functools import cached_property
 from typing import Any, Protocol
 
-import orjson
-
 from dock_gateway.core.errors import not_covered
-from dock_gateway.core.event import Event
-from dock_gateway.core.goal import encode
 from dock_gateway.core.patterns import expression, match_any, match_namespaces
 
 # What a grant can be limited to.
@@ -37,8 +33,6 @@ SHARED_TOPICS = frozenset(
 )
 # A namespace that no robot has: who may see it may see every robot in a namespace.
 NO_NAMESPACE = "/\0"
-# The topics of the events that are about several robots.
-MIXED = frozenset({"robots", "scenes", "maps"})
 
 # The pattern of every name.
 ANY = "*"
@@ -222,68 +216,3 @@ class NarrowedGrant(Grant):
 
 # Someone who may do everything.
 UNLIMITED = Grant(Role.ADMIN)
-
-
-def narrow(event: Event, grant: Grant) -> Event | None:
-    """Return an event about several robots with those of a grant; None if none of them is left.
-
-    Such an event is encoded again for each reader whose grant is limited, and only for those.
-    """
-    if event.source is not None and not grant.shows(event.source):
-        return None
-    if event.robot is not None or event.action_name is not None or event.topic not in MIXED:
-        return event
-    document = orjson.loads(event.data)
-    match document["type"]:
-        case "robots":
-            document |= _narrow_robots(document["robots"], document["gone"], grant)
-            if not (document["robots"] or document["gone"]):
-                return None
-        case "alerts" as kind:
-            document[kind] = [alert for alert in document[kind] if grant.covers_alert(alert["robot"])]
-        case "approvals" as kind:
-            document[kind] = [waiting for waiting in document[kind] if grant.covers_action(waiting["action_name"])]
-        case "scenes" | "maps" as kind:
-            document[kind] = _narrow_by_robot(document[kind], grant)
-        case "sites":
-            document["sites"] = _narrow_sites(document["sites"], grant)
-        case "automation":
-            return event if grant.covers_robot(document["automation"]["robot"]) else None
-        case _:
-            return None
-    return replace(event, data=encode(document))
-
-
-def _narrow_robots(robots: list[dict[str, Any]], gone: list[str], grant: Grant) -> dict[str, Any]:
-    covered = [robot for robot in robots if grant.covers_robot(robot["name"])]
-    return {
-        "robots": [_narrow_robot(robot, grant) for robot in covered],
-        "gone": list(filter(grant.covers_robot, gone)),
-    }
-
-
-def _narrow_by_robot(each: dict[str, dict[str, Any]], grant: Grant) -> dict[str, dict[str, Any]]:
-    """Return what is shown of each robot, without robots and topics that a grant does not cover."""
-    return {
-        robot: shown
-        for robot, shown in each.items()
-        if grant.covers_robot(robot) and ("topic" not in shown or grant.shows(shown["topic"]))
-    }
-
-
-def _narrow_sites(sites: list[dict[str, Any]], grant: Grant) -> list[dict[str, Any]]:
-    """Return the sites of a hub that a grant reaches, without the names of robots that it does not cover."""
-    return [
-        site | {"stop": {**site["stop"], "robots": [*filter(grant.covers_robot, site["stop"]["robots"])]}}
-        for site in sites
-        if grant.may_reach(site["name"])
-    ]
-
-
-def _narrow_robot(robot: dict[str, Any], grant: Grant) -> dict[str, Any]:
-    last = robot["last_goal"]
-    return robot | {
-        "join": None,  # it may name other robots
-        "goals": [goal for goal in robot["goals"] if grant.covers_action(goal["action_name"])],
-        "last_goal": last if last is not None and grant.covers_action(last["action_name"]) else None,
-    }

@@ -13,6 +13,7 @@ from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.narrowing import narrow_alerts
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert import ON_GRAPH, Acknowledgement, Alert, AlertKind, alert_id
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, AlertRules
@@ -141,7 +142,7 @@ class AlertBoard:
         now = encode(documents := self.documents())
         if now != self._published:
             self._published = now
-            self._fanout.publish(fleet_event("alerts", utc_now(), alerts=documents))
+            self._fanout.publish(fleet_event("alerts", utc_now(), narrow_alerts, alerts=documents))
 
     # ------------------------------------------------------------------ acknowledgements
 

@@ -14,6 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.narrowing import narrow_robots
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
 from dock_gateway.fleet.robot_state import RobotState
@@ -193,7 +194,7 @@ class Fleet:
         gone = sorted(self._published.keys() - now.keys())
         self._published = now
         if changed or gone:
-            self._fanout.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
+            self._fanout.publish(fleet_event("robots", utc_now(), narrow_robots, robots=changed, gone=gone))
 
     async def close(self) -> None:
         """Stop checking."""

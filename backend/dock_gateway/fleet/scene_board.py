@@ -5,14 +5,16 @@ import logging
 import time
 from collections.abc import Callable
 
-from dock_gateway.core.event import scenes_event, utc_now
+from dock_gateway.core.event import overview_event, utc_now
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.narrowing import by_robot
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.pose_recorder import Scene, differs
 
 log = logging.getLogger(__name__)
 
 TOPIC = "scenes"
+NARROW = by_robot(TOPIC)
 INTERVAL = 0.2  # seconds between two events
 # Seconds between two events while nothing moves, for readers that have just come.
 REPEAT = 1.0
@@ -74,7 +76,7 @@ class SceneBoard:
         scenes = {robot: scene for robot, (scene, at) in heard if robot in wanted and now - at <= SHOWN_FOR}
         if now >= self._due or self._moved(scenes):
             self._published, self._due = scenes, now + REPEAT
-            self._fanout.publish(scenes_event(scenes, utc_now()))
+            self._fanout.publish(overview_event(TOPIC, scenes, utc_now(), NARROW))
 
     def _moved(self, scenes: dict[str, Scene]) -> bool:
         before = self._published

@@ -16,6 +16,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.goal import Json, Verb, fragment
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
+from dock_gateway.core.narrowing import narrow_approvals
 from dock_gateway.core.request import hold, wait_while_permitted
 from dock_gateway.settings import Settings
 
@@ -197,7 +198,7 @@ class Approvals:
 
     def _publish(self) -> None:
         if self._fanout.watched(TOPIC):
-            self._fanout.publish(fleet_event("approvals", utc_now(), approvals=self.documents()))
+            self._fanout.publish(fleet_event("approvals", utc_now(), narrow_approvals, approvals=self.documents()))
 
     async def close(self) -> None:
         """Drop what waits."""

@@ -9,12 +9,13 @@ import orjson
 
 from dock_gateway.core.alerts import SETTLED_AFTER
 from dock_gateway.core.errors import NotFound
-from dock_gateway.core.event import Event, fleet_event, notice, utc_now
+from dock_gateway.core.event import Event, Narrow, fleet_event, notice, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter, is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind
 from dock_gateway.goals.goals import Goals
@@ -221,10 +222,10 @@ class Overview:
             return []
         grant, now = event_filter.grant or UNLIMITED, utc_now()
         return [
-            fleet_event("robots", now, robots=self.robots(grant), gone=[]),
-            fleet_event("alerts", now, alerts=self.documents(grant)),
-            fleet_event("approvals", now, approvals=self.approvals(grant)),
-            fleet_event("sites", now, sites=self.site_documents(grant)),
+            fleet_event("robots", now, narrow_robots, robots=self.robots(grant), gone=[]),
+            fleet_event("alerts", now, narrow_alerts, alerts=self.documents(grant)),
+            fleet_event("approvals", now, narrow_approvals, approvals=self.approvals(grant)),
+            fleet_event("sites", now, narrow_sites, sites=self.site_documents(grant)),
         ]
 
     def site_documents(self, grant: Grant = UNLIMITED) -> list[Document]:
@@ -260,22 +261,34 @@ class Overview:
             robots += [view.robots[name] | {"site_state": state} for name in changed if name in view.robots]
             gone += [name for name in changed if name not in view.robots]
         if robots or gone:
-            self._fanout.publish(fleet_event("robots", utc_now(), robots=robots, gone=gone))
+            self._fanout.publish(fleet_event("robots", utc_now(), narrow_robots, robots=robots, gone=gone))
         self._publish_alerts()
-        self._publish_if_changed("approvals", self.approvals())
+        self._publish_if_changed("approvals", narrow_approvals, self.approvals())
         sites = self.site_documents()
         settled = [{name: value for name, value in site.items() if name not in RESTLESS} for site in sites]
-        self._publish_if_changed("sites", sites, settled)
+        self._publish_if_changed("sites", narrow_sites, sites, settled)
 
     def _publish_alerts(self) -> None:
-        self._publish_if_changed("alerts", self.documents())
+        self._publish_if_changed("alerts", narrow_alerts, self.documents())
 
-    def _publish_if_changed(self, kind: str, documents: list[Document], settled: list[Document] | None = None) -> None:
+    def _publish_if_changed(
+        self, kind: str, narrow: Narrow, documents: list[Document], settled: list[Document] | None = None
+    ) -> None:
         encoded = encode(documents if settled is None else settled)
         if self._published.get(kind) != encoded:
             self._published[kind] = encoded
             shown = encoded if settled is None else encode(documents)
-            self._fanout.publish(fleet_event(kind, utc_now(), **{kind: orjson.Fragment(shown)}))
+            self._fanout.publish(fleet_event(kind, utc_now(), narrow, **{kind: orjson.Fragment(shown)}))
+
+
+def narrow_sites(document: Document, grant: Grant) -> Document:
+    """Return the sites that a grant reaches, without the names of robots that it does not cover."""
+    sites = [
+        site | {"stop": {**site["stop"], "robots": [*filter(grant.covers_robot, site["stop"]["robots"])]}}
+        for site in document["sites"]
+        if grant.may_reach(site["name"])
+    ]
+    return {**document, "sites": sites}
 
 
 def _text(since: object) -> str:

@@ -10,8 +10,9 @@ from functools import partial
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError, NotFound
-from dock_gateway.core.event import maps_event, surroundings_event, utc_now
+from dock_gateway.core.event import overview_event, surroundings_event, utc_now
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.narrowing import by_robot
 from dock_gateway.core.tasks import cancel
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
@@ -25,6 +26,7 @@ log = logging.getLogger(__name__)
 
 # The maps of all robots in one event.
 MAPS = "maps"
+NARROW = by_robot(MAPS)
 # Seconds between two events of a scan, and between two checks for the topics of a robot.
 TICK, CHECK_INTERVAL = 0.2, 1.0
 # Seconds between two events of what has not changed, for readers that have just come.
@@ -144,7 +146,7 @@ class Maps:
         documents = {robot: view.map_document() for robot, view in sorted(self._views.items())}
         found = {robot: document for robot, document in documents.items() if document["map"] is not None}
         if self._due(MAPS, "", found, now):
-            self._fanout.publish(maps_event(found, utc_now()))
+            self._fanout.publish(overview_event(MAPS, found, utc_now(), NARROW))
 
     def _due(self, kind: str, robot: str, document: object, now: float) -> bool:
         """Return whether something is to be sent: it has changed, or it is time to repeat it."""

@@ -3,6 +3,7 @@
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.approvals import Approvals
@@ -68,7 +69,9 @@ class GatewayPresent:
         wanted = [event for event in events if event_filter.covers(event)]
         if "robots" in event_filter.topics:
             grant = event_filter.grant or UNLIMITED
-            wanted.append(fleet_event("robots", now, robots=parts[Fleet].documents(grant=grant), gone=[]))
-            wanted.append(fleet_event("alerts", now, alerts=parts[AlertBoard].documents(grant)))
-            wanted.append(fleet_event("approvals", now, approvals=parts[Approvals].documents(grant)))
+            wanted.append(
+                fleet_event("robots", now, narrow_robots, robots=parts[Fleet].documents(grant=grant), gone=[])
+            )
+            wanted.append(fleet_event("alerts", now, narrow_alerts, alerts=parts[AlertBoard].documents(grant)))
+            wanted.append(fleet_event("approvals", now, narrow_approvals, approvals=parts[Approvals].documents(grant)))
         return wanted

@@ -3,21 +3,11 @@
 import re
 import time
 
-import orjson
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.event import (
-    Event,
-    fleet_event,
-    maps_event,
-    message_event,
-    scenes_event,
-    surroundings_event,
-    utc_now,
-)
-from dock_gateway.core.grant import SHARED_TOPICS, UNLIMITED, Grant, Role, narrow
+from dock_gateway.core.grant import SHARED_TOPICS, UNLIMITED, Grant, Role
 from dock_gateway.setting_types import PATTERN
 
 NAMES = st.lists(st.sampled_from(["robot1", "robot10", "hall_a", "dock", "x"]), max_size=3).map(
@@ -167,63 +157,3 @@ def test_a_robot_is_covered_exactly_if_it_is_or_lies_in_a_named_one(namespace: s
 @pytest.mark.parametrize(("grant", "limited"), [(UNLIMITED, False), (robots("/a"), True), (robots(), False)])
 def test_limited(grant: Grant, limited: bool) -> None:
     assert grant.limited is limited
-
-
-NOW = utc_now()
-
-
-def shown(event: Event, grant: Grant) -> object:
-    narrowed = narrow(event, grant)
-    return None if narrowed is None else orjson.loads(narrowed.data)
-
-
-def test_events_about_several_robots_keep_those_of_the_grant() -> None:
-    grant = robots("/robot1")
-    rows = [{"name": name, "goals": [], "last_goal": None, "join": None} for name in ("/robot1", "/robot2")]
-    changed = fleet_event("robots", NOW, robots=rows, gone=["/robot1/arm", "/robot3"])
-    assert shown(changed, grant) == orjson.loads(fleet_event("robots", NOW, robots=rows[:1], gone=["/robot1/arm"]).data)
-    alerts = [{"robot": "/robot2"}, {"robot": None}, {"robot": "/robot1"}]
-    assert shown(fleet_event("alerts", NOW, alerts=alerts), grant) == orjson.loads(
-        fleet_event("alerts", NOW, alerts=alerts[1:]).data
-    )
-    scenes = scenes_event({"/robot1": {"x": 1}, "/robot2": {"x": 2}}, NOW)
-    assert shown(scenes, grant) == orjson.loads(scenes_event({"/robot1": {"x": 1}}, NOW).data)
-
-
-def test_events_about_robots_leave_out_the_goals_of_other_actions() -> None:
-    grant = Grant(Role.OPERATOR, actions=("/robot1/undock",))
-    dock, undock = {"action_name": "/robot1/dock"}, {"action_name": "/robot1/undock"}
-    robot = {"name": "/robot1", "goals": [dock, undock], "last_goal": dock, "join": None}
-    changed = fleet_event("robots", NOW, robots=[robot], gone=[])
-    assert shown(changed, grant) == orjson.loads(
-        fleet_event("robots", NOW, robots=[robot | {"goals": [undock], "last_goal": None, "join": None}], gone=[]).data
-    )
-    assert shown(changed, robots("/robot1")) == orjson.loads(changed.data)
-    hinted = fleet_event("robots", NOW, robots=[robot | {"join": {"detail": "/docking/dock"}}], gone=[])
-    assert shown(hinted, robots("/robot1")) == orjson.loads(changed.data)
-
-
-def test_events_about_other_robots_alone_are_left_out() -> None:
-    grant = robots("/robot1")
-    assert narrow(fleet_event("robots", NOW, robots=[{"name": "/robot2"}], gone=["/robot3"]), grant) is None
-    assert narrow(fleet_event("automation", NOW, automation={"robot": "/robot2"}), grant) is None
-    assert narrow(fleet_event("something_new", NOW, robots=[{"name": "/robot1"}]), grant) is None
-
-
-def test_other_events_are_the_same_for_all_readers() -> None:
-    grant = robots("/robot1")
-    battery = message_event("battery", b"{}", 1, robot="/robot1")
-    assert narrow(battery, grant) is battery
-    decision = fleet_event("automation", NOW, automation={"robot": "/robot1"})
-    assert narrow(decision, grant) is decision
-
-
-def test_what_comes_with_a_robot_is_limited_to_topics() -> None:
-    shown = surroundings_event("map", {}, NOW, robot="/robot1", source="/map")
-    assert narrow(shown, Grant(Role.VIEWER, robots=("/robot1",))) is shown, "a map that all robots share"
-    assert narrow(shown, Grant(Role.VIEWER, topics=("/map", "/robot1/*"))) is shown
-    assert narrow(shown, Grant(Role.VIEWER, topics=("/robot1/*",))) is None
-    event = maps_event({"/robot1": {"topic": "/map"}, "/robot2": {"topic": "/robot2/map"}}, NOW)
-    narrowed = narrow(event, Grant(Role.VIEWER, topics=("/robot2/*",)))
-    assert narrowed is not None
-    assert orjson.loads(narrowed.data)["maps"] == {"/robot2": {"topic": "/robot2/map"}}
