@@ -52,7 +52,7 @@ def broker_config(port: int, hub: Login, sites: Sequence[Login]) -> str:
 
 
 def broker_permissions(hub: Login, sites: Sequence[Login]) -> dict[str, Any]:
-    """Return `authorization` of nats-server: who may publish and subscribe to what, as docs/extensions/sites.md says."""
+    """Return `authorization` of nats-server: who may publish and subscribe where, as docs/extensions/sites.md says."""
     users = [_user(hub, publish=["dock.site.>"], subscribe=["dock.hub.>", "_INBOX.hub.>"])]
     for site in sites:
         name = site.user
