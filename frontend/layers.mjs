@@ -1,6 +1,7 @@
 // Part of `npm run lint`: a folder of src imports only from itself and from folders that are listed before it. So no two
-// folders import each other, and nothing that others build on knows what is built on it. The client is a package of its own:
-// it imports only itself and its dependencies.
+// folders import each other, and nothing that others build on knows what is built on it. An extension may import all of
+// them, and nothing imports an extension but the list in extensions.ts; its tests go with it. The client is a package of its
+// own: it imports only itself and its dependencies.
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join, relative, sep } from "node:path";
 import ts from "typescript";
@@ -8,12 +9,12 @@ import ts from "typescript";
 const LAYERS = [
   // Transport: time, requests, events, and the state that they add up to.
   ...["clock", "api", "stream", "store"],
-  // Components that know no robot.
-  "ui",
+  // Components that know no robot, and what extensions can add.
+  ...["ui", "extension"],
   // What features share: all robots, who uses the page, one goal in words.
   ...["fleet", "access", "goal", "stop", "alerts", "approvals"],
   // Features.
-  ...["battery", "docking", "scene", "cameras", "simulator", "automation", "actions", "goals", "operations"],
+  ...["battery", "docking", "scene", "simulator", "automation", "actions", "goals", "operations"],
   ...["statistics", "audit", "notifications", "graph", "sites"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],
@@ -26,17 +27,39 @@ function layerOf(file) {
   return LAYERS.indexOf(name);
 }
 
+/** The extension that a file is part of: `extensions/cameras`; null for none. */
+function extensionOf(file) {
+  return /^extensions\/[^/]+(?=\/)/.exec(file.split(sep).join("/"))?.[0] ?? null;
+}
+
+/** The files of a folder with what they import from beside them, as paths from the frontend's folder. */
+function* importsIn(folder) {
+  for (const file of readdirSync(folder, { recursive: true })) {
+    if (!/\.tsx?$/.test(file)) continue;
+    for (const { fileName } of ts.preProcessFile(readFileSync(join(folder, file), "utf8")).importedFiles)
+      if (fileName.startsWith(".")) yield { file, imported: join(folder, dirname(file), fileName) };
+  }
+}
+
 const problems = [];
 for (const file of readdirSync("src", { recursive: true })) {
-  if (!/\.tsx?$/.test(file) || dirname(file) === ".") continue; // main.tsx starts everything
-  const layer = layerOf(file);
-  if (layer < 0) problems.push(`src/${file}: its folder is in no layer of layers.mjs.`);
-  for (const { fileName } of ts.preProcessFile(readFileSync(join("src", file), "utf8")).importedFiles) {
-    if (!fileName.startsWith(".")) continue;
-    const imported = relative("src", join("src", dirname(file), fileName));
-    if (layerOf(imported) > layer)
-      problems.push(`src/${file} imports ${imported}: layers.mjs lists ${LAYERS[layer]} before it.`);
-  }
+  const known = dirname(file) === "." || extensionOf(file) !== null || layerOf(file) >= 0;
+  if (/\.tsx?$/.test(file) && !known) problems.push(`src/${file}: its folder is in no layer of layers.mjs.`);
+}
+for (const { file, imported } of importsIn("src")) {
+  const target = relative("src", imported);
+  const extension = extensionOf(target);
+  if (extension !== null && extension !== extensionOf(file) && file !== "extensions.ts")
+    problems.push(`src/${file} imports ${target}: only extensions.ts imports an extension.`);
+  if (dirname(file) === "." || extensionOf(file) !== null) continue; // main.tsx starts everything
+  if (target === "extensions") problems.push(`src/${file} imports extensions.ts: only main.tsx does.`);
+  if (layerOf(target) > layerOf(file))
+    problems.push(`src/${file} imports ${target}: layers.mjs lists ${LAYERS[layerOf(file)]} before it.`);
+}
+for (const { file, imported } of importsIn("tests")) {
+  const extension = extensionOf(relative("src", imported));
+  if (extension !== null && extension !== extensionOf(file))
+    problems.push(`tests/${file} imports ${imported}: only tests/${extension} may, and goes with it.`);
 }
 
 const { dependencies } = JSON.parse(readFileSync("client/package.json", "utf8"));

@@ -12,6 +12,8 @@ import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
 import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";
 import { session } from "./api/session";
+import { ExtensionsProvider } from "./extension/context";
+import * as extensions from "./extensions";
 import { FleetProvider, type FleetServices } from "./fleet/context";
 import { FleetStore } from "./fleet/store";
 import { App } from "./layout/App";
@@ -53,10 +55,12 @@ root.render(
       <Notifications position="bottom-right" zIndex={400} />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
-          {/* A change of the address is on the page at once: the next one begins with it. */}
-          <BrowserRouter basename={`${prefix}/`} useTransitions={false}>
-            <App />
-          </BrowserRouter>
+          <ExtensionsProvider value={Object.values(extensions)}>
+            {/* A change of the address is on the page at once: the next one begins with it. */}
+            <BrowserRouter basename={`${prefix}/`} useTransitions={false}>
+              <App />
+            </BrowserRouter>
+          </ExtensionsProvider>
         </FleetProvider>
       </QueryClientProvider>
     </MantineProvider>

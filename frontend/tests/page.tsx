@@ -11,6 +11,9 @@ import type { Gateway } from "../src/api/client";
 import { createHttp } from "../src/api/http";
 import { placeOf } from "../src/api/hub";
 import { createQueryClient } from "../src/api/queryClient";
+import { ExtensionsProvider } from "../src/extension/context";
+import type { Extension } from "../src/extension/extension";
+import * as listed from "../src/extensions";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
 import { App } from "../src/layout/App";
@@ -24,6 +27,9 @@ import { SceneBuffer } from "../src/store/sceneBuffer";
 import { Store } from "../src/store/store";
 import { Surroundings } from "../src/store/surroundings";
 import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, undockGoal } from "./events";
+
+/** All that there are. */
+export const EXTENSIONS: readonly Extension[] = Object.values(listed);
 
 /** A gateway that does what it is told, and remembers. */
 export function fakeGateway(change: Partial<Gateway> = {}) {
@@ -124,15 +130,22 @@ export function pressEscape(time: number): void {
 }
 
 /** Renders something within all that a page has. */
-export function renderWithin(fleet: FleetServices, children: ReactNode, path = "/") {
+export function renderWithin(
+  fleet: FleetServices,
+  children: ReactNode,
+  path = "/",
+  extensions: readonly Extension[] = EXTENSIONS,
+) {
   render(
     <MantineProvider theme={theme} env="test" withCssVariables={false}>
       <Notifications />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
-          <MemoryRouter initialEntries={[path]} useTransitions={false}>
-            {children}
-          </MemoryRouter>
+          <ExtensionsProvider value={extensions}>
+            <MemoryRouter initialEntries={[path]} useTransitions={false}>
+              {children}
+            </MemoryRouter>
+          </ExtensionsProvider>
         </FleetProvider>
       </QueryClientProvider>
     </MantineProvider>,
@@ -145,9 +158,10 @@ export function renderPage(
   first: Partial<EventOf<"snapshot">> | null = {},
   path = "/",
   gatewayOf: FleetServices["gatewayOf"] = () => gateway,
+  extensions: readonly Extension[] = EXTENSIONS,
 ) {
   const { store, fleet } = robotServices(gateway, first, gatewayOf);
-  renderWithin(fleet, <App />, path);
+  renderWithin(fleet, <App />, path, extensions);
   return { store, user: userEvent.setup({ delay: null, pointerEventsCheck: 0 }) };
 }
 

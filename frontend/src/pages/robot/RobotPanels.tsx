@@ -3,8 +3,8 @@ import { Skeleton, Stack, Tabs } from "@mantine/core";
 import { memo, Suspense, useEffect, useState } from "react";
 import { createGoalsApi } from "../../api/goals";
 import { BatteryCard, BatteryPlotsCard } from "../../battery/BatteryCard";
-import { CameraCard } from "../../cameras/CameraCard";
 import { DockingCard } from "../../docking/DockingCard";
+import { Parts } from "../../extension/context";
 import { useFleet, useFleetPart } from "../../fleet/context";
 import { DEVELOPER, defaultRobot, OPERATE } from "../../fleet/names";
 import { GoalsCard } from "../../goals/GoalsTable";
@@ -38,7 +38,7 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
           <div className={classes.grid}>
             <div className={classes.column}>
               <DockingCard />
-              <CameraCard className={classes.camera} />
+              <Parts at="robotColumn" robot={name} />
             </div>
             <SceneCard />
           </div>

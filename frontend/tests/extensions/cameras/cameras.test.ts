@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { factWords, waitingWords } from "../src/cameras/CameraCard";
-import { type Picture, readPictures } from "../src/cameras/pictures";
+import { factWords, waitingWords } from "../../../src/extensions/cameras/CameraCard";
+import { type Picture, readPictures } from "../../../src/extensions/cameras/pictures";
 
 const text = new TextEncoder();
 

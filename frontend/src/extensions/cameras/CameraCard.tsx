@@ -2,16 +2,15 @@ import { ClientError } from "@dock-gateway/client";
 import { Group, NativeSelect, Stack, Switch, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { type RefObject, useEffect, useId, useRef, useState } from "react";
-import { steadyNow } from "../clock/beat";
-import { useAtTime } from "../clock/clock";
-import { useFleet, useFleetPart } from "../fleet/context";
-import { defaultRobot } from "../fleet/names";
-import { useLive, useServices } from "../store/context";
-import { Breakable } from "../ui/Fact";
-import { Kept, useKept } from "../ui/kept";
-import { Section } from "../ui/Section";
-import { watchSight } from "../ui/sight";
-import { formatDuration } from "../ui/time";
+import { steadyNow } from "../../clock/beat";
+import { useAtTime } from "../../clock/clock";
+import { useFleet } from "../../fleet/context";
+import { useLive, useServices } from "../../store/context";
+import { Breakable } from "../../ui/Fact";
+import { Kept, useKept } from "../../ui/kept";
+import { Section } from "../../ui/Section";
+import { watchSight } from "../../ui/sight";
+import { formatDuration } from "../../ui/time";
 import classes from "./cameras.module.css";
 import { type Camera, followCamera, listCameras, type Picture } from "./pictures";
 
@@ -30,16 +29,9 @@ const WATCHING = new Kept<boolean>(
   (on) => (on ? "on" : "off"),
 );
 
-interface CameraCardProps {
-  /** Of what is around the card. */
-  className: string | undefined;
-}
-
 /** What the robot's cameras see; nothing where it has none. */
-export function CameraCard({ className }: CameraCardProps) {
-  const { robot: asked } = useServices();
+export function CameraCard({ robot }: { robot: string }) {
   const { http } = useFleet();
-  const robot = useFleetPart("robots", (robots) => asked ?? defaultRobot(robots));
   const live = useLive();
   const watching = useKept(WATCHING);
   const [chosen, choose] = useState<string | null>(null);
@@ -55,7 +47,7 @@ export function CameraCard({ className }: CameraCardProps) {
   const camera = known.find(({ name }) => name === chosen) ?? known[0];
   if (camera === undefined) return null;
   return (
-    <div className={className}>
+    <div className={classes.card}>
       <Section
         title="Camera"
         aside={
