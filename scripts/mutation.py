@@ -92,7 +92,14 @@ def prepare(area: str, sources: list[str], tests: list[str]) -> Path:
     folder = WORK / area
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    for name in ("backend/dock_gateway", "backend/docking", "backend/robot_io", "tests", "pyproject.toml"):
+    for name in (
+        "backend/dock_gateway",
+        "backend/dock_hub",
+        "backend/docking",
+        "backend/robot_io",
+        "tests",
+        "pyproject.toml",
+    ):
         (folder / Path(name).name).symlink_to(Path(name).absolute())
     (folder / "frontend").mkdir()
     (folder / "frontend/openapi.json").symlink_to(Path("frontend/openapi.json").absolute())  # the tests read it

@@ -140,7 +140,7 @@ def exposed(gateway: RunningGateway) -> set[str]:
 
 
 def of_a_gateway(path: Path) -> str:
-    """What a file says of the metrics of a gateway. tests/dock_gateway/hub/test_hub.py looks at those of a hub."""
+    """What a file says of the metrics of a gateway. tests/dock_hub/test_hub.py looks at those of a hub."""
     return path.read_text().partition("## Of a hub")[0]
 
 

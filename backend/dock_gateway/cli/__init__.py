@@ -2,6 +2,7 @@
 
 import gc
 import importlib
+from importlib.metadata import EntryPoints, entry_points
 
 import click
 
@@ -10,7 +11,6 @@ from dock_gateway import __version__
 COMMANDS = {
     "up": "up",
     "serve": "serve",
-    "hub": "hub",
     "doctor": "doctor",
     "install-service": "install_service",
     "dock": "client",
@@ -23,30 +23,38 @@ COMMANDS = {
     "user": "user",
     "token": "token",
     "audit": "audit",
-    "hub-key": "hub_key",
     "replay": "replay",
-    "openapi": "serve",
-    "asyncapi": "serve",
+    "openapi": "documents",
+    "asyncapi": "documents",
 }
 """The commands, in the order of the help, and the modules that they are in."""
 
 
 class LazyGroup(click.Group):
-    """Loads only the command that is called, so that a server does not load an HTTP client before it starts."""
+    """Loads only the command that is called, so that a server does not load an HTTP client before it starts.
+
+    Other programs add commands by their entry points, in the group `dock_gateway.commands`.
+    """
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands."""
-        return list(COMMANDS)
+        return [*COMMANDS, *sorted(_others().names)]
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Load and return a command."""
-        if cmd_name not in COMMANDS:
-            return None
         gc.disable()  # loaded modules stay
-        module = importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}")
-        command: click.Command = getattr(module, cmd_name.replace("-", "_"))
-        gc.enable()
-        return command
+        try:
+            if cmd_name in COMMANDS:
+                module = importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}")
+                command: click.Command = getattr(module, cmd_name.replace("-", "_"))
+                return command
+            return next((entry.load() for entry in _others().select(name=cmd_name)), None)
+        finally:
+            gc.enable()
+
+
+def _others() -> EntryPoints:
+    return entry_points(group="dock_gateway.commands")
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})

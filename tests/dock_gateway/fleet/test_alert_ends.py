@@ -16,9 +16,9 @@ from dock_gateway.fleet.alert import AlertKind
 from dock_gateway.fleet.alert_rules import SPLIT_FOR, STALE_FOR, WITHOUT_POWER, AlertRules
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.goals.hints import Join
-from dock_gateway.hub.directory import SILENT_AFTER, SiteState
-from dock_gateway.hub.overview import Overview
 from dock_gateway.storage import Incident
+from dock_hub.directory import SILENT_AFTER, SiteState
+from dock_hub.overview import Overview
 from tests.dock_gateway.fleet.test_alert_rules import CHARGING, NOON, WRONG, goal, robot
 from tests.support.history import HistoryInMemory
 from tests.support.waiting import until

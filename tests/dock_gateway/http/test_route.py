@@ -20,8 +20,8 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
 from dock_gateway.http.route import ApiRoute, documented_errors
-from dock_gateway.hub.app import ROUTERS
 from dock_gateway.settings import Settings
+from dock_hub.app import ROUTERS
 
 
 class Found(BaseModel):

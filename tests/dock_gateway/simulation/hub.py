@@ -9,17 +9,17 @@ from unittest.mock import patch
 
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.http.parts import Parts
-from dock_gateway.hub.follower import Follower
-from dock_gateway.hub.mirror import Mirror
-from dock_gateway.hub.site_client import SiteClient
-from dock_gateway.hub.site_view import SiteView
-from dock_gateway.hub.store import HubStore
 from dock_gateway.settings import Settings
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.subjects import HUB
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.storage import History
 from dock_gateway.streams.present import Present
+from dock_hub.follower import Follower
+from dock_hub.mirror import Mirror
+from dock_hub.site_client import SiteClient
+from dock_hub.site_view import SiteView
+from dock_hub.store import HubStore
 from tests.dock_gateway.simulation.chance import Chance
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
 from tests.dock_gateway.simulation.gateway import FOREVER, GoalsOnly

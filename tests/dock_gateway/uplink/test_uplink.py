@@ -10,8 +10,6 @@ import orjson
 import pytest
 
 from dock_gateway import __version__
-from dock_gateway.hub.site_client import READER
-from dock_gateway.hub.sites import Sites
 from dock_gateway.settings import Settings
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import AGREEMENT, Signer
@@ -20,7 +18,9 @@ from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.subscription import Received
 from dock_gateway.uplink.link import HubLink, HubState
 from dock_gateway.uplink.uplink import Uplink
-from tests.dock_gateway.hub.test_hub import Hub, hub_at
+from dock_hub.site_client import READER
+from dock_hub.sites import Sites
+from tests.dock_hub.test_hub import Hub, hub_at
 from tests.support.history import HistoryInMemory
 from tests.support.nats import NatsServer, nats_server
 from tests.support.small_site import APP, broker_of

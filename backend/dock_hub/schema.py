@@ -8,10 +8,10 @@ from pydantic import ConfigDict, Field
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.http.schema import Schema
-from dock_gateway.hub.directory import SiteState
-from dock_gateway.hub.stop_schema import PendingStop
 from dock_gateway.observability.schema import HistoryState
 from dock_gateway.streams.schema import SnapshotEvent
+from dock_hub.directory import SiteState
+from dock_hub.stop_schema import PendingStop
 
 
 class SiteStop(Schema):

@@ -15,17 +15,17 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import cancel
-from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.goal_documents import Happening, ends_of, finish_goal, read_goal, read_goal_id, read_time, size_of
-from dock_gateway.hub.mirror import Mirror
-from dock_gateway.hub.pace import Pace
-from dock_gateway.hub.reading import Reading, id_before, read_event_id
-from dock_gateway.hub.renaming import read_alerts, read_approvals, read_names, read_robots
-from dock_gateway.hub.site_client import Conversation, SiteClient
-from dock_gateway.hub.site_view import SiteView
-from dock_gateway.hub.store import News
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
+from dock_hub.fields import ForeignDocumentError
+from dock_hub.goal_documents import Happening, ends_of, finish_goal, read_goal, read_goal_id, read_time, size_of
+from dock_hub.mirror import Mirror
+from dock_hub.pace import Pace
+from dock_hub.reading import Reading, id_before, read_event_id
+from dock_hub.renaming import read_alerts, read_approvals, read_names, read_robots
+from dock_hub.site_client import Conversation, SiteClient
+from dock_hub.site_view import SiteView
+from dock_hub.store import News
 
 log = logging.getLogger(__name__)
 

@@ -19,12 +19,12 @@ from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, RobotQuery, RobotsQuery, json_response, read_json
 from dock_gateway.http.route import ApiRoute
-from dock_gateway.hub.stop_outcomes import StopOutcome
-from dock_gateway.hub.stop_requests import BODY_WITHIN, WHOLE
-from dock_gateway.hub.stop_schema import HubReleaseReport, HubStopReport
-from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.names import site_grant, to_site
 from dock_gateway.stop.order import STOP_REQUEST, StopOrder, read_order, releases_stop, stops_robots
+from dock_hub.stop_outcomes import StopOutcome
+from dock_hub.stop_requests import BODY_WITHIN, WHOLE
+from dock_hub.stop_schema import HubReleaseReport, HubStopReport
+from dock_hub.stops import Stops
 
 router = APIRouter(route_class=ApiRoute, tags=["Stop"])
 

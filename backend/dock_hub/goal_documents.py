@@ -8,8 +8,8 @@ from uuid import UUID
 import orjson
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.hub import fields
-from dock_gateway.hub.fields import ForeignDocumentError
+from dock_hub import fields
+from dock_hub.fields import ForeignDocumentError
 
 # Bytes of a goal or its result, and of its last feedback. A larger one is left out; the site has it.
 MAX_MESSAGE, MAX_FEEDBACK = 128 * 1024, 4096

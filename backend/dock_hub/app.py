@@ -14,16 +14,6 @@ from dock_gateway.http.dashboard import page_of
 from dock_gateway.http.openapi import Union
 from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import Parts
-from dock_gateway.hub import forwarding, routes, stop_routes
-from dock_gateway.hub.assembly import open_hub
-from dock_gateway.hub.schema import (
-    HubAlertsEvent,
-    HubApprovalsEvent,
-    HubRobotsEvent,
-    HubSnapshotEvent,
-    SitesEvent,
-)
-from dock_gateway.hub.stop_schema import HubReleaseProblem, HubStopProblem
 from dock_gateway.observability import metrics_routes
 from dock_gateway.settings import Settings
 from dock_gateway.statistics import routes as statistics_routes
@@ -38,6 +28,16 @@ from dock_gateway.streams.schema import (
     StatusEvent,
 )
 from dock_gateway.webhooks import routes as webhook_routes
+from dock_hub import forwarding, routes, stop_routes
+from dock_hub.assembly import open_hub
+from dock_hub.schema import (
+    HubAlertsEvent,
+    HubApprovalsEvent,
+    HubRobotsEvent,
+    HubSnapshotEvent,
+    SitesEvent,
+)
+from dock_hub.stop_schema import HubReleaseProblem, HubStopProblem
 
 EVENTS = (
     HubSnapshotEvent,

@@ -19,11 +19,11 @@ from dock_gateway.client.documents import StopReport
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.hub import stop_routes
-from dock_gateway.hub.stops import Stops
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
-from tests.dock_gateway.hub.test_stops import BERLIN, OSLO, TIMES, FakeSite, FakeSites, Store
+from dock_hub import stop_routes
+from dock_hub.stops import Stops
+from tests.dock_hub.test_stops import BERLIN, OSLO, TIMES, FakeSite, FakeSites, Store
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 

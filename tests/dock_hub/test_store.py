@@ -12,11 +12,11 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.goal_documents import Happening, ends_of
-from dock_gateway.hub.mirror import Mirror, MirrorBatch
-from dock_gateway.hub.store import HubStore, News
 from dock_gateway.storage import History
+from dock_hub.fields import ForeignDocumentError
+from dock_hub.goal_documents import Happening, ends_of
+from dock_hub.mirror import Mirror, MirrorBatch
+from dock_hub.store import HubStore, News
 from tests.support.history import open_at
 from tests.support.waiting import until
 

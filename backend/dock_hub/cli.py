@@ -1,9 +1,10 @@
-"""`dock-gateway hub`: one dashboard and one API for many sites. Needs no ROS."""
+"""`dock-gateway hub`: one dashboard and one API for many sites; `dock-gateway hub-key`: its keys. Needs no ROS."""
 
 from functools import partial
 from typing import Any
 
 import click
+import orjson
 
 from dock_gateway.cli.options import read_settings, settings_options
 from dock_gateway.cli.start import check_broker, check_exposure, check_port
@@ -50,9 +51,9 @@ def hub(**options: Any) -> None:
         raise click.ClickException(fault)
     from dock_gateway.cli.server import run  # noqa: PLC0415 - takes long to import
     from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415
-    from dock_gateway.hub.app import create_hub_app  # noqa: PLC0415
-    from dock_gateway.hub.assembly import open_hub  # noqa: PLC0415
     from dock_gateway.sites.identity import KeyFault  # noqa: PLC0415
+    from dock_hub.app import create_hub_app  # noqa: PLC0415
+    from dock_hub.assembly import open_hub  # noqa: PLC0415
 
     try:
         started = run(settings, open_hub, create_hub_app)
@@ -62,3 +63,19 @@ def hub(**options: Any) -> None:
         raise click.ClickException(str(error)) from None
     if not started:
         raise SystemExit(1)
+
+
+@click.command()
+@click.option("--hub-key-path", metavar="FILE", help="The private key.  [env: DOCK_GATEWAY_HUB_KEY_PATH]")
+def hub_key(hub_key_path: str | None) -> None:
+    """Print the hub's public keys, a JWK Set: what each of its sites needs as `--hub-key`.
+
+    Makes the private key if there is none yet.
+    """
+    from dock_gateway.sites.identity import KeyFault, Signer  # noqa: PLC0415 - takes long to import
+
+    try:
+        signer = Signer.load_or_create(read_settings({"hub_key_path": hub_key_path}).hub_key_file)
+    except KeyFault as error:
+        raise click.ClickException(str(error)) from None
+    click.echo(orjson.dumps(signer.public_keys(), option=orjson.OPT_INDENT_2).decode())

@@ -5,8 +5,8 @@ from uuid import UUID
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.hub.directory import SILENT_AFTER, Directory, SiteState
 from dock_gateway.sites.messages import Hello, Refusal, Welcome
+from dock_hub.directory import SILENT_AFTER, Directory, SiteState
 
 OURS, THEIRS = (UUID(int=number) for number in (1, 2))
 FIRST, SECOND, THIRD = (f"{number:016x}" for number in (1, 2, 3))

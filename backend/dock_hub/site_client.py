@@ -9,10 +9,10 @@ import orjson
 from starlette.types import Receive, Scope, Send
 
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.fields import ForeignDocumentError
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.tunnel.answer import TunnelAnswer
 from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_hub.fields import ForeignDocumentError
 
 # Seconds that a site may take to begin with a request, and may show no sign of life until it answers. For a request of
 # the hub itself, the answer has to be complete by then.

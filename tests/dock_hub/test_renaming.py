@@ -9,8 +9,8 @@ import pytest
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
 from dock_gateway.fleet.alert import Alert, AlertKind
-from dock_gateway.hub import fields, goal_documents, renaming
-from dock_gateway.hub.site_view import MAX_ROBOTS, SiteView
+from dock_hub import fields, goal_documents, renaming
+from dock_hub.site_view import MAX_ROBOTS, SiteView
 from tests.support import small_site
 
 AT = datetime(2026, 11, 27, 12, 0, 0, 123456, tzinfo=UTC)

@@ -6,8 +6,8 @@ from typing import Any
 from dock_gateway.core.event import CLOCK_TOLERANCE, STATUS, event_id, moment, nanoseconds, stamp_of
 from dock_gateway.core.goal import Goal
 from dock_gateway.http.queries import EVENT_ID
-from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.site_view import SiteView
+from dock_hub.fields import ForeignDocumentError
+from dock_hub.site_view import SiteView
 
 
 class Reading:

@@ -21,18 +21,18 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.hub import follower, pace
-from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.follower import Follower
-from dock_gateway.hub.goal_documents import Happening, ends_of, read_goal
-from dock_gateway.hub.mirror import Mirror
-from dock_gateway.hub.site_view import MAX_BYTES, SiteView
-from dock_gateway.hub.store import HubStore, News
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.storage import History, retention, shares
 from dock_gateway.storage.retention import OVERHEAD
-from tests.dock_gateway.hub.test_follower import FakeSite, snapshot, told
-from tests.dock_gateway.hub.test_renaming import ROBOT, decoded
+from dock_hub import follower, pace
+from dock_hub.fields import ForeignDocumentError
+from dock_hub.follower import Follower
+from dock_hub.goal_documents import Happening, ends_of, read_goal
+from dock_hub.mirror import Mirror
+from dock_hub.site_view import MAX_BYTES, SiteView
+from dock_hub.store import HubStore, News
+from tests.dock_hub.test_follower import FakeSite, snapshot, told
+from tests.dock_hub.test_renaming import ROBOT, decoded
 from tests.support.history import open_at
 from tests.support.waiting import until
 

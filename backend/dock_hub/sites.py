@@ -15,11 +15,6 @@ from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.hub.directory import Directory, Site, SiteState
-from dock_gateway.hub.follower import Follower
-from dock_gateway.hub.site_client import READER, SiteClient
-from dock_gateway.hub.site_view import SiteView
-from dock_gateway.hub.store import HubStore
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, NoResponder
 from dock_gateway.sites.identity import AGREEMENT, Signer
@@ -30,6 +25,11 @@ from dock_gateway.sites.subscription import Received
 from dock_gateway.sites.tunnel.caller import Address, Caller
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
 from dock_gateway.storage import History
+from dock_hub.directory import Directory, Site, SiteState
+from dock_hub.follower import Follower
+from dock_hub.site_client import READER, SiteClient
+from dock_hub.site_view import SiteView
+from dock_hub.store import HubStore
 
 log = logging.getLogger(__name__)
 

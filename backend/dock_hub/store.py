@@ -17,9 +17,9 @@ from dock_gateway.core.event import Event, nanoseconds, result_event, status_eve
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.goal_documents import Happening
-from dock_gateway.hub.mirror import Mirror, MirrorBatch, RefusedError
+from dock_hub.fields import ForeignDocumentError
+from dock_hub.goal_documents import Happening
+from dock_hub.mirror import Mirror, MirrorBatch, RefusedError
 
 log = logging.getLogger(__name__)
 

@@ -7,8 +7,8 @@ an older site lacks is null; one that only a newer site knows is left out.
 from typing import Any
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.hub import fields
-from dock_gateway.hub.fields import Document
+from dock_hub import fields
+from dock_hub.fields import Document
 
 _SERVER = fields.shape(
     {"action_name": fields.name, **fields.copied("action_type", "available", "answering", "duplicate")}

@@ -28,14 +28,14 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import read_body
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import send_in_time
-from dock_gateway.hub.site_client import DEADLINE, SiteClient
-from dock_gateway.hub.sites import Sites
-from dock_gateway.hub.stop_requests import BODY_WITHIN, STOPS_UNSEEN
 from dock_gateway.settings import Settings
 from dock_gateway.sites.names import site_grant, to_hub
 from dock_gateway.sites.tunnel.failures import SiteTimeout
 from dock_gateway.sites.tunnel.frames import STOP
 from dock_gateway.streams.events import CLOSE_CODES
+from dock_hub.site_client import DEADLINE, SiteClient
+from dock_hub.sites import Sites
+from dock_hub.stop_requests import BODY_WITHIN, STOPS_UNSEEN
 
 router = APIRouter(route_class=ApiRoute, tags=["Sites"])
 

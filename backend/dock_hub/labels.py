@@ -1,7 +1,7 @@
 """The labels of robots at a hub: those that the robots have at their sites."""
 
-from dock_gateway.hub.sites import Sites
 from dock_gateway.robots.labels import NO_LABEL, RobotLabel
+from dock_hub.sites import Sites
 
 
 class SiteLabels:

@@ -20,14 +20,6 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.hub.collector import HubCollector
-from dock_gateway.hub.labels import SiteLabels
-from dock_gateway.hub.mirror import Mirror
-from dock_gateway.hub.overview import Overview
-from dock_gateway.hub.sites import Sites
-from dock_gateway.hub.stop_requests import StopEntry
-from dock_gateway.hub.stops import Stops
-from dock_gateway.hub.store import HubStore
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
@@ -39,6 +31,14 @@ from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
 from dock_gateway.streams.present import Present
 from dock_gateway.webhooks.notifier import Notifier, make_notifier
+from dock_hub.collector import HubCollector
+from dock_hub.labels import SiteLabels
+from dock_hub.mirror import Mirror
+from dock_hub.overview import Overview
+from dock_hub.sites import Sites
+from dock_hub.stop_requests import StopEntry
+from dock_hub.stops import Stops
+from dock_hub.store import HubStore
 
 log = logging.getLogger(__name__)
 

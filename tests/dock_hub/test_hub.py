@@ -24,11 +24,6 @@ from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.hub import directory, forwarding, overview
-from dock_gateway.hub.app import create_hub_app
-from dock_gateway.hub.assembly import open_hub
-from dock_gateway.hub.directory import SiteState
-from dock_gateway.hub.sites import Sites
 from dock_gateway.settings import Settings
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import Signer
@@ -36,6 +31,11 @@ from dock_gateway.sites.messages import Hello, Refusal, Welcome
 from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.tunnel import channel
 from dock_gateway.sites.tunnel.channel import Timing
+from dock_hub import directory, forwarding, overview
+from dock_hub.app import create_hub_app
+from dock_hub.assembly import open_hub
+from dock_hub.directory import SiteState
+from dock_hub.sites import Sites
 from tests.support.edge import serving
 from tests.support.nats import NatsServer, nats_server
 from tests.support.small_site import ALERT, broker_of, say_hello, small_site
@@ -113,7 +113,7 @@ async def test_the_site_learns_who_asks_and_nothing_of_the_login(hub: Hub) -> No
 async def test_every_metric_of_a_hub_is_documented(hub: Hub) -> None:
     _, header = await hub.token("prometheus", Role.VIEWER)
     answer = (await hub.http.get("/metrics", headers=header)).raise_for_status()
-    page = (Path(__file__).parents[3] / "docs" / "metrics.md").read_text().partition("## Of a hub")[2]
+    page = (Path(__file__).parents[2] / "docs" / "metrics.md").read_text().partition("## Of a hub")[2]
     named = set(re.findall(r"^\| `(dock_gateway_\w+)` \| (\w+) \|", page, re.MULTILINE))
     told = set(re.findall(r"^# TYPE (dock_gateway_(?:site|broker)\w+) (\w+)$", answer.text, re.MULTILINE))
     assert len(told) == 5

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 from prometheus_client.core import GaugeMetricFamily
 
-from dock_gateway.hub.sites import Sites
 from dock_gateway.observability.collector import PartsCollector, counters, gauge, gauges
 from dock_gateway.observability.request_metrics import NAMESPACE
 from dock_gateway.sites.broker import Broker
+from dock_hub.sites import Sites
 
 
 class HubCollector(PartsCollector):

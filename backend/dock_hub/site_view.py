@@ -7,7 +7,7 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.hub.fields import ForeignDocumentError
+from dock_hub.fields import ForeignDocumentError
 
 Document = dict[str, Any]
 

@@ -18,10 +18,10 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome
-from dock_gateway.hub.stop_requests import ReachableSites, SiteStopper, StopEntry, outermost
 from dock_gateway.sites.names import to_hub
 from dock_gateway.storage import Entries
+from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome
+from dock_hub.stop_requests import ReachableSites, SiteStopper, StopEntry, outermost
 
 log = logging.getLogger(__name__)
 

@@ -10,7 +10,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
+from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
 
 # All robots of a site.
 WHOLE = "/"

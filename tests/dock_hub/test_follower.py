@@ -13,15 +13,15 @@ import pytest
 from dock_gateway.core.event import Event, moment, result_event, status_event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.hub import follower
-from dock_gateway.hub.follower import Follower
-from dock_gateway.hub.mirror import Mirror
-from dock_gateway.hub.site_view import SiteView
-from dock_gateway.hub.store import HubStore
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
-from tests.dock_gateway.hub.test_renaming import ROBOT, decoded
+from dock_hub import follower
+from dock_hub.follower import Follower
+from dock_hub.mirror import Mirror
+from dock_hub.site_view import SiteView
+from dock_hub.store import HubStore
+from tests.dock_hub.test_renaming import ROBOT, decoded
 from tests.support.history import open_at
 from tests.support.waiting import until
 

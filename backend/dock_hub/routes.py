@@ -19,17 +19,17 @@ from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
 from dock_gateway.http.route import ApiRoute
-from dock_gateway.hub.fields import ForeignDocumentError
-from dock_gateway.hub.overview import Overview
-from dock_gateway.hub.renaming import read_alerts
-from dock_gateway.hub.schema import HubHealth, HubReadiness, SiteAlert, SiteAlertList, SiteInfo, SiteList, SiteRobotList
-from dock_gateway.hub.site_client import DEADLINE
-from dock_gateway.hub.sites import Sites
-from dock_gateway.hub.stops import Stops
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
+from dock_hub.fields import ForeignDocumentError
+from dock_hub.overview import Overview
+from dock_hub.renaming import read_alerts
+from dock_hub.schema import HubHealth, HubReadiness, SiteAlert, SiteAlertList, SiteInfo, SiteList, SiteRobotList
+from dock_hub.site_client import DEADLINE
+from dock_hub.sites import Sites
+from dock_hub.stops import Stops
 
 router = APIRouter(route_class=ApiRoute)
 

@@ -19,10 +19,10 @@ from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind
 from dock_gateway.goals.goals import Goals
-from dock_gateway.hub.directory import SILENT_AFTER, SiteState
-from dock_gateway.hub.sites import Sites
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
+from dock_hub.directory import SILENT_AFTER, SiteState
+from dock_hub.sites import Sites
 
 log = logging.getLogger(__name__)
 

@@ -15,9 +15,9 @@ from dock_gateway.core.errors import ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.hub.stop_outcomes import ReleaseOutcome, StopOutcome
-from dock_gateway.hub.stop_requests import WHOLE, StopEntry, outermost
-from dock_gateway.hub.stops import Stops, StopTimes
+from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome
+from dock_hub.stop_requests import WHOLE, StopEntry, outermost
+from dock_hub.stops import Stops, StopTimes
 from tests.support.entries import EntriesInMemory
 from tests.support.waiting import until
 

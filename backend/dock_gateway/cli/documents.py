@@ -1,0 +1,47 @@
+"""`dock-gateway openapi` and `asyncapi`: the documents of the API."""
+
+from importlib.metadata import entry_points
+from typing import Any
+
+import click
+import orjson
+
+from dock_gateway.settings import Settings
+
+# Applications of other programs, by name: each is a function that makes one of settings.
+OTHERS = entry_points(group="dock_gateway.applications")
+
+
+def _flags(command: Any) -> Any:
+    """Add a flag for each application of another program: `--hub`."""
+    for name in sorted(OTHERS.names):
+        command = click.option(f"--{name}", "other", flag_value=name, help=f"That of a {name}.")(command)
+    return command
+
+
+@click.command()
+@_flags
+def openapi(other: str | None = None) -> None:
+    """Print the OpenAPI document: requests and answers."""
+    _print(_openapi() if other is None else OTHERS[other].load()(Settings()).openapi())
+
+
+@click.command()
+def asyncapi() -> None:
+    """Print the AsyncAPI document: streams, and the commands of /ws."""
+    document = _openapi()
+    from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415 - takes seconds to import
+
+    _print(asyncapi_document(document))
+
+
+def _openapi() -> dict[str, Any]:
+    try:
+        from dock_gateway.app import create_app  # noqa: PLC0415 - takes seconds to import
+    except ModuleNotFoundError as error:
+        raise click.ClickException(f"a gateway's documents describe ROS messages, which need ROS: {error}") from None
+    return create_app(Settings()).openapi()
+
+
+def _print(document: dict[str, Any]) -> None:
+    click.echo(orjson.dumps(document, option=orjson.OPT_INDENT_2).decode())
