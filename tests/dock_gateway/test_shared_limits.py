@@ -29,7 +29,7 @@ from dock_gateway.http.quotas import TURNS, Quotas, limits
 from dock_gateway.rosbridge.protocol import Subscribe
 from dock_gateway.rosbridge.subscriptions import RosbridgeSubscriptions
 from dock_gateway.settings import Settings
-from tests.support.bounds import ROOT, bounds
+from tests.support.bounds import OF_HUB, ROOT, bounds
 from tests.support.permits import acting, permit, user
 
 SHARES = "has a share for each user"
@@ -40,7 +40,7 @@ TURN = "waited for, after the user's own turn (`Quotas.turn`) or place (`Quotas.
 OLDEST_GO = "remembered or kept for the next time; the oldest go, and cost a little more then"
 OF_GRAPH = "of what is on the ROS graph; no user makes more of it"
 OF_GATEWAY = "of the gateway itself, or of one message, request or goal"
-OF_SITES = "of sites at a hub; no user makes more of them"
+OF_SITES = "of what a hub sends; no user makes more of it"
 STORED = "stored: who may add may also remove, and a lower role may not add"
 
 BOUNDS = {
@@ -74,11 +74,6 @@ BOUNDS = {
     "http.quotas:Quotas.spend_goal": OF_USER,
     "http.quotas:Quotas.turn": OF_USER,
     "http.quotas:limits": SHARES,
-    "hub.directory:Directory.judge": OF_SITES,
-    "hub.follower:Follower._note": OF_SITES,
-    "hub.follower:Follower._make_room": OF_SITES,
-    "hub.site_view:SiteView.put_robots": OF_SITES,
-    "hub.sites:Sites._on_hello": OF_SITES,
     "latch.latch_file:LatchWriter.__init__": OF_GATEWAY,
     "maps.feed:MapFeed.offer": OF_GRAPH,
     "recordings.replay:Replay._use": OF_GATEWAY,
@@ -126,7 +121,7 @@ def test_the_list_has_every_bound() -> None:
 
 
 def test_each_share_is_taken_somewhere() -> None:
-    source = "".join(path.read_text() for path in ROOT.rglob("*.py"))
+    source = "".join(path.read_text() for root in (ROOT, OF_HUB) for path in root.rglob("*.py"))
     assert set(re.findall(r'hold\((?:\w+(?:\(\w*\))?, )?"([^"]+)"', source)) == set(LIMITS)
     assert set(re.findall(r'turn\("([^"]+)"', source)) == set(TURNS)
 

@@ -1,4 +1,4 @@
-"""Finds where the gateway's source bounds something: refusals because of a number, places, threads, what is kept."""
+"""Finds where the source bounds something: refusals because of a number, places, threads, what is kept."""
 
 import ast
 import re
@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import dock_gateway
+import dock_hub
 
-ROOT = Path(dock_gateway.__file__).parent
+ROOT, OF_HUB = (Path(each.__file__).parent for each in (dock_gateway, dock_hub))
 # What waits for its turn or refuses: of one process, and so of all its users.
 PLACES = {"Semaphore", "BoundedSemaphore", "ThreadPoolExecutor", "ProcessPoolExecutor", "TooManyRequests"}
 CODE = re.compile(r"too_many_\w*")
@@ -16,11 +17,11 @@ NUMBER = re.compile(r"_?(MAX|MOST|KEEP|KEPT)_?|.*_(most|max_\w+|limits)$|.*(AT_O
 NOT_SHARED = ("cli", "client", "doctor")
 
 
-def bounds() -> set[str]:
+def bounds(root: Path = ROOT) -> set[str]:
     """Return what bounds something, as `module:function`."""
     found = set()
-    for path in sorted(ROOT.rglob("*.py")):
-        name = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    for path in sorted(root.rglob("*.py")):
+        name = ".".join(path.relative_to(root).with_suffix("").parts)
         if not name.startswith(NOT_SHARED):
             found |= {f"{name}:{where}" for where in _in(ast.parse(path.read_text()), "")}
     return found

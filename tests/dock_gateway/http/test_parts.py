@@ -4,20 +4,20 @@ import ast
 from pathlib import Path
 
 import dock_gateway
+import dock_hub
 from dock_gateway.http.parts import Part, Parts, T
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.streams.present import Present
 
 BACKEND = Path(dock_gateway.__file__).parent
-HUB = BACKEND / "hub"
+HUB = Path(dock_hub.__file__).parent
 
 
-def asked_for(*, by_hub: bool) -> set[str]:
+def asked_for(root: Path) -> set[str]:
     """The types in `Part[Labels]`, `parts[Labels]` and `self._parts[Labels]`."""
-    paths = (path for path in sorted(BACKEND.rglob("*.py")) if path.is_relative_to(HUB) == by_hub)
     return {
         node.slice.id
-        for path in paths
+        for path in sorted(root.rglob("*.py"))
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Name) and node.slice.id[0].isupper()
         if ast.unparse(node.value).split(".")[-1].lstrip("_") in {"Part", "parts"}
@@ -36,11 +36,11 @@ def made(assembly: Path) -> set[str]:
 
 
 def test_the_gateway_has_each_part_that_is_asked_for() -> None:
-    wanted = asked_for(by_hub=False)
+    wanted = asked_for(BACKEND)
     assert {"Goals", "Stopper", "RobotRegistry"} <= wanted, f"nothing was found that reads as {Part.__name__}[...]"
     # Added last: one measures the others, one reads them, two are options.
     assert wanted - made(BACKEND / "assembly.py") == {Metrics.__name__, Present.__name__, "AgentServer", "HubLink"}
 
 
 def test_the_hub_has_each_part_that_its_own_modules_ask_for() -> None:
-    assert asked_for(by_hub=True) <= made(HUB / "assembly.py")
+    assert asked_for(HUB) <= made(HUB / "assembly.py")
