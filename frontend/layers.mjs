@@ -14,8 +14,8 @@ const LAYERS = [
   // What features share: all robots, who uses the page, one goal in words.
   ...["fleet", "access", "goal", "stop", "alerts", "approvals"],
   // Features.
-  ...["battery", "docking", "scene", "simulator", "automation", "actions", "goals", "operations"],
-  ...["statistics", "audit", "notifications", "graph", "sites"],
+  ...["battery", "docking", "scene", "simulator", "actions", "goals", "operations"],
+  ...["notifications", "graph", "sites"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],
 ];

@@ -1,2 +1,6 @@
 // Each extension is one line here and a folder of its name.
+export { extension as audit_log } from "./extensions/audit_log/extension";
+export { extension as automation } from "./extensions/automation/extension";
 export { extension as cameras } from "./extensions/cameras/extension";
+export { extension as statistics } from "./extensions/statistics/extension";
+export { extension as webhooks } from "./extensions/webhooks/extension";

@@ -9,6 +9,11 @@ beforeEach(() => {
   vi.stubGlobal("fetch", () => new Promise(() => {}));
 });
 
+const PAGES = [
+  { letter: "o", to: "/" },
+  { letter: "g", to: "/ui/goals" },
+];
+
 describe("letters", () => {
   function press(letters: Letters, key: string, at: number, change: KeyboardEventInit = {}) {
     const event = new KeyboardEvent("keydown", { key, ...change });
@@ -18,7 +23,7 @@ describe("letters", () => {
   }
 
   it("go to a page where they follow a g, soon", () => {
-    const letters = new Letters();
+    const letters = new Letters(PAGES);
     expect(press(letters, "g", 0)).toBeNull();
     expect(press(letters, "o", SECOND_WITHIN_MS)).toEqual({ kind: "page", to: "/" });
     expect(press(letters, "o", SECOND_WITHIN_MS + 1)).toBeNull();
@@ -32,7 +37,7 @@ describe("letters", () => {
   });
 
   it("mean something else with a key that is held besides", () => {
-    const letters = new Letters();
+    const letters = new Letters(PAGES);
     press(letters, "g", 0);
     expect(press(letters, "r", 10, { ctrlKey: true })).toBeNull();
     expect(press(letters, "r", 20)).toBeNull();

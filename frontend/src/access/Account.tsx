@@ -7,6 +7,8 @@ import { logOut, logOutEverywhere } from "../api/access";
 import { toClientError } from "../api/errors";
 import { hasSession, useSession } from "../api/session";
 import { pageSite } from "../api/site";
+import { useExtensions } from "../extension/context";
+import { pagesOf } from "../extension/extension";
 import { useFleet } from "../fleet/context";
 import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
@@ -40,6 +42,7 @@ interface AccountEntry {
 /** What whoever is logged in can do about it, in the order of the menu. */
 export function useAccountEntries(onPassword: () => void): AccountEntry[] {
   const { open_to, principal } = useSession();
+  const pages = pagesOf(useExtensions());
   const logOut = useLogOut();
   const entries: AccountEntry[] = [];
   if (principal?.role === "admin") {
@@ -48,7 +51,8 @@ export function useAccountEntries(onPassword: () => void): AccountEntry[] {
       entries.push({ name: open_to === null ? "Users" : "What this means", to: "/ui/users" });
       entries.push({ name: "Tokens", to: "/ui/tokens" });
     }
-    entries.push({ name: "Audit", to: "/ui/audit" });
+    for (const { adminMenu, path } of pages)
+      if (adminMenu !== undefined) entries.push({ name: adminMenu, to: path });
   }
   if (principal?.kind === "user") entries.push({ name: "Change password …", onClick: onPassword });
   if (open_to === null) entries.push({ name: "Log out", onClick: () => logOut() });

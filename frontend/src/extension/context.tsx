@@ -19,12 +19,18 @@ export function useExtensions(): readonly Extension[] {
   return useContext(ExtensionsContext);
 }
 
-type PartsProps<Place extends keyof Places> = Places[Place] & { at: Place };
+type PartsProps<Place extends keyof Places> = Places[Place] & {
+  at: Place;
+  /** Shown where no extension adds something. */
+  otherwise?: ReactNode;
+};
 
 /** What extensions add at a place, each guarded: one that fails takes no other with it. */
-export function Parts<Place extends keyof Places>({ at, ...given }: PartsProps<Place>) {
+export function Parts<Place extends keyof Places>({ at, otherwise = null, ...given }: PartsProps<Place>) {
   const { pathname } = useLocation();
-  return partsAt(useExtensions(), at).map(([name, Part]) => {
+  const parts = partsAt(useExtensions(), at);
+  if (parts.length === 0) return otherwise;
+  return parts.map(([name, Part]) => {
     const Any = Part as ComponentType<object>;
     return (
       <Guarded key={name} of={pathname}>

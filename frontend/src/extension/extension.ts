@@ -1,3 +1,4 @@
+import type { AnyGoal } from "@dock-gateway/client";
 import type { ComponentType } from "react";
 
 /**
@@ -14,19 +15,25 @@ export interface Extension {
 
 /** A page below the header. */
 export interface Page {
-  /** Where it is: `/ui/statistics`. */
+  /** Where it is: `/ui/statistics`; with `/*` at the end also what is below. */
   path: string;
   Page: ComponentType;
   /** Its entry among the links to all pages. */
   menu?: MenuEntry;
+  /** The name of its entry in the menu of the account, which admins have. */
+  adminMenu?: string;
+  /** Where it is: only on pages about one gateway's robots, only on those about several sites; everywhere without it. */
+  at?: "gateway" | "sites";
 }
 
-export interface MenuEntry {
+interface MenuEntry {
   name: string;
   /** Goes to the page after a g. */
   letter: string;
   /** Entries are sorted by it. */
   order: number;
+  /** Reached by a button of the header where there is room for the links to the others. */
+  button?: true;
 }
 
 /** The pages of extensions. */
@@ -49,6 +56,14 @@ export function partsAt<Place extends keyof Places>(
 export interface Places {
   /** Below what has to be done about a robot: the column beside its map. */
   robotColumn: OfRobot;
+  /** Beside a robot's name. */
+  robotHead: OfRobot;
+  /** Below the plots of a robot's battery. */
+  robotPanels: OfRobot;
+  /** What sent a goal that no person has sent. */
+  automaticGoal: { goal: AnyGoal };
+  /** On the page about who is told of alerts. */
+  notifications: object;
 }
 
 interface OfRobot {

@@ -5,7 +5,7 @@ import { Link } from "react-router";
 import { useActionsApi, useSchemas } from "../actions/actions";
 import { goalExportUrl } from "../api/goals";
 import { whyForbidden } from "../api/session";
-import { SentByRule } from "../automation/rules";
+import { Parts } from "../extension/context";
 import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { goalPath, isBelow } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
@@ -71,7 +71,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         {goal.retries !== null && <Fact name="Retries">{goal.retries}</Fact>}
         <Fact name="Origin">
           {goal.origin === "automation" ? (
-            <SentByRule goalId={goal.goal_id} />
+            <Parts at="automaticGoal" goal={goal} otherwise={<OriginBadge origin={goal.origin} />} />
           ) : (
             <OriginBadge origin={goal.origin} />
           )}

@@ -3,7 +3,7 @@ import { useId, useState } from "react";
 import { NavLink } from "react-router";
 import { AccountLines } from "../access/Account";
 import { AlertCount } from "../alerts/marks";
-import { pagesHere } from "../pages/pages";
+import { useMenu } from "../pages/pages";
 import { Tool } from "../ui/Tool";
 import classes from "./layout.module.css";
 
@@ -12,12 +12,13 @@ const PHONE = "(max-width: 30em)";
 
 /** The way to the pages: links in a row, on a phone in a list that a button opens. */
 export function Navigation() {
+  const menu = useMenu();
   const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
   return phone ? (
     <Menu />
   ) : (
     <nav aria-label="Pages" className={classes.navigation}>
-      <Pages className={classes.row} pages={pagesHere().filter(({ button }) => !button)} />
+      <Pages className={classes.row} pages={menu.filter(({ button }) => !button)} />
     </nav>
   );
 }
@@ -47,7 +48,7 @@ function Menu() {
         <AlertCount />
       </span>
       <div id={listId} hidden={!opened} className={classes.list}>
-        <Pages className={classes.links} pages={pagesHere()} counted={false} onChoose={close} />
+        <Pages className={classes.links} pages={useMenu()} counted={false} onChoose={close} />
         <AccountLines className={classes.page ?? ""} onChoose={close} />
       </div>
     </nav>
@@ -56,7 +57,7 @@ function Menu() {
 
 interface PagesProps {
   className: string | undefined;
-  pages: ReturnType<typeof pagesHere>;
+  pages: ReturnType<typeof useMenu>;
   /** Whether the overview's link says how many alerts there are. */
   counted?: boolean;
   onChoose?: () => void;

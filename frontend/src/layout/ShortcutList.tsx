@@ -1,7 +1,7 @@
 import { Anchor, Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
 import { Fragment, useState } from "react";
 import { loginName, MAX_NAME, ownName, setOwnName } from "../access/who";
-import { pagesHere } from "../pages/pages";
+import { useMenu } from "../pages/pages";
 import { TWICE_WITHIN_MS } from "../stop/keys";
 import { ZoneSwitch } from "../ui/Time";
 import classes from "./layout.module.css";
@@ -22,10 +22,10 @@ const EVERYWHERE: readonly Shortcut[] = [
   { keys: ["Tab", "Enter"], what: "To the next control; press it" },
 ];
 
-const letters = (): readonly Shortcut[] => [
+const letters = (menu: ReturnType<typeof useMenu>): readonly Shortcut[] => [
   { keys: ["?"], what: "This list" },
   { keys: ["/"], what: "Search on the page" },
-  ...pagesHere().map(({ letter, name }) => ({ keys: ["g", letter], what: `Go to ${name}` })),
+  ...menu.map(({ letter, name }) => ({ keys: ["g", letter], what: `Go to ${name}` })),
 ];
 
 const PICTURE: readonly Shortcut[] = [
@@ -54,7 +54,7 @@ export default function ShortcutList() {
   return (
     <Stack gap="md">
       <Shortcuts title="Everywhere" shortcuts={EVERYWHERE} />
-      <Shortcuts title="One letter after the other" shortcuts={letters()} />
+      <Shortcuts title="One letter after the other" shortcuts={letters(useMenu())} />
       <LettersSwitch />
       <Shortcuts title="In the picture of a robot" shortcuts={PICTURE} />
       <Shortcuts title="In the plots of a battery" shortcuts={PLOTS} />

@@ -1,6 +1,6 @@
 import { Suspense, useEffect, useState } from "react";
 import { useLocation, useNavigate } from "react-router";
-import { pagesHere } from "../pages/pages";
+import { useMenu } from "../pages/pages";
 import { isTextField } from "../stop/keys";
 import { Dialog } from "../ui/Dialog";
 import { Guarded } from "../ui/Guarded";
@@ -41,8 +41,9 @@ export function ShortcutsButton() {
 /** Does what letters ask for, but in dialogs. */
 function useLetters(openList: () => void): void {
   const navigate = useNavigate();
+  const menu = useMenu();
   useEffect(() => {
-    const letters = new Letters();
+    const letters = new Letters(menu);
     const hear = (event: KeyboardEvent) => {
       if (!lettersOn() || document.querySelector("[aria-modal=true]") !== null) return;
       const asked = letters.press(event);
@@ -67,6 +68,8 @@ type Asked = { kind: "list" } | { kind: "search" } | { kind: "page"; to: string 
 export class Letters {
   #g = Number.NEGATIVE_INFINITY;
 
+  constructor(private readonly pages: readonly { letter: string; to: string }[]) {}
+
   /** What this key press asks for; null where it is for somebody else. */
   press(event: KeyboardEvent): Asked | null {
     const since = event.timeStamp - this.#g;
@@ -76,7 +79,7 @@ export class Letters {
     if (event.key === "?") return { kind: "list" };
     if (event.key === "/") return { kind: "search" };
     if (since <= SECOND_WITHIN_MS) {
-      const page = pagesHere().find(({ letter }) => letter === event.key);
+      const page = this.pages.find(({ letter }) => letter === event.key);
       if (page !== undefined) return { kind: "page", to: page.to };
     }
     if (event.key === "g") this.#g = event.timeStamp;

@@ -1,15 +1,8 @@
-import { Button, Code, Group, SegmentedControl, Skeleton, Stack, Switch, Text } from "@mantine/core";
+import { Button, Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useState } from "react";
-import { useForbidden } from "../api/session";
-import type { StoredWebhook, Webhook } from "../api/webhooks";
-import { useWhyNot } from "../fleet/context";
+import { Parts } from "../extension/context";
 import { RobotFields } from "../fleet/RobotFields";
 import { choiceError } from "../fleet/robotChoice";
-import { CopyButton } from "../ui/CopyButton";
-import { Dialog } from "../ui/Dialog";
-import { Empty } from "../ui/Empty";
-import { Trouble } from "../ui/errors";
-import { ReasonButton } from "../ui/ReasonButton";
 import { PageTitle, Section } from "../ui/Section";
 import {
   allowNotifications,
@@ -19,9 +12,7 @@ import {
   usePreferences,
   whyNoNotifications,
 } from "./announce";
-import { SEVERITY_OPTIONS, useWebhooks } from "./useWebhooks";
-import { WebhookCard } from "./WebhookCard";
-import { type Draft, EXAMPLE, WebhookForm } from "./WebhookForm";
+import { SEVERITY_OPTIONS } from "./severities";
 
 /** Who receives alerts, and how. */
 export default function NotificationsPage() {
@@ -29,7 +20,7 @@ export default function NotificationsPage() {
     <Stack gap="md">
       <PageTitle title="Notifications" />
       <ThisBrowser />
-      <Webhooks />
+      <Parts at="notifications" />
     </Stack>
   );
 }
@@ -100,97 +91,5 @@ function ThisBrowser() {
         )}
       </Stack>
     </Section>
-  );
-}
-
-/** The webhook in the dialog; null for a new one, which may start from an example. */
-type Edited = { webhook: Webhook | null; example?: Partial<Draft> };
-
-/** The addresses that receive alerts. */
-function Webhooks() {
-  const forbidden = useForbidden("GET /webhooks");
-  const { data: webhooks, error, refetch } = useWebhooks();
-  const reason = useWhyNot("GET /webhooks", webhooks !== undefined);
-  const [edited, setEdited] = useState<Edited | null>(null);
-  const [secret, setSecret] = useState<string | null>(null);
-  const done = (stored: StoredWebhook | null) => {
-    setEdited(null);
-    if (stored !== null) setSecret(stored.secret);
-  };
-  return (
-    <Section
-      title="Webhooks"
-      aside={
-        <ReasonButton size="compact-md" reason={reason} onClick={() => setEdited({ webhook: null })}>
-          New webhook
-        </ReasonButton>
-      }
-    >
-      <Trouble what="The webhooks could not be loaded" error={error} onRetry={() => void refetch()} />
-      {forbidden !== null && webhooks === undefined ? (
-        <Text size="sm" c="dimmed" maw="44rem">
-          The addresses of webhooks are often secret. {forbidden}
-        </Text>
-      ) : webhooks === undefined ? (
-        error === null && <Skeleton height={90} role="status" aria-label="The webhooks are loading" />
-      ) : webhooks.length === 0 ? (
-        <Empty
-          inside
-          title="No webhooks"
-          examples={
-            <ReasonButton
-              variant="default"
-              reason={reason}
-              onClick={() => setEdited({ webhook: null, example: EXAMPLE })}
-            >
-              Example: all alerts to a receiver on the gateway's machine
-            </ReasonButton>
-          }
-        >
-          A webhook tells another system of every alert that begins or ends: a chat, a pager, or a script of
-          yours.
-        </Empty>
-      ) : (
-        <Stack component="ul" gap="sm" m={0} p={0} aria-label="Webhooks">
-          {webhooks.map((webhook) => (
-            <WebhookCard key={webhook.id} webhook={webhook} onEdit={() => setEdited({ webhook })} />
-          ))}
-        </Stack>
-      )}
-      <Dialog
-        opened={edited !== null}
-        onClose={() => done(null)}
-        title={edited?.webhook ? `Edit ${edited.webhook.name}` : "New webhook"}
-      >
-        {edited !== null && (
-          <WebhookForm
-            webhook={edited.webhook}
-            example={edited.example}
-            webhooks={webhooks ?? []}
-            onDone={done}
-          />
-        )}
-      </Dialog>
-      <Dialog opened={secret !== null} onClose={() => setSecret(null)} title="The webhook's secret">
-        {secret !== null && <Secret secret={secret} />}
-      </Dialog>
-    </Section>
-  );
-}
-
-function Secret({ secret }: { secret: string }) {
-  return (
-    <Stack gap="md">
-      <Text size="sm">
-        With it the receiver checks that a request comes from this gateway. Copy it now: it is not shown
-        again.
-      </Text>
-      <Group gap="sm" wrap="nowrap" align="start">
-        <Code block style={{ overflowWrap: "anywhere", whiteSpace: "pre-wrap" }}>
-          {secret}
-        </Code>
-        <CopyButton value={secret} what="the secret" />
-      </Group>
-    </Stack>
   );
 }

@@ -10,7 +10,7 @@ import { createGoalsApi } from "../api/goals";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isThere } from "../fleet/words";
 import { useOperate } from "../operations/context";
-import { pagesHere } from "../pages/pages";
+import { useMenu } from "../pages/pages";
 import { useStopping } from "../stop/everywhere";
 import { find, goalIdOf, type Item } from "./items";
 import classes from "./search.module.css";
@@ -101,6 +101,7 @@ function useFound(query: string) {
   const live = useFleetLive();
   const actions = useActions().data;
   const goals = useGoals(query);
+  const pages = useMenu();
   return useMemo(
     () =>
       find(query, {
@@ -108,10 +109,10 @@ function useFound(query: string) {
         groups: naming.groups(),
         actions: actions ?? [],
         goals,
-        pages: pagesHere(),
+        pages,
         live,
       }),
-    [query, robots, naming, actions, goals, live],
+    [query, robots, naming, actions, goals, pages, live],
   );
 }
 

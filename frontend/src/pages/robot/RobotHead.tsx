@@ -2,7 +2,7 @@ import { ActionIcon, Anchor, Badge, Skeleton, Text, Title, Tooltip } from "@mant
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense, useMemo } from "react";
 import { Link } from "react-router";
-import { RobotRules } from "../../automation/rules";
+import { Parts } from "../../extension/context";
 import { LinkState } from "../../fleet/badges";
 import { useFleetLive, useFleetPart, useNaming, useWhyNot } from "../../fleet/context";
 import { byName, defaultRobot } from "../../fleet/names";
@@ -58,7 +58,7 @@ function Facts({ name }: { name: string }) {
           simulated
         </Badge>
       )}
-      <RobotRules robot={name} />
+      <Parts at="robotHead" robot={name} />
       {live && link !== null && link !== "connected" && <LinkState link={link} live />}
     </>
   );

@@ -9,7 +9,6 @@ import { useFleet, useFleetPart } from "../../fleet/context";
 import { DEVELOPER, defaultRobot, OPERATE } from "../../fleet/names";
 import { GoalsCard } from "../../goals/GoalsTable";
 import { SceneCard } from "../../scene/SceneCard";
-import { DockingTimeCard } from "../../statistics/DockingTrend";
 import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
@@ -44,7 +43,7 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
           </div>
           <BatteryCard />
           <BatteryPlotsCard />
-          <DockingTimeCard robot={name} />
+          <Parts at="robotPanels" robot={name} />
           <GoalsCard />
         </Stack>
       </Tabs.Panel>

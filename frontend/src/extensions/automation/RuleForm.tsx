@@ -1,0 +1,202 @@
+import {
+  Alert,
+  Checkbox,
+  Group,
+  NumberInput,
+  SegmentedControl,
+  Select,
+  SimpleGrid,
+  Stack,
+  TagsInput,
+  Text,
+  TextInput,
+} from "@mantine/core";
+import { type FormEvent, useMemo, useState } from "react";
+import { NameInput, ownName, setOwnName } from "../../access/who";
+import { useFleetTopic, useNaming } from "../../fleet/context";
+import { RobotFields } from "../../fleet/RobotFields";
+import { isCovered } from "../../fleet/robotChoice";
+import { SaveBar } from "../../ui/Dialog";
+import { newId } from "../../ui/text";
+import {
+  bodyOf,
+  type Draft,
+  type DraftErrors,
+  draftOf,
+  errorsOf,
+  MAX_IDLE_S,
+  MAX_NAME,
+  MAX_TIMES,
+  MIN_IDLE_S,
+} from "./draft";
+import type { Rule } from "./requests";
+import { useRuleCommands } from "./rules";
+import { dayWords, WEEKDAYS } from "./words";
+
+interface RuleFormProps {
+  /** Null for a new one. */
+  rule: Rule | null;
+  /** What a new one starts from. */
+  example?: Partial<Draft> | undefined;
+  /** All of them. */
+  rules: readonly Rule[];
+  onDone: () => void;
+}
+
+/** Adds a rule, which is off, or changes one, which keeps its mode. */
+export function RuleForm({ rule, example, rules, onDone }: RuleFormProps) {
+  const [draft, setDraft] = useState(() => ({ ...draftOf(rule), ...example }));
+  const [by, setBy] = useState(ownName);
+  const [tried, setTried] = useState(false);
+  const { save } = useRuleCommands();
+  // The current mode: the rule may have been switched since the form was opened. A removed rule is saved as off.
+  const mode = rules.find(({ id }) => id === rule?.id)?.mode ?? "off";
+  const errors = errorsOf(draft);
+  const shown = tried ? errors : {};
+  const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setTried(true);
+    if (Object.keys(errors).length > 0) return;
+    setOwnName(by.trim());
+    const id =
+      rule?.id ??
+      newId(
+        draft.name,
+        rules.map((each) => each.id),
+        "rule",
+      );
+    const body = bodyOf(draft, mode, by.trim() || null);
+    save.mutate({ id, body }, { onSuccess: onDone });
+  };
+  return (
+    <form onSubmit={submit} noValidate>
+      <Stack gap="md">
+        <TextInput
+          label="Name"
+          placeholder="Low battery"
+          maxLength={MAX_NAME}
+          value={draft.name}
+          error={shown.name}
+          onChange={(event) => change({ name: event.currentTarget.value })}
+          data-autofocus
+        />
+        <SegmentedControl
+          aria-label="Condition"
+          data={[
+            { value: "battery", label: "Low battery" },
+            { value: "schedule", label: "Times of day" },
+          ]}
+          value={draft.condition}
+          onChange={(value) => change({ condition: value as Draft["condition"] })}
+        />
+        {draft.condition === "battery" ? (
+          <BatteryFields draft={draft} errors={shown} onChange={change} />
+        ) : (
+          <ScheduleFields draft={draft} errors={shown} onChange={change} />
+        )}
+        <RobotFields chosen={draft} error={shown.names} onChange={change} />
+        <Covered draft={draft} />
+        {mode === "on" && (
+          <Alert color="orange" title="This rule is on">
+            What you save applies at once.
+          </Alert>
+        )}
+        <NameInput value={by} description="Shown with the rule." onChange={setBy} />
+        <SaveBar save={save} onCancel={onDone} />
+      </Stack>
+    </form>
+  );
+}
+
+/** The robots that the rule would apply to now. */
+function Covered({ draft }: { draft: Draft }) {
+  const naming = useNaming();
+  const robots = [...useFleetTopic("robots").values()].filter(({ name, groups }) =>
+    isCovered(draft, name, groups),
+  );
+  const names = robots.map(({ name }) => naming.nameOf(name)).join(", ");
+  return (
+    <Text size="sm" c="dimmed" aria-live="polite">
+      {robots.length === 0 ? "Applies to no robot now" : `Applies now to ${names}`}
+    </Text>
+  );
+}
+
+interface FieldsProps {
+  draft: Draft;
+  errors: DraftErrors;
+  onChange: (part: Partial<Draft>) => void;
+}
+
+/** How low the battery has to be, and for how long the robot idle. */
+function BatteryFields({ draft, errors, onChange }: FieldsProps) {
+  return (
+    <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="sm">
+      <NumberInput
+        label="Battery below"
+        suffix=" %"
+        min={0.1}
+        max={100}
+        step={5}
+        decimalScale={1}
+        value={draft.below}
+        error={errors.below}
+        onChange={(below) => onChange({ below })}
+      />
+      <NumberInput
+        label="And idle for"
+        suffix=" s"
+        min={MIN_IDLE_S}
+        max={MAX_IDLE_S}
+        step={10}
+        allowDecimal={false}
+        value={draft.idleSeconds}
+        error={errors.idleSeconds}
+        onChange={(idleSeconds) => onChange({ idleSeconds })}
+      />
+    </SimpleGrid>
+  );
+}
+
+/** At which times, on which days, and in which time zone. */
+function ScheduleFields({ draft, errors, onChange }: FieldsProps) {
+  const zones = useMemo(
+    () => [...new Set([draft.timeZone, "UTC", ...Intl.supportedValuesOf("timeZone")])].sort(),
+    [draft.timeZone],
+  );
+  return (
+    <Stack gap="sm">
+      <TagsInput
+        label="Times"
+        description="HH:MM; Enter adds one."
+        maxTags={MAX_TIMES}
+        value={draft.times}
+        error={errors.times}
+        onChange={(times) => onChange({ times })}
+        acceptValueOnBlur
+      />
+      <Checkbox.Group
+        label="Days"
+        value={draft.weekdays}
+        error={errors.weekdays}
+        onChange={(weekdays) => onChange({ weekdays })}
+      >
+        <Group gap="sm" mt={4}>
+          {WEEKDAYS.map((day) => (
+            <Checkbox key={day} value={day} label={dayWords(day)} />
+          ))}
+        </Group>
+      </Checkbox.Group>
+      <Select
+        label="Time zone"
+        searchable
+        allowDeselect={false}
+        limit={100}
+        data={zones}
+        value={draft.timeZone}
+        onChange={(zone) => zone !== null && onChange({ timeZone: zone })}
+      />
+    </Stack>
+  );
+}

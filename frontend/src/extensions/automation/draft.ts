@@ -1,0 +1,89 @@
+import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
+import { zoneName } from "../../ui/zone";
+import type { Rule, RuleBody, RuleMode } from "./requests";
+import { WEEKDAYS } from "./words";
+
+/** As the gateway allows. */
+export const MAX_NAME = 60;
+export const MIN_IDLE_S = 10;
+export const MAX_IDLE_S = 86_400;
+export const MAX_TIMES = 24;
+const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
+
+/** A rule as it is typed. */
+export interface Draft extends RobotChoice {
+  name: string;
+  condition: "battery" | "schedule";
+  /** In percent. */
+  below: number | string;
+  idleSeconds: number | string;
+  times: string[];
+  weekdays: string[];
+  timeZone: string;
+}
+
+export function draftOf(rule: Rule | null): Draft {
+  return {
+    name: rule?.name ?? "",
+    ...(rule?.robots ?? ALL_ROBOTS),
+    condition: rule?.schedule ? "schedule" : "battery",
+    below: Math.round((rule?.battery?.below ?? 0.2) * 1000) / 10,
+    idleSeconds: rule?.battery?.idle_s ?? 60,
+    times: rule?.schedule?.times ?? ["22:00"],
+    weekdays: rule?.schedule?.weekdays ?? [...WEEKDAYS],
+    timeZone: rule?.schedule?.time_zone ?? zoneName(),
+  };
+}
+
+/** Rules to start from. */
+export const EXAMPLES: readonly { label: string; draft: Partial<Draft> }[] = [
+  { label: "Dock below 20 %", draft: { name: "Low battery", condition: "battery", below: 20 } },
+  { label: "Dock every night at 22:00", draft: { name: "Night", condition: "schedule", times: ["22:00"] } },
+];
+
+export type DraftErrors = Partial<Record<keyof Draft, string>>;
+
+/** What is wrong with each field. */
+export function errorsOf(draft: Draft): DraftErrors {
+  const errors: DraftErrors = {};
+  if (draft.name.trim() === "") errors.name = "Type a name.";
+  const wrong = choiceError(draft);
+  if (wrong !== undefined) errors.names = wrong;
+  if (draft.condition === "battery") {
+    if (!isWithin(draft.below, 0.1, 100)) errors.below = "From 0.1 to 100 %";
+    if (!isWithin(draft.idleSeconds, MIN_IDLE_S, MAX_IDLE_S)) errors.idleSeconds = "From 10 s to one day";
+    return errors;
+  }
+  if (draft.times.length === 0) errors.times = "Add a time, such as 22:00.";
+  else if (!draft.times.every((time) => TIME.test(time))) errors.times = "Times are from 00:00 to 23:59.";
+  if (draft.weekdays.length === 0) errors.weekdays = "Choose a day.";
+  return errors;
+}
+
+function isWithin(value: number | string, lowest: number, highest: number): boolean {
+  return typeof value === "number" && value >= lowest && value <= highest;
+}
+
+/** The request that stores a rule. */
+export function bodyOf(draft: Draft, mode: RuleMode, by: string | null): RuleBody {
+  const robots = choiceBody(draft);
+  const schedule = { times: draft.times.map(padded), weekdays: draft.weekdays, time_zone: draft.timeZone };
+  const condition =
+    draft.condition === "battery"
+      ? { battery: { below: Math.round(Number(draft.below) * 10) / 1000, idle_s: Number(draft.idleSeconds) } }
+      : { schedule: schedule as NonNullable<RuleBody["schedule"]> };
+  return { name: draft.name.trim(), mode, robots, ...condition, by };
+}
+
+function padded(time: string): string {
+  return time.padStart(5, "0");
+}
+
+/** The request that stores a rule as it is, with another mode. */
+export function withMode(
+  { name, robots, battery, schedule }: Rule,
+  mode: RuleMode,
+  by: string | null,
+): RuleBody {
+  return { name, mode, robots, battery, schedule, by };
+}

@@ -1,0 +1,111 @@
+import type { AnyGoal } from "@dock-gateway/client";
+import { Anchor } from "@mantine/core";
+import { useQueryClient } from "@tanstack/react-query";
+import { useEffect } from "react";
+import { Link } from "react-router";
+import { useFleet, useFleetLive, useFleetTopic } from "../../fleet/context";
+import { OriginBadge } from "../../goal/facts";
+import { useAnswer, useCommand } from "../../ui/requests";
+import {
+  type Decision,
+  deleteRule,
+  listDecisions,
+  listRules,
+  putRule,
+  type Rule,
+  type RuleBody,
+} from "./requests";
+
+const KEY = ["automation"] as const;
+const RULES = [...KEY, "rules"] as const;
+/** How often it is asked what rules wait for, and what others have changed (ms). */
+const REFETCH_MS = 5000;
+
+/** The rules, as they are now. @param refetchMs How often they are asked for. */
+export function useRules(refetchMs = REFETCH_MS) {
+  const { http } = useFleet();
+  const live = useFleetLive();
+  return useAnswer({
+    queryKey: RULES,
+    queryFn: () => listRules(http),
+    enabled: live,
+    refetchInterval: refetchMs,
+  });
+}
+
+/** The latest decisions of all rules. */
+export function useDecisions() {
+  const { http } = useFleet();
+  return useAnswer({
+    queryKey: [...KEY, "decisions"],
+    queryFn: () => listDecisions(http),
+  });
+}
+
+/** The decision that sent a goal; null while it is not known. */
+function useDecisionOf(goalId: string): Decision | null {
+  const { http } = useFleet();
+  const { data } = useAnswer({
+    queryKey: [...KEY, "goal", goalId],
+    queryFn: async () => (await listDecisions(http, goalId))[0] ?? null,
+  });
+  return data ?? null;
+}
+
+/** Asks again for rules and decisions whenever the gateway tells of a decision, or is back. */
+export function useFreshAutomation(): void {
+  const client = useQueryClient();
+  const live = useFleetLive();
+  const decision = useFleetTopic("decision");
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a new decision is why it is asked again
+  useEffect(() => {
+    if (live) void client.invalidateQueries({ queryKey: KEY });
+  }, [client, live, decision]);
+}
+
+/** What changes rules. */
+export function useRuleCommands() {
+  const { http } = useFleet();
+  const client = useQueryClient();
+  const change = async (edit: (rules: Rule[]) => Rule[]) => {
+    await client.cancelQueries({ queryKey: RULES }); // what it reads is outdated
+    client.setQueryData<Rule[]>(RULES, (rules) => edit(rules ?? []));
+    void client.invalidateQueries({ queryKey: KEY });
+  };
+  const save = useCommand(async ({ id, body }: { id: string; body: RuleBody }) => {
+    const saved = await putRule(http, id, body);
+    await change((rules) =>
+      [...rules.filter((rule) => rule.id !== id), saved].sort((a, b) => a.name.localeCompare(b.name)),
+    );
+  });
+  const remove = useCommand(async (id: string) => {
+    await deleteRule(http, id);
+    await change((rules) => rules.filter((rule) => rule.id !== id));
+  });
+  return { save, remove };
+}
+
+/** The rules that dock a robot by themselves; nothing where there are none. */
+export function RobotRules({ robot }: { robot: string }) {
+  const { data: rules = [] } = useRules(30_000);
+  const on = rules.filter(
+    ({ mode, applies_to }) => mode === "on" && applies_to.some((each) => each.robot === robot),
+  );
+  if (on.length === 0) return null;
+  return (
+    <Anchor component={Link} to="/ui/automation" size="sm">
+      Automatic docking on ({on.map(({ name }) => name).join(", ")})
+    </Anchor>
+  );
+}
+
+/** The rule that sent a goal, once it is known. */
+export function SentByRule({ goal }: { goal: AnyGoal }) {
+  const decision = useDecisionOf(goal.goal_id);
+  if (decision === null) return <OriginBadge origin="automation" />;
+  return (
+    <Anchor component={Link} to="/ui/automation">
+      Automatic docking: {decision.rule_name}
+    </Anchor>
+  );
+}

@@ -1,0 +1,93 @@
+import { codeWords } from "../../goal/words";
+import { formatDuration, formatter } from "../../ui/time";
+import type { Decision, Rule, RuleMode, Wait } from "./requests";
+
+const clock = formatter({ hour: "2-digit", minute: "2-digit" });
+
+export const MODES: Record<RuleMode, string> = { off: "Off", dry_run: "Dry run", on: "On" };
+
+export const WAITS: Record<Wait, string> = {
+  off: "The rule is off",
+  battery_ok: "Battery not low",
+  battery_unknown: "No current battery state",
+  not_due: "Not due now",
+  docked: "Docked",
+  server_unavailable: "Docking server not available",
+  shared_action: "Its docking action is shared with other robots",
+  goal_running: "A goal is running",
+  goal_lost: "Contact was lost during a goal",
+  quiet_period: "Someone has just stopped it, released it or canceled a goal",
+  not_idle: "Not idle long enough",
+  retry_later: "Waits 5 minutes after the last attempt",
+  reported: "Dry run recorded",
+  stop_latched: "Stopped",
+  gave_up: "Gave up after three attempts",
+  deciding: "Deciding",
+  history_unavailable: "The history does not answer",
+};
+
+export const OUTCOMES: Record<Decision["outcome"], { words: string; color: string }> = {
+  sent: { words: "Sent to dock", color: "green" },
+  sending: { words: "Sending", color: "blue" },
+  dry_run: { words: "Would dock", color: "blue" },
+  held: { words: "Held by a stop", color: "orange" },
+  refused: { words: "Refused", color: "red" },
+  skipped: { words: "Skipped", color: "gray" },
+  gave_up: { words: "Gave up", color: "red" },
+};
+
+const DAYS: Record<string, string> = {
+  mon: "Mon",
+  tue: "Tue",
+  wed: "Wed",
+  thu: "Thu",
+  fri: "Fri",
+  sat: "Sat",
+  sun: "Sun",
+};
+export const WEEKDAYS = Object.keys(DAYS);
+
+export function dayWords(day: string): string {
+  return DAYS[day] ?? day;
+}
+
+function percentWords(charge: number): string {
+  return `${Math.round(charge * 100)} %`;
+}
+
+/** `Battery below 20 % and idle for 1 min`, `At 22:00, Mon–Fri (Europe/Berlin)` */
+export function conditionWords({ battery, schedule }: Pick<Rule, "battery" | "schedule">): string {
+  if (battery !== null)
+    return `Battery below ${percentWords(battery.below)} and idle for ${formatDuration(battery.idle_s * 1000)}`;
+  if (schedule === null) return "";
+  return `At ${schedule.times.join(", ")}, ${daysWords(schedule.weekdays)} (${schedule.time_zone})`;
+}
+
+function daysWords(days: readonly string[]): string {
+  const all = days.join(" ");
+  if (days.length === WEEKDAYS.length) return "every day";
+  if (all === WEEKDAYS.slice(0, 5).join(" ")) return "Mon–Fri";
+  return days.map(dayWords).join(", ");
+}
+
+/** The facts that a decision went by, and why no goal was sent; times in the zone that is shown. */
+export function reasonWords(decision: Decision): string {
+  return [factWords(decision), whyNot(decision)].filter((words) => words !== "").join(". ");
+}
+
+function factWords({ battery, idle_since, scheduled_for, at }: Decision): string {
+  if (scheduled_for !== null) {
+    return `Due at ${clock(Date.parse(scheduled_for))}`;
+  }
+  const charge = battery === null ? [] : [`Battery ${percentWords(battery)}`];
+  const idle =
+    idle_since === null ? [] : [`idle for ${formatDuration(Date.parse(at) - Date.parse(idle_since))}`];
+  return [...charge, ...idle].join(", ");
+}
+
+function whyNot({ outcome, code, detail }: Decision): string {
+  if (outcome === "gave_up") return "Three attempts did not dock it";
+  if (code === null) return "";
+  if (outcome === "held" && detail !== null) return detail.charAt(0).toUpperCase() + detail.slice(1);
+  return code in WAITS ? WAITS[code as Wait] : (detail ?? codeWords(code));
+}
