@@ -1,4 +1,4 @@
-"""An ASGI application of routers, with all that a gateway and a hub have in common."""
+"""An ASGI application of routers, with all that those of one site and of many have in common."""
 
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -45,6 +45,7 @@ class Contents:
         models: Further models that no route names.
         messages: Returns the schemas of ROS messages, by name.
         asyncapi: Makes the AsyncAPI document from the OpenAPI document, if there is one.
+        many_sites: Whether it is one dashboard for many sites, each below `/sites/{site}`.
     """
 
     description: str
@@ -52,6 +53,7 @@ class Contents:
     models: Models = ()
     messages: Callable[[], Document] = dict
     asyncapi: Callable[[Document], Document] | None = None
+    many_sites: bool = False
 
 
 def build_app(
@@ -115,7 +117,8 @@ def build_app(
         )
     app.add_middleware(AuditTrail)
     app.add_middleware(OriginGuard, settings=settings)
-    install_problems(app, allowed)  # the last middleware added is the outermost
+    install_problems(app, allowed, many_sites=contents.many_sites)  # the last middleware added is the outermost
+    app.state.many_sites = contents.many_sites
     app.state.requests = RequestMetrics()
     app.add_middleware(RequestMeter, metrics=app.state.requests)
     app.add_middleware(HeadAsGet)

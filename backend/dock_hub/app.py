@@ -58,6 +58,7 @@ CONTENTS = Contents(
     "else spans the sites, with names that have the site in front: `/berlin/robot1`.",
     unions=(Union("Event", EVENTS, "A message of an event stream of the hub."),),
     models=(HubStopProblem, HubReleaseProblem),
+    many_sites=True,
 )
 ROUTERS = tuple(
     module.router
@@ -93,9 +94,7 @@ def create_hub_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
             yield found
 
     routers = (*ROUTERS, _pages_of_sites(settings), forwarding.router)
-    app = build_app(settings, routers, opened, CONTENTS)
-    app.state.hub = True
-    return app
+    return build_app(settings, routers, opened, CONTENTS)
 
 
 def _pages_of_sites(settings: Settings) -> APIRouter:

@@ -35,6 +35,7 @@ from dock_hub.collector import HubCollector
 from dock_hub.labels import SiteLabels
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
+from dock_hub.shares import BY_SITE
 from dock_hub.sites import Sites
 from dock_hub.stop_requests import StopEntry
 from dock_hub.stops import Stops
@@ -91,7 +92,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, broker: B
     if settings.authentication:
         await logins.open()
     history.on_loss = sites.read_again
-    history.retention.per_site = True
+    history.retention.goals_by_size = BY_SITE
     parts = Parts(
         {
             Settings: settings,

@@ -19,6 +19,7 @@ from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind
 from dock_gateway.goals.goals import Goals
+from dock_gateway.sites.names import site_grant
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 from dock_hub.directory import SILENT_AFTER, SiteState
@@ -286,7 +287,7 @@ def narrow_sites(document: Document, grant: Grant) -> Document:
     sites = [
         site | {"stop": {**site["stop"], "robots": [*filter(grant.covers_robot, site["stop"]["robots"])]}}
         for site in document["sites"]
-        if grant.may_reach(site["name"])
+        if site_grant(grant, site["name"]) is not None
     ]
     return {**document, "sites": sites}
 

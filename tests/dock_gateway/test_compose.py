@@ -6,7 +6,7 @@ from typing import Any
 
 import yaml
 
-from dock_gateway.cli.sites import Login, broker_permissions
+from dock_hub.demonstration import Login, broker_permissions
 
 ROOT = Path(__file__).parents[2]
 

@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.access import HUB, Principal
+from dock_gateway.core.access import FORWARDER, Principal
 from dock_gateway.core.errors import NotFound, TooManyRequests
 from dock_gateway.core.grant import Role
 from dock_gateway.core.request import PERMIT, hold, turn
@@ -113,7 +113,7 @@ COMMON = sorted(what for what, limit in LIMITS.items() if limit.most < math.inf)
 VIEWER, OTHER = user("viewer", Role.VIEWER), user("other", Role.VIEWER)
 OPERATOR, ADMIN = user("operator", Role.OPERATOR), user("admin")
 HERE, THERE = user(None, address="192.0.2.1"), user(None, address="192.0.2.2")
-THE_HUB = user(HUB, Role.OPERATOR)
+THE_HUB = user(FORWARDER, Role.OPERATOR)
 
 
 def test_the_list_has_every_bound() -> None:

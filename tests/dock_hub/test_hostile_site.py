@@ -22,13 +22,14 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.sites.tunnel.caller import Address
-from dock_gateway.storage import History, retention, shares
+from dock_gateway.storage import History, retention
 from dock_gateway.storage.retention import OVERHEAD
 from dock_hub import follower, pace
 from dock_hub.fields import ForeignDocumentError
 from dock_hub.follower import Follower
 from dock_hub.goal_documents import Happening, ends_of, read_goal
 from dock_hub.mirror import Mirror
+from dock_hub.shares import BY_SITE, share, sizes_of_sites
 from dock_hub.site_view import MAX_BYTES, SiteView
 from dock_hub.store import HubStore, News
 from tests.dock_hub.test_follower import FakeSite, snapshot, told
@@ -59,7 +60,7 @@ async def hub_of(folder: Path, url: str = "", most: int = MOST) -> AsyncIterator
     """A hub with the goals of the honest site, and its retention."""
     async with open_at(url or f"sqlite:///{folder / 'hub.db'}", folder, goal_bytes=most) as history:
         await until(lambda: history.stats().database_reachable)
-        history.retention.per_site = True
+        history.retention.goals_by_size = BY_SITE
         store = HubStore(Mirror(history), Fanout(queue_limit=10))
         try:
             await store.keep(honest_news())
@@ -126,7 +127,7 @@ def test_the_history_of_the_honest_site_stays(told: list[tuple[list[dict[str, An
                 for _ in range(10):
                     await history.retention.enforce()
             assert await of_honest(history) == before
-            sizes = await history.database.read(shares.sizes, OVERHEAD)
+            sizes = await history.database.read(sizes_of_sites)
             assert sizes.total() <= MOST
             newest = await history.page(GoalFilter(), limit=500)
             assert all(goal.created_at <= datetime.now(UTC) for goal in newest)
@@ -155,7 +156,7 @@ async def test_goals_of_the_future_do_not_take_the_place_of_others(database_url:
 
 @given(st.dictionaries(st.text(max_size=3), st.integers(0, 10**12), min_size=1), st.integers(0, 10**12))
 def test_a_share_is_taken_from_those_that_have_the_most(sizes: dict[str, int], most: int) -> None:
-    level = shares.share(sizes.values(), most)
+    level = share(sizes.values(), most)
     left = [min(size, level) for size in sizes.values()]
     assert sum(left) <= max(most, 0)
     if sum(sizes.values()) <= most:
@@ -177,7 +178,7 @@ async def test_goals_that_never_end_go_too_when_a_site_has_nothing_else(database
         for _ in range(3):
             await history.retention.enforce()
         assert await of_honest(history) == before
-        assert (await history.database.read(shares.sizes, OVERHEAD)).total() <= MOST
+        assert (await history.database.read(sizes_of_sites)).total() <= MOST
 
 
 class HostileSite(FakeSite):

@@ -13,8 +13,6 @@ import httpx2
 import orjson
 import pytest
 import websockets.asyncio.client
-from hypothesis import given
-from hypothesis import strategies as st
 from starlette.types import Receive, Scope, Send
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
@@ -28,7 +26,6 @@ from dock_gateway.settings import Settings
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Refusal, Welcome
-from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.tunnel import channel
 from dock_gateway.sites.tunnel.channel import Timing
 from dock_hub import directory, forwarding, overview
@@ -242,15 +239,6 @@ async def test_alerts_are_acknowledged_where_they_belong(
         assert answer.json()["acknowledged"]["by"] == by
     away = await hub.http.put(f"/alerts/turin.{ALERT['id']}/acknowledgement", json={"by": "x"}, headers=header)
     assert away.json()["code"] == "site_unreachable"
-
-
-limits = st.lists(st.text(alphabet="/ab*", min_size=1, max_size=6).map(lambda text: f"/{text.strip('/')}"), max_size=3)
-
-
-@given(limits, st.sampled_from(["a", "ab", "b"]))
-def test_a_site_of_which_a_robot_may_be_seen_may_be_reached(robots: list[str], site: str) -> None:
-    grant = Grant(Role.VIEWER, tuple(robots))
-    assert grant.may_reach(site) or site_grant(grant, site) is None
 
 
 async def test_who_is_welcome(hub: Hub, nats: NatsServer) -> None:

@@ -58,7 +58,7 @@ class SiteApi:
         return _json(documents[path] if path in documents else {"robots": self._site.robots()})
 
     async def _session(self, request: Request) -> Response:
-        principal = request.scope.get("hub")
+        principal = request.scope.get("forwarded")
         return _json({"authentication": False, "hub": False, "name": getattr(principal, "name", None)})
 
     # ----------------------------------------------------------------- goals

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from dock_gateway.cli.sites import broker_permissions, new_login
+from dock_hub.demonstration import broker_permissions, new_login
 from tests.support.nats import NatsServer
 
 

@@ -114,7 +114,7 @@ async def small_site(
 
 
 async def _echo(request: Request) -> Response:
-    who = request.scope["hub"]
+    who = request.scope["forwarded"]
     return JSONResponse(
         {
             "headers": dict(request.headers),
@@ -132,7 +132,7 @@ async def _elsewhere(_: Request) -> Response:
 
 
 async def _acknowledge(request: Request) -> Response:
-    by = f"{request.scope['hub'].name}, as {(await request.json())['by']}"
+    by = f"{request.scope['forwarded'].name}, as {(await request.json())['by']}"
     return JSONResponse(ALERT | {"acknowledged": {"by": by, "at": ALERT["since"]}})
 
 
@@ -142,7 +142,7 @@ async def _never(_: Request) -> Response:
 
 
 async def _stop(request: Request) -> Response:
-    who = request.scope["hub"]
+    who = request.scope["forwarded"]
     return JSONResponse({"stopped": [], "name": who.name, "seen": who.grant.covers_robot("/robot1")})
 
 

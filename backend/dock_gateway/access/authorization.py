@@ -12,7 +12,7 @@ from dock_gateway.access.login_delays import network_of
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.scopes import require_covered
 from dock_gateway.access.tickets import Tickets
-from dock_gateway.core.access import ANYBODY, Principal
+from dock_gateway.core.access import ANYBODY, FORWARDED, Principal
 from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
@@ -69,7 +69,7 @@ async def _admit(connection: HTTPConnection, operation: Operation) -> Principal:
 
 
 async def identify(connection: HTTPConnection) -> Principal:
-    """Return who makes a request. Of one through the tunnel, the hub has signed that.
+    """Return who makes a request. Of one that another program forwards, that one has signed it.
 
     The grant does not go beyond this gateway's share of the robots.
 
@@ -85,7 +85,7 @@ async def identify(connection: HTTPConnection) -> Principal:
 
 
 async def _identify(connection: HTTPConnection) -> Principal:
-    principal: Principal | None = connection.scope.get("hub")
+    principal: Principal | None = connection.scope.get(FORWARDED)
     if principal is not None:
         return principal
     parts = parts_of(connection)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 # Seconds that a person may take to log in at the provider.
 LIFETIME = 600
 MAX_PAGE = 500
-# Where the browser may go then: a page of the dashboard, at a hub also that of a site. No other host, no backslash:
+# Where the browser may go then: a page of the dashboard, also that of a site. No other host, no backslash:
 # browsers take it for a slash.
 PAGE = re.compile(r"(?:/sites/[a-z][a-z0-9_]{0,39})?/(?:ui/[!\"$-\[\]-~]*)?")
 _COOKIE = re.compile(r"([0-9]{1,12})\.([A-Za-z0-9_-]{43})\.([A-Za-z0-9_-]*)")

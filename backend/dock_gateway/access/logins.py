@@ -18,7 +18,17 @@ from dock_gateway.access.sessions import MAX_SESSIONS, PERSON_PREFIX, PREFIX, Pe
 from dock_gateway.access.single_sign_on import SingleSignOn, no_provider
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
-from dock_gateway.core.access import HUB, OF_HUB, Kind, PersonSession, Principal, Session, Token, User, is_of_hub
+from dock_gateway.core.access import (
+    FORWARDER,
+    OF_FORWARDER,
+    Kind,
+    PersonSession,
+    Principal,
+    Session,
+    Token,
+    User,
+    is_reserved,
+)
 from dock_gateway.core.errors import (
     Conflict,
     NotAllowed,
@@ -139,7 +149,7 @@ class Logins:
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
         principal = principal.login or principal
-        if principal.credential is None or principal.kind is Kind.HUB:  # whose login ends ends its streams
+        if principal.credential is None or principal.kind is Kind.FORWARDED:  # whose login ends ends its streams
             return True
         match principal.kind:
             case Kind.SERVICE:
@@ -194,7 +204,7 @@ class Logins:
         if name.lower().startswith(PERSON_NAMES):
             detail = f"names that begin with {PERSON_NAMES} are for the identity provider"
             raise Conflict(detail, code="user_exists")
-        _refuse_hub(name)
+        _refuse_reserved(name)
         return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
     async def revoke_token(self, token_id: str) -> None:
@@ -375,7 +385,7 @@ class Logins:
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new user.
         """
-        _refuse_hub(name)
+        _refuse_reserved(name)
         hashed = await self._passwords.hash(password)
 
         def add(user: User | None) -> User:
@@ -439,7 +449,7 @@ class Logins:
         return check
 
 
-def _refuse_hub(name: str) -> None:
-    if is_of_hub(name):
-        detail = f"the name {HUB}, and names that begin with {OF_HUB}, are for a hub and its users"
+def _refuse_reserved(name: str) -> None:
+    if is_reserved(name):
+        detail = f"the name {FORWARDER}, and names that begin with {OF_FORWARDER}, are reserved"
         raise Conflict(detail, code="user_exists")

@@ -17,7 +17,7 @@ from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.grant import Role
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import NOT_THROUGH_HUB, address_of, cookie_name, keep_login
+from dock_gateway.http.principal import NOT_FORWARDED, address_of, cookie_name, keep_login
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.route import ApiRoute
@@ -37,7 +37,7 @@ REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the bro
     status_code=303,
     response_class=RedirectResponse,
     responses=REDIRECT,
-    dependencies=[NOT_THROUGH_HUB],
+    dependencies=[NOT_FORWARDED],
 )
 @public_operation(errors=(404, 503))
 async def begin_login(
@@ -70,7 +70,7 @@ async def begin_login(
     status_code=303,
     response_class=RedirectResponse,
     responses=REDIRECT,
-    dependencies=[NOT_THROUGH_HUB],
+    dependencies=[NOT_FORWARDED],
 )
 @public_operation(Audit.STORED_FIRST, any_query=True, errors=(401, 404, 409, 429, 503))
 async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quotas]) -> Response:

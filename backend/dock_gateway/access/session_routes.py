@@ -11,14 +11,14 @@ from dock_gateway.access.passwords import MAX_PASSWORD, describe_wrong
 from dock_gateway.access.schema import Session, Ticket
 from dock_gateway.access.tickets import LIFETIME, Tickets
 from dock_gateway.audit.trail import audited
-from dock_gateway.core.access import ANYBODY, Principal
+from dock_gateway.core.access import ANYBODY, FORWARDED, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import (
-    NOT_THROUGH_HUB,
+    NOT_FORWARDED,
     address_of,
     browser_of,
     forget_login,
@@ -62,9 +62,9 @@ def _session(request: Request, settings: Settings, logins: Logins, principal: Pr
     sso = logins.sso
     document = {
         "required": settings.authentication,
-        "open_to": None if "hub" in request.scope else settings.open_to,
+        "open_to": None if FORWARDED in request.scope else settings.open_to,
         "principal": who,
-        "hub": getattr(request.app.state, "hub", False),
+        "hub": request.app.state.many_sites,
         "share": [] if principal is None else settings.robots,
         "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
     }
@@ -86,7 +86,7 @@ async def get_session(request: Request, settings: Part[Settings], logins: Part[L
         return _session(request, settings, logins, None)
 
 
-@router.post("", name="log_in", openapi_extra=body(LOGIN_REQUEST, required=True), dependencies=[NOT_THROUGH_HUB])
+@router.post("", name="log_in", openapi_extra=body(LOGIN_REQUEST, required=True), dependencies=[NOT_FORWARDED])
 @public_operation(Audit.STORED_FIRST, errors=(401, 429, 503))
 async def log_in(
     request: Request, settings: Part[Settings], logins: Part[Logins], quotas: Part[Quotas]
@@ -125,7 +125,7 @@ def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fie
     return response
 
 
-@router.delete("", name="log_out", dependencies=[NOT_THROUGH_HUB])
+@router.delete("", name="log_out", dependencies=[NOT_FORWARDED])
 @public_operation(Audit.STORED_FIRST, errors=(503,))
 async def log_out(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Answer[Session]:
     """End the session of the browser. A token is only forgotten: it stays valid."""
@@ -137,7 +137,7 @@ async def log_out(request: Request, settings: Part[Settings], logins: Part[Login
     return response
 
 
-@router.post("/ticket", name="issue_ticket", status_code=201, dependencies=[NOT_THROUGH_HUB])
+@router.post("/ticket", name="issue_ticket", status_code=201, dependencies=[NOT_FORWARDED])
 @operation(Role.VIEWER, Scope.ANY)
 async def issue_ticket(request: Request, tickets: Part[Tickets]) -> Answer[Ticket]:
     """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.

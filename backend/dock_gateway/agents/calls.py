@@ -171,7 +171,7 @@ class Call:
         settings, session = self._parts[Settings], self._context.session
         capabilities = session.client_capabilities
         asks = capabilities is not None and capabilities.elicitation is not None
-        open_here = not settings.authentication and self._principal.kind is not Kind.HUB
+        open_here = not settings.authentication and self._principal.kind is not Kind.FORWARDED
         counts = settings.approval_by_client or open_here
         return asks and counts and session.protocol_version in MODERN_PROTOCOL_VERSIONS
 

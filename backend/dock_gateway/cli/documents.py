@@ -13,7 +13,7 @@ OTHERS = entry_points(group="dock_gateway.applications")
 
 
 def _flags(command: Any) -> Any:
-    """Add a flag for each application of another program: `--hub`."""
+    """Add a flag for each application of another program, with its name."""
     for name in sorted(OTHERS.names):
         command = click.option(f"--{name}", "other", flag_value=name, help=f"That of a {name}.")(command)
     return command

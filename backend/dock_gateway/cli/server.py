@@ -1,4 +1,4 @@
-"""The server process of a gateway or a hub: uvicorn with our connections, and streams that end with a reason."""
+"""The server process: uvicorn with our connections, and streams that end with a reason."""
 
 import asyncio
 import gc
@@ -45,7 +45,7 @@ OnListening = Callable[[Parts, int], object]
 
 
 class Uplink(Protocol):
-    """A second way to the application, besides the ports: the hub's, at a site."""
+    """A second way to the application, besides the ports: the tunnel, at a site."""
 
     async def open(self, state: Mapping[str, Any]) -> None:
         """Open it; `state` is what requests have as their state."""

@@ -83,7 +83,7 @@ class Readiness(NamedTuple):
     """What says that everything is up.
 
     Attributes:
-        path: Is asked for at the gateway or hub.
+        path: Is asked for at the gateway.
         holds: Whether its answer, a JSON document, says so.
         text: More lines to print then.
     """

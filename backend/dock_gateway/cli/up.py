@@ -5,17 +5,20 @@ import os
 import sys
 from collections.abc import MutableMapping
 from functools import partial
+from importlib.metadata import entry_points
 
 import click
 
 from dock_gateway.cli.options import option_name, read_settings, settings_options
 from dock_gateway.cli.programs import find_program
-from dock_gateway.cli.sites import NAMES, run_sites
 from dock_gateway.cli.start import check_port, check_start
 from dock_gateway.cli.supervisor import END_TIMEOUT, supervise
 from dock_gateway.doctor.machine import own_url
 from dock_gateway.settings import Settings
 from robot_io.children import MAX_ROBOTS
+
+# The most simulated sites.
+MAX_SITES = 5
 
 Programs = dict[str, tuple[str, tuple[str, ...]]]
 
@@ -87,7 +90,7 @@ def default_robot(settings: Settings, robots: int) -> str:
 )
 @click.option(
     "--sites",
-    type=click.IntRange(1, len(NAMES)),
+    type=click.IntRange(1, MAX_SITES),
     help="Simulated sites, each with a gateway and --robots of its own, behind one hub. Other options are the hub's.",
 )
 @partial(settings_options, leave_out={"robots"})
@@ -126,7 +129,14 @@ def up(no_sim: bool, robots: int | None, sites: int | None, **options: str | Non
 
 
 def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: dict[str, str | None]) -> None:
-    """Run sites behind a hub; their gateways listen on the ports after the hub's."""
+    """Run sites, by what another program adds for that; their gateways listen on the ports after the first.
+
+    Raises:
+        click.UsageError: That program is not installed.
+    """
+    run_sites = next(iter(entry_points(group="dock_gateway.demonstrations", name="sites")), None)
+    if run_sites is None:
+        raise click.UsageError("--sites: the program that spans sites is not installed")
     check_start(settings, os.environ, docking=True)
     ports = [settings.port + number for number in range(1, sites + 1)]
     for port in ports:
@@ -137,7 +147,7 @@ def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: 
     else:
         programs, namespace = {"the fleet": fleet(robots)}, "/robot1"
     end_timeout = END_TIMEOUT + 0.2 * sites * (robots or 1)
-    run_sites(ports, own_url(settings), _given(options), programs, namespace, end_timeout)
+    run_sites.load()(ports, own_url(settings), _given(options), programs, namespace, end_timeout)
 
 
 def _given(options: dict[str, str | None]) -> list[str]:

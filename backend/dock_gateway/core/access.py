@@ -8,9 +8,11 @@ from enum import StrEnum
 
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 
-# The name of a hub that needs no login, and what the names of a hub's users begin with, as a site has them.
-HUB = "hub"
-OF_HUB = "hub:"
+# Where the scope of a request that another program forwards has who makes it.
+FORWARDED = "forwarded"
+# The name of who forwards requests of others without their names, and what the names of those others begin with.
+FORWARDER = "hub"
+OF_FORWARDER = "hub:"
 # Time after which a session that is not used ends.
 IDLE = timedelta(days=7)
 
@@ -22,7 +24,7 @@ class Kind(StrEnum):
     USER = "user"
     PERSON = "person"
     SERVICE = "service"
-    HUB = "hub"
+    FORWARDED = "hub"
     ANYBODY = "anybody"
 
 
@@ -178,7 +180,7 @@ class Principal:
         name: Their name; None where the gateway does not ask who it is.
         kind: The kind of credential.
         grant: Their grant.
-        credential: Id of the token or the session, or of the hub's key; None where the gateway does not ask for one.
+        credential: Id of the token, the session, or the key that signed it; None where the gateway asks for none.
         expires_at: Until when the access token of a service is valid.
         key: Thumbprint of the provider's key that has signed it.
         client: The agent's program, as it calls itself.
@@ -212,20 +214,20 @@ class Principal:
         return hashlib.sha256(json.dumps([self.name, idempotency_key]).encode()).hexdigest()
 
 
-def is_of_hub(name: str) -> bool:
-    """Return whether a name is that of a hub or of one of its users, which no user and no token of a site has."""
-    return name.lower() == HUB or name.lower().startswith(OF_HUB)
+def is_reserved(name: str) -> bool:
+    """Return whether a name is that of forwarded requests, which no user and no token has."""
+    return name.lower() == FORWARDER or name.lower().startswith(OF_FORWARDER)
 
 
-def hub_principal(name: str | None, grant: Grant, key: str) -> Principal:
-    """Return who makes a request through the hub.
+def forwarded(name: str | None, grant: Grant, key: str) -> Principal:
+    """Return who makes a request that another program forwards.
 
     Args:
-        name: Their name at the hub; None if it needs no login.
+        name: Their name there; None if it needs no login.
         grant: What they may do here.
-        key: Id of the key with which the hub has signed that.
+        key: Id of the key with which the other program has signed that.
     """
-    return Principal(HUB if name is None else f"{OF_HUB}{name}", Kind.HUB, grant, key)
+    return Principal(FORWARDER if name is None else f"{OF_FORWARDER}{name}", Kind.FORWARDED, grant, key)
 
 
 # Everybody, where the gateway does not ask who it is.

@@ -171,15 +171,6 @@ class Grant:
     def _serves(self, name: str) -> bool:
         return self.share is None or self.share.covers(name)
 
-    def may_reach(self, site: str) -> bool:
-        """Return whether they may see any robot of a site, at a hub, where names have the site in front."""
-        names = f"/{site}/"
-        for pattern in self.robots:
-            literal, star, _ = f"{pattern.rstrip('/')}/".partition("*")
-            if literal.startswith(names) or (star and names.startswith(literal)):
-                return True
-        return not self.robots
-
     @cached_property
     def _robots(self) -> re.Pattern[str]:
         return match_namespaces(self.robots)

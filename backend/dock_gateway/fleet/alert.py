@@ -36,7 +36,7 @@ class AlertKind(StrEnum):
     ROBOT_SEEN_TWICE = FindingKind.ROBOT_SEEN_TWICE.value
     ROBOTS_CLAIMED_TWICE = FindingKind.ROBOTS_CLAIMED_TWICE.value
     COMMANDS_LOST = FindingKind.COMMANDS_LOST.value
-    # Of a hub.
+    # Of what spans several sites.
     SITE_UNREACHABLE = "site_unreachable"
     SITE_REFUSED = "site_refused"
 

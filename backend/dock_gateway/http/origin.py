@@ -13,6 +13,7 @@ from typing import NamedTuple
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from dock_gateway.core.access import FORWARDED
 from dock_gateway.core.errors import NotAllowed
 from dock_gateway.setting_types import LOOPBACK_HOSTS
 from dock_gateway.settings import Settings
@@ -40,7 +41,7 @@ class OriginGuard:
         Raises:
             NotAllowed: The page or the host name is foreign.
         """
-        if scope["type"] in ("http", "websocket") and "hub" not in scope:  # the hub has checked its own visitors
+        if scope["type"] in ("http", "websocket") and FORWARDED not in scope:  # who forwards it has checked
             try:
                 self._check(scope)
             except NotAllowed as error:

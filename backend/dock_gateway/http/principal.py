@@ -8,7 +8,7 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
 
-from dock_gateway.core.access import Principal
+from dock_gateway.core.access import FORWARDED, Principal
 from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.requests import read_json, read_key
@@ -31,28 +31,30 @@ def principal_of(connection: HTTPConnection) -> Principal:
     return principal
 
 
-async def refuse_hub(connection: HTTPConnection) -> None:
-    """Refuse a request that came through the hub, for `Depends`: it is about logins of this gateway.
+async def refuse_forwarded(connection: HTTPConnection) -> None:
+    """Refuse a request that another program forwards, for `Depends`: it is about logins of this gateway.
 
     Raises:
-        NotAllowed: It did (`not_through_hub`).
+        NotAllowed: It is one (`not_through_hub`).
     """
-    if "hub" in connection.scope:
-        raise NotAllowed("logins of a site are not for its hub: log in at the hub", code="not_through_hub")
+    if FORWARDED in connection.scope:
+        raise NotAllowed(
+            "these logins are not for requests that another program forwards: log in there", code="not_through_hub"
+        )
 
 
-async def refuse_hub_below_admin(connection: HTTPConnection) -> None:
-    """Refuse a request that came through the hub, for `Depends`, unless an admin makes it.
+async def refuse_forwarded_below_admin(connection: HTTPConnection) -> None:
+    """Refuse a request that another program forwards, for `Depends`, unless an admin makes it.
 
     Raises:
         NotAllowed: They are no admin here (`not_through_hub`).
     """
-    if "hub" in connection.scope and principal_of(connection).grant.role is not Role.ADMIN:
-        raise NotAllowed("through the hub, this needs the role admin at the site", code="not_through_hub")
+    if FORWARDED in connection.scope and principal_of(connection).grant.role is not Role.ADMIN:
+        raise NotAllowed("a forwarded request for this needs the role admin at the site", code="not_through_hub")
 
 
 # What goes into `dependencies` of a route or a router.
-NOT_THROUGH_HUB, ADMIN_THROUGH_HUB = Depends(refuse_hub), Depends(refuse_hub_below_admin)
+NOT_FORWARDED, ADMIN_IF_FORWARDED = Depends(refuse_forwarded), Depends(refuse_forwarded_below_admin)
 
 
 async def depend_on_grant(connection: HTTPConnection) -> Grant:

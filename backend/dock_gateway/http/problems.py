@@ -42,12 +42,13 @@ def problems(*statuses: int, schema: str = "Problem") -> dict[int | str, dict[st
     return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
 
 
-def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> None:
+def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None, *, many_sites: bool = False) -> None:
     """Register the handlers, for routes and for middleware that was added before.
 
     Args:
         app: The application.
         allowed: Returns the `Allow` header of a path.
+        many_sites: Whether sites are below `/sites/{site}`, where a client may have meant to ask.
     """
     app.exception_handler(GatewayError)(_gateway_error)
     app.add_middleware(ExceptionMiddleware, handlers={GatewayError: _gateway_error})  # type: ignore[dict-item]
@@ -71,7 +72,7 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
             headers["Location"] = str(URL(path=quote(without), query=request.url.query))
         elif status is HTTPStatus.NOT_FOUND:
             detail = f"there is nothing at {path[:200]!r}; /docs lists the API"
-            if getattr(app.state, "hub", False):
+            if many_sites:
                 detail += ", and what belongs to one site is at /sites/{site}/…"
         problem = GatewayError(detail, code=CODES.get(status, "malformed_request"), status=status)
         response = _answer(request, problem)

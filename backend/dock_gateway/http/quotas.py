@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Callable, Hashable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 
-from dock_gateway.core.access import HUB, Principal
+from dock_gateway.core.access import FORWARDER, Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Role
 from dock_gateway.settings import Settings
@@ -43,7 +43,7 @@ class Limit:
 
     def share_of(self, principal: Principal) -> float:
         """Return the number of places that a user may have."""
-        if principal.name == HUB:  # the hub itself, which follows its site, and its users where it asks for no login
+        if principal.name == FORWARDER:  # for many users, of whom it counts each
             return self.most
         if principal.name is not None:
             return self.share
@@ -58,7 +58,7 @@ def limits(settings: Settings) -> dict[str, Limit]:
     """Return everything that users share, by name: docs/configuration.md shows it.
 
     `streams` are WebSockets, event streams and subscriptions of `/ws`; `goals` are those of one action that wait for
-    its server; `requests` are those that a hub carries to its sites.
+    its server; `requests` are those that are carried to other sites.
     """
     subscribers, pending, streams = settings.max_subscribers, settings.max_pending_goals, settings.max_streams_per_user
     return {
@@ -129,7 +129,7 @@ class Quotas:
         Raises:
             TooManyRequests: The user has sent too many in the last minute (`too_many_goals`).
         """
-        if principal.name in (None, HUB):
+        if principal.name in (None, FORWARDER):
             return
         now = self._clock()
         self._forget(now)

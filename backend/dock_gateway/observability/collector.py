@@ -1,4 +1,4 @@
-"""The state of the parts that a gateway and a hub have, read when it is scraped."""
+"""The state of the parts that a gateway has in common with other programs, read when it is scraped."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping

@@ -1,4 +1,4 @@
-"""All metrics of a gateway or a hub."""
+"""All metrics of a program."""
 
 import asyncio
 import platform
@@ -32,7 +32,7 @@ disable_created_metrics()  # type: ignore[no-untyped-call]
 
 
 class Metrics:
-    """The metrics of a gateway or a hub, and those of its process.
+    """The metrics of a gateway, or of another program with parts, and those of its process.
 
     Args:
         state: Reads the state of the parts.

@@ -7,15 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import sqlalchemy as sa
 
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.storage import audit, notes, queries, shares
+from dock_gateway.storage import audit, notes, queries
 from dock_gateway.storage.database import DATABASE_ERRORS, Database
-from dock_gateway.storage.shares import Excess
 from dock_gateway.storage.tables import IS_DROPPABLE, IS_KEPT, events, goals, idempotency_keys
 
 log = logging.getLogger(__name__)
@@ -37,9 +36,10 @@ OVERHEAD = 1000
 PAUSE, REST = 0.05, 4
 
 # `not in`, because with `in` SQLite would scan all ended goals by the index on the status, and sort them.
-_HAS_ENDED = goals.c.status.not_in([status.value for status in GoalStatus if not status.final])
+HAS_ENDED = goals.c.status.not_in([status.value for status in GoalStatus if not status.final])
 
 T = TypeVar("T")
+Excess = TypeVar("Excess")
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,19 @@ class Deleted:
 
     events: int = 0
     goals: int = 0
+
+
+@dataclass(frozen=True)
+class ExcessRule(Generic[Excess]):
+    """What goes when there is too much.
+
+    Attributes:
+        find: Returns what must go so that some bytes are left; None if nothing must go.
+        delete: Deletes a part of that, in a short transaction.
+    """
+
+    find: Callable[[int, sa.Connection], Excess | None]
+    delete: Callable[[sa.Connection, Excess], Deleted]
 
 
 @dataclass(frozen=True)
@@ -97,11 +110,11 @@ class Retention:
         limits: How much is kept.
 
     Attributes:
-        per_site: Whether the goals are those of several sites, of which none may take the place of another.
+        goals_by_size: Enforces the maximum size of goals; by default, the oldest ones go.
     """
 
     def __init__(self, database: Database, limits: Limits) -> None:
-        self.per_site = False
+        self.goals_by_size: ExcessRule[Any] = OLDEST_GOALS
         self._database = database
         self._limits = limits
 
@@ -122,13 +135,11 @@ class Retention:
         created = datetime.now(UTC) - timedelta(seconds=limits.goal_age)
         deleted = await self._delete(_delete_events, event_id)
         deleted += await self._delete_excess(_delete_events, partial(_last_event_beyond, limits.event_bytes))
-        deleted += await self._delete(partial(_delete_goals, lost=True), created)
-        if self.per_site:
-            deleted += await self._delete_excess(_delete_goals_of_site, partial(_excess_of_a_site, limits.goal_bytes))
-        else:
-            deleted += await self._delete_excess(_delete_goals, partial(_last_goal_beyond, limits.goal_bytes))
+        deleted += await self._delete(partial(delete_goals, lost=True), created)
+        rule = self.goals_by_size
+        deleted += await self._delete_excess(rule.delete, partial(rule.find, limits.goal_bytes))
         if limits.goals is not None:
-            deleted += await self._delete_excess(_delete_goals, partial(_last_goal_but, limits.goals))
+            deleted += await self._delete_excess(delete_goals, partial(_last_goal_but, limits.goals))
         async with asyncio.timeout(TIMEOUT):
             await self._database.write(_delete_old_keys, limits.keys, durable=False)
         await self._delete_audit()
@@ -180,7 +191,7 @@ def _delete_old_keys(connection: sa.Connection, most: int | None) -> None:
     connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= last))
 
 
-def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[Any], oldest: sa.Select[Any]) -> Any:
+def last_beyond(connection: sa.Connection, most: int, total: sa.Select[Any], oldest: sa.Select[Any]) -> Any:
     """Return the last entry that must go so that `most` bytes are left, in one statement; None if nothing must go.
 
     Args:
@@ -202,7 +213,7 @@ def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[Any], ol
 def _last_event_beyond(most: int, connection: sa.Connection) -> str | None:
     total = sa.select(sa.func.sum(events.c.size)).where(IS_DROPPABLE)
     oldest = sa.select(events.c.id, events.c.size).where(IS_DROPPABLE).order_by(events.c.id).limit(MOST_EVENTS)
-    last: str | None = _last_beyond(connection, most, total, oldest)
+    last: str | None = last_beyond(connection, most, total, oldest)
     return last
 
 
@@ -231,50 +242,24 @@ def _last_goal_beyond(most: int, connection: sa.Connection) -> datetime | None:
     size = sa.func.sum(events.c.size) + OVERHEAD * sa.func.count()
     total = sa.select(size).where(IS_KEPT)
     of_goal = total.where(events.c.goal_id == goals.c.goal_id).scalar_subquery()
-    oldest = sa.select(goals.c.created_at, sa.func.coalesce(of_goal, 0)).where(_HAS_ENDED, _has_no_key())
-    last: datetime | None = _last_beyond(connection, most, total, oldest.order_by(goals.c.created_at).limit(MOST_GOALS))
+    oldest = sa.select(goals.c.created_at, sa.func.coalesce(of_goal, 0)).where(HAS_ENDED, _has_no_key())
+    last: datetime | None = last_beyond(connection, most, total, oldest.order_by(goals.c.created_at).limit(MOST_GOALS))
     return last
 
 
 def _last_goal_but(most: int, connection: sa.Connection) -> datetime | None:
     """Return the time of the newest goal that must go so that `most` are left; None if none must go."""
-    query = sa.select(goals.c.created_at).where(_HAS_ENDED, _has_no_key())
+    query = sa.select(goals.c.created_at).where(HAS_ENDED, _has_no_key())
     last: datetime | None = connection.scalar(query.order_by(goals.c.created_at.desc()).offset(most).limit(1))
     return last
 
 
-def _excess_of_a_site(most: int, connection: sa.Connection) -> Excess | None:
-    """Return which goals must go of the site that has the most; None if no site has more than its share."""
-    sizes = shares.sizes(connection, OVERHEAD)
-    if sizes.total() <= most:
-        return None
-    prefix, size = sizes.most_common(1)[0]
-    total = sa.select(sa.literal(size, sa.BigInteger))
-    events_of_goal = sa.select(sa.func.sum(events.c.size) + OVERHEAD * sa.func.count()).where(
-        IS_KEPT, events.c.goal_id == goals.c.goal_id
-    )
-    size_of_goal = sa.func.coalesce(events_of_goal.scalar_subquery(), 0) + OVERHEAD
-    for running in (False, True):
-        ended = () if running else (_HAS_ENDED,)
-        oldest = sa.select(goals.c.created_at, size_of_goal).where(shares.is_of(prefix), *ended)
-        oldest = oldest.order_by(goals.c.created_at).limit(MOST_GOALS)
-        last = _last_beyond(connection, shares.share(sizes.values(), most), total, oldest)
-        if last is not None:
-            return Excess(prefix, last, running)
-    return None
-
-
-def _delete_goals_of_site(connection: sa.Connection, excess: Excess) -> Deleted:
-    among = (excess.condition,) if excess.running else (excess.condition, _HAS_ENDED)
-    return _delete_goals(connection, excess.last, among=among)
-
-
-def _delete_goals(
+def delete_goals(
     connection: sa.Connection,
     last: datetime,
     *,
     lost: bool = False,
-    among: Sequence[sa.ColumnElement[bool]] = (_HAS_ENDED,),
+    among: Sequence[sa.ColumnElement[bool]] = (HAS_ENDED,),
 ) -> Deleted:
     """Delete the oldest ended goals with their events, up to a time of creation; also those `lost` up to then.
 
@@ -295,6 +280,9 @@ def _delete_goals(
     notes.delete_of(connection, doomed)
     connection.execute(sa.delete(goals).where(goals.c.goal_id.in_(doomed)))
     return Deleted(len(rows), len(doomed))
+
+
+OLDEST_GOALS = ExcessRule(_last_goal_beyond, delete_goals)
 
 
 def _has_no_key() -> sa.ColumnElement[bool]:

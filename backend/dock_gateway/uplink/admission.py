@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-from dock_gateway.core.access import Principal, hub_principal
+from dock_gateway.core.access import Principal, forwarded
 from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import Role
 from dock_gateway.settings import Settings
@@ -56,7 +56,7 @@ class HubAdmission:
             self._link.doubt(error.code, error.detail)
             raise
         self._link.believe()
-        return hub_principal(said.name, said.grant.narrowed(*self._limits), said.key)
+        return forwarded(said.name, said.grant.narrowed(*self._limits), said.key)
 
     def confirm(self, proof: str, public: str, hub_public: str) -> None:
         """Check that the hub has a public key.

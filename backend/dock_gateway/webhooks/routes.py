@@ -9,14 +9,14 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import ADMIN_THROUGH_HUB
+from dock_gateway.http.principal import ADMIN_IF_FORWARDED
 from dock_gateway.http.requests import SLUG_IN_PATH, Answer, LimitQuery, json_response, read_slug
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.webhooks.notifier import Notifier
 from dock_gateway.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
 from dock_gateway.webhooks.webhook import WebhookBody
 
-router = APIRouter(route_class=ApiRoute, tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_THROUGH_HUB])
+router = APIRouter(route_class=ApiRoute, tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_IF_FORWARDED])
 
 
 async def _webhook_id_in_path(webhook_id: Annotated[str, SLUG_IN_PATH]) -> str:

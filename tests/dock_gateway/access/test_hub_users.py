@@ -11,7 +11,7 @@ from starlette.types import Receive, Scope, Send
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.app import create_app
-from dock_gateway.core.access import Kind, Principal, hub_principal
+from dock_gateway.core.access import Kind, Principal, forwarded
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.http.quotas import Quotas
@@ -21,7 +21,7 @@ from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 
-ALICE = hub_principal("alice", Grant(Role.SUPERVISOR, ("/robot1",)).narrowed(Role.OPERATOR, ("/robot*",)), "key")
+ALICE = forwarded("alice", Grant(Role.SUPERVISOR, ("/robot1",)).narrowed(Role.OPERATOR, ("/robot*",)), "key")
 
 
 def through_the_hub(principal: Principal, *, authentication: bool = False) -> TestClient:
@@ -32,7 +32,7 @@ def through_the_hub(principal: Principal, *, authentication: bool = False) -> Te
 
     async def tunnel(scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "lifespan":
-            scope["hub"] = principal
+            scope["forwarded"] = principal
         await app(scope, receive, send)
 
     return TestClient(tunnel, "http://localhost", headers={"Sec-Fetch-Site": "cross-site"})
@@ -66,7 +66,7 @@ def test_a_role_counts_also_where_the_site_asks_nobody(authentication: bool) -> 
     [("POST", "/session"), ("DELETE", "/session"), ("POST", "/session/ticket"), ("GET", "/session/oidc")],
 )
 def test_logins_are_not_for_a_hub(method: str, path: str) -> None:
-    with through_the_hub(hub_principal("root", UNLIMITED, "key")) as client:
+    with through_the_hub(forwarded("root", UNLIMITED, "key")) as client:
         answer = client.request(method, path)
     assert (answer.status_code, answer.json()["code"]) == (403, "not_through_hub")
     assert "set-cookie" not in answer.headers
@@ -74,7 +74,7 @@ def test_logins_are_not_for_a_hub(method: str, path: str) -> None:
 
 def test_webhooks_need_an_admin_of_the_hub() -> None:
     def answer(role: Role) -> Any:
-        with through_the_hub(hub_principal("eve", Grant(role), "key")) as client:
+        with through_the_hub(forwarded("eve", Grant(role), "key")) as client:
             return client.get("/webhooks").json()["code"]
 
     assert answer(Role.SUPERVISOR) == "not_through_hub"
@@ -85,13 +85,13 @@ def test_nobody_here_has_a_name_of_the_hub() -> None:
     async def refusals() -> None:
         logins = Logins(HistoryInMemory())
         for name in ("hub:alice", "Hub:alice", "hub"):
-            with pytest.raises(Conflict, match="are for a hub and its users"):
+            with pytest.raises(Conflict, match="are reserved"):
                 await logins.create_token(name, UNLIMITED)
-            with pytest.raises(Conflict, match="are for a hub and its users"):
+            with pytest.raises(Conflict, match="are reserved"):
                 await logins.add_user(name, UNLIMITED, "correct horse battery staple")
 
     asyncio.run(refusals())
-    assert hub_principal(None, UNLIMITED, "key").name == "hub"
+    assert forwarded(None, UNLIMITED, "key").name == "hub"
 
 
 def test_streams_are_watched_no_longer_than_they_last() -> None:
@@ -100,4 +100,4 @@ def test_streams_are_watched_no_longer_than_they_last() -> None:
     with logins.watch(ALICE, lambda: None), logins.watch(ALICE, lambda: None):
         assert ALICE in logins._streams
     assert not logins._streams
-    assert ALICE.kind is Kind.HUB
+    assert ALICE.kind is Kind.FORWARDED

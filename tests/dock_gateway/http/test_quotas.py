@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.access import ANYBODY, Kind, Principal, hub_principal
+from dock_gateway.core.access import ANYBODY, Kind, Principal, forwarded
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.http.quotas import MINUTE, Quotas
@@ -62,7 +62,7 @@ def test_streams_and_exports_are_counted_while_they_are_open() -> None:
         pass
 
 
-@pytest.mark.parametrize("anybody", [ANYBODY, hub_principal(None, UNLIMITED, "key")])
+@pytest.mark.parametrize("anybody", [ANYBODY, forwarded(None, UNLIMITED, "key")])
 def test_nobody_is_limited_where_nobody_is_known(anybody: Principal) -> None:
     quotas = Quotas(SETTINGS)
     assert all(sends(quotas, anybody) for _ in range(MOST * 10))

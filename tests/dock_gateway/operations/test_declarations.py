@@ -14,7 +14,7 @@ DOORS = ("agents", "doors", "foxglove", "rosbridge", "streams")
 DECLARED = {
     "Role.AGENT, Scope.NEW_GOAL": ["operations/goals.py send_goal"],
     "Role.AGENT, Scope.GOAL": ["operations/goals.py cancel_goal"],
-    "Role.VIEWER, Scope.ANY, reads_body": ["hub/forwarding.py forward_request", "stop/order.py stops_robots"],
+    "Role.VIEWER, Scope.ANY, reads_body": ["stop/order.py stops_robots"],
     "Role.SUPERVISOR, Scope.ROBOTS": ["stop/order.py releases_stop"],
     "Role.OPERATOR, Scope.SERVICE": ["operations/services.py call_service"],
     "Role.OPERATOR, Scope.PUBLISHING": ["operations/topics.py advertise", "operations/topics.py publish"],
@@ -25,7 +25,7 @@ DECLARED = {
         "graph/routes.py get_topic",
         "operations/topics.py subscribe",
     ],
-    "Role.OPERATOR, Scope.ALERT": ["hub/routes.py acknowledge_alert", "operations/fleet.py acknowledge_alert"],
+    "Role.OPERATOR, Scope.ALERT": ["operations/fleet.py acknowledge_alert"],
     "Role.SUPERVISOR, Scope.ROBOT": [
         "operations/battery.py publish_battery",
         "operations/battery.py start_publishing",
@@ -61,8 +61,7 @@ def test_an_operation_is_declared_once(needs: str) -> None:
 
 @pytest.mark.parametrize("name", ["list_robots", "list_actions", "list_alerts"])
 def test_a_list_is_declared_once(name: str) -> None:
-    """A hub lists what sites report, without ROS: another operation."""
-    found = [where for _, where in declarations() if where.endswith(f" {name}") and not where.startswith("hub/")]
+    found = [where for _, where in declarations() if where.endswith(f" {name}")]
     assert found == [f"operations/fleet.py {name}"]
 
 

@@ -50,7 +50,7 @@ class Site:
         about = {
             "method": request.method, "query": request.url.query, "size": len(body), "sum": sum(body) % 65521,
             "headers": dict(request.headers), "client": request.client and request.client.host,
-            "hub": request.scope["hub"], "state": request.state.settings,
+            "hub": request.scope["forwarded"], "state": request.state.settings,
         }  # fmt: skip
         headers = {"X-Request-Id": "7", "Set-Cookie": "a=b", "Content-Security-Policy": "none", "Server": "x"}
         return JSONResponse(about, 201, headers)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from urllib.parse import quote, unquote
 
 METHOD, PATH = b"POST", b"/stop"
-# A stop as it is passed on: of a gateway or a hub, or through a hub of one site.
+# A stop as it is passed on: of all, or of one site.
 USUAL_PATH = re.compile(r"(?:/sites/[^/]+)?/stop")
 # An address instead of a path, as clients send it that believe to speak to a proxy. A user in it is an error: it would
 # make the host look like another one (RFC 9110, 4.2.4).
@@ -47,7 +47,7 @@ def read_request_line(method: bytes, target: bytes) -> RequestLine:
 def stop_path(method: bytes, path: bytes) -> bytes | None:
     """Return the usual path of a stop, as written or not: `/stop/`, `//stop`, `/%53TOP`, `/x/../stop;v=1`; else None.
 
-    Below the site of a hub it is the same: `/sites/berlin//STOP` is `/sites/berlin/stop`. No other request can be
+    Below a site it is the same: `/sites/berlin//STOP` is `/sites/berlin/stop`. No other request can be
     meant, and a robot that was to stop must not go on over a slash.
     """
     if method.upper() != METHOD:

@@ -7,6 +7,7 @@ from urllib.parse import quote
 from starlette.types import Message as AsgiMessage
 from starlette.types import Scope
 
+from dock_gateway.core.access import FORWARDED
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded
 from dock_gateway.sites.tunnel.frames import (
     Accept,
@@ -23,12 +24,12 @@ from dock_gateway.sites.tunnel.headers import read_request_headers, write_answer
 ABNORMAL_CLOSE, FORBIDDEN = 1006, 403
 
 
-def scope_of(opened: Open, hub: Any, state: Mapping[str, Any]) -> Scope:
+def scope_of(opened: Open, principal: Any, state: Mapping[str, Any]) -> Scope:
     """Return the ASGI scope of a stream.
 
     Args:
         opened: What the hub asks for.
-        hub: Who asks, as it was verified.
+        principal: Who asks, as it was verified.
         state: The application's state.
     """
     scope: Scope = {
@@ -44,7 +45,7 @@ def scope_of(opened: Open, hub: Any, state: Mapping[str, Any]) -> Scope:
         "client": (opened.client, 0),
         "server": ("localhost", 80),
         "state": dict(state),
-        "hub": hub,
+        FORWARDED: principal,
     }
     if opened.kind == "http":
         scope.update(method=opened.method, extensions={})

@@ -139,7 +139,7 @@ def site_environment(
     return kept | {"ROS_DOMAIN_ID": str(domain_of(number, environment))} | _variables(settings)
 
 
-def run_sites(
+def run_sites(  # noqa: PLR0917 - called by its entry point
     ports: Sequence[int],
     hub_url: str,
     hub_arguments: Sequence[str],
@@ -150,7 +150,7 @@ def run_sites(
     """Run the demonstration until a signal arrives.
 
     Args:
-        ports: Of the gateways of the sites, at most five.
+        ports: Of the gateways of the sites, at most as many as there are `NAMES`.
         hub_url: Where the hub will be.
         hub_arguments: Options of the hub.
         programs: Start the robots of one site, by what they are called.

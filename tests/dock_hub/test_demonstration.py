@@ -2,13 +2,17 @@
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 
+import click
 import pytest
 from click.testing import CliRunner
 
-from dock_gateway.cli import main, sites
-from dock_gateway.cli.sites import (
+from dock_gateway.cli import main
+from dock_gateway.cli.up import MAX_SITES
+from dock_hub.demonstration import (
+    NAMES,
     NO_BROKER,
     all_connected,
     broker_config,
@@ -63,9 +67,9 @@ def test_it_is_ready_when_the_hub_hears_all_sites() -> None:
 
 
 def test_a_broker_that_is_not_installed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(sites.sys, "executable", str(tmp_path / "python"))
+    monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(sites.click.ClickException) as caught:
+    with pytest.raises(click.ClickException) as caught:
         find_broker()
     assert caught.value.message == NO_BROKER
 
@@ -82,3 +86,7 @@ def test_sites_that_cannot_be(options: list[str], said: str) -> None:
     result = CliRunner().invoke(main, ["up", *options])
     assert result.exit_code == 2
     assert said in result.output
+
+
+def test_each_simulated_site_has_a_name() -> None:
+    assert len(NAMES) == MAX_SITES
