@@ -2,5 +2,6 @@
 export { extension as audit_log } from "./extensions/audit_log/extension";
 export { extension as automation } from "./extensions/automation/extension";
 export { extension as cameras } from "./extensions/cameras/extension";
+export { extension as recordings } from "./extensions/recordings/extension";
 export { extension as statistics } from "./extensions/statistics/extension";
 export { extension as webhooks } from "./extensions/webhooks/extension";

@@ -224,27 +224,6 @@ describe("the page of a goal", () => {
     expect(button(/Send again/).ariaDisabled).toBe("true");
   });
 
-  it("has the recording with its size once it is complete, and says why there is none", async () => {
-    const answers = [
-      { size: null, why_none: "The goal is being recorded.", running: true, picture: false },
-      { size: 3_400_000, why_none: null, running: false, picture: true },
-    ];
-    answering({
-      "GET /goals/a/recording": () => answers.shift(),
-      "GET /goals/a/history": () => ({ events: [], next_after: null, complete: true }),
-      "GET /goals/a": () => ended("a", -60),
-    });
-    renderPage(fakeGateway(), {}, "/ui/goals/a");
-    expect((await screen.findByRole("button", { name: "Recording" })).getAttribute("aria-disabled")).toBe(
-      "true",
-    );
-    expect(screen.getByText("The goal is being recorded.")).toBeDefined();
-    const link = await screen.findByRole("link", { name: "Recording, 3.4 MB" }, { timeout: 5000 });
-    expect(link.getAttribute("href")).toBe("/goals/a/recording.mcap");
-    const picture = screen.getByRole("img", { name: "What the robot's camera saw last" });
-    expect(picture.getAttribute("src")).toBe("/goals/a/thumbnail");
-  });
-
   it("cancels a goal on any action, and says why where that did not work", async () => {
     const running = goal("a", { action_name: "/fibonacci" });
     answering({

@@ -3,7 +3,7 @@ import { act, screen, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import "../src/access/AccountMenu";
 import { changePassword, logIn, logOut } from "../src/api/access";
-import { goalsExportUrl, recordingUrl, thumbnailUrl } from "../src/api/goals";
+import { goalsExportUrl } from "../src/api/goals";
 import { createHttp } from "../src/api/http";
 import { ANYBODY, Session, type SessionState, session } from "../src/api/session";
 import { apiAddress, pageSite, siteKey, sitePrefix } from "../src/api/site";
@@ -45,8 +45,6 @@ describe("the page of a site", () => {
     expect(streamUrl({ protocol: "https:", host: "hub" }, { robot: "/r1" })).toBe(
       "wss://hub/sites/berlin/ws/feedback?robot=%2Fr1",
     );
-    expect(thumbnailUrl("a")).toBe("/sites/berlin/goals/a/thumbnail");
-    expect(recordingUrl("a")).toBe("/sites/berlin/goals/a/recording.mcap");
     expect(goalsExportUrl({}, "csv")).toBe("/sites/berlin/goals/export?format=csv");
   });
 

@@ -30,11 +30,6 @@ export function createGoalsApi(http: Http) {
         }),
       ),
     goal: (goalId: string): Promise<AnyGoal> => settle(http.GET("/goals/{goal_id}", one(goalId))),
-    /** Whether there is a recording of a goal, or why there is none. */
-    recording: (goalId: string): Promise<GoalRecording> =>
-      settle(http.GET("/goals/{goal_id}/recording", one(goalId))),
-    /** What the replay shows of a recording. */
-    replay: (goalId: string): Promise<GoalReplay> => settle(http.GET("/goals/{goal_id}/replay", one(goalId))),
     cancel: (goalId: string): Promise<AnyGoal> => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
     /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
     history: (goalId: string, after: string | null): Promise<GoalHistory> =>
@@ -74,27 +69,6 @@ async function* historyOf(http: Http, goalId: string, type: "pose" | "status"): 
 export type GoalsApi = ReturnType<typeof createGoalsApi>;
 
 export type ExportFormat = "csv" | "json";
-
-export type GoalReplay = components["schemas"]["GoalReplay"];
-export type GoalRecording = components["schemas"]["GoalRecording"];
-
-/** Which of some goals have a picture in their recordings. */
-export async function picturedGoals(http: Http, goalIds: readonly string[]): Promise<string[]> {
-  const { goal_ids = [] } = await settle(
-    http.GET("/recordings", { params: { query: { goal_id: [...goalIds] } }, signal: deadline() }),
-  );
-  return goal_ids;
-}
-
-/** Where the last picture of the robot's camera in the recording of a goal is. */
-export function thumbnailUrl(goalId: string): string {
-  return apiPath(`/goals/${encodeURIComponent(goalId)}/thumbnail`);
-}
-
-/** Where the recording of a goal is downloaded. */
-export function recordingUrl(goalId: string): string {
-  return apiPath(`/goals/${encodeURIComponent(goalId)}/recording.mcap`);
-}
 
 /** Where the goals that a list is narrowed to are downloaded. */
 export function goalsExportUrl(query: GoalQuery, format: ExportFormat): string {

@@ -1,7 +1,8 @@
+import type { AnyGoal } from "@dock-gateway/client";
 import { type ComponentType, createContext, type ReactNode, Suspense, useContext } from "react";
 import { useLocation } from "react-router";
 import { Guarded } from "../ui/Guarded";
-import { type Extension, type Places, partsAt } from "./extension";
+import { type Extension, type Places, partsAt, type ReplayLayer } from "./extension";
 
 const ExtensionsContext = createContext<readonly Extension[]>([]);
 
@@ -40,4 +41,22 @@ export function Parts<Place extends keyof Places>({ at, otherwise = null, ...giv
       </Guarded>
     );
   });
+}
+
+/** What extensions show beside the names of listed goals. */
+export function useGoalMarks(
+  goals: Parameters<NonNullable<Extension["goalMarks"]>>[0],
+): (goalId: string) => ReactNode {
+  // The list stays the same: so does the order of the hooks.
+  const marks = useExtensions().flatMap(({ goalMarks }) => goalMarks?.(goals) ?? []);
+  return (goalId) => marks.map((each) => each.get(goalId)).find((mark) => mark !== undefined);
+}
+
+/** What an extension adds to the replay of a goal; null for nothing. */
+export function useReplayLayer(goal: AnyGoal): ReplayLayer | null {
+  return (
+    useExtensions()
+      .map(({ replay }) => replay?.(goal) ?? null)
+      .find((layer) => layer !== null) ?? null
+  );
 }

@@ -1,5 +1,6 @@
 import type { AnyGoal } from "@dock-gateway/client";
-import type { ComponentType } from "react";
+import type { ComponentType, ReactNode } from "react";
+import type { Surroundings } from "../store/surroundings";
 
 /**
  * A feature that can be taken out: what it adds to the dashboard. The rooms below `extensions/` map over the list in
@@ -11,6 +12,18 @@ export interface Extension {
   pages?: readonly Page[];
   /** What it adds to pages that are not its own, by place. */
   parts?: { [Place in keyof Places]?: ComponentType<Places[Place]> };
+  /** A hook: what to show beside the names of listed goals, by their ids. */
+  goalMarks?: (goals: readonly Pick<AnyGoal, "goal_id" | "status">[]) => ReadonlyMap<string, ReactNode>;
+  /** A hook: what to add to the replay of a goal that has ended; null for nothing. */
+  replay?: (goal: AnyGoal) => ReplayLayer | null;
+}
+
+/** What the replay of a goal shows besides the robot's stored poses. */
+export interface ReplayLayer {
+  /** What was around the robot; `seek` goes to a moment (s since the goal began), to the end for null. */
+  around: Surroundings & { seek(moment: number | null): void };
+  /** What else is known of a moment, in words. */
+  readings(moment: number | null): string[];
 }
 
 /** A page below the header. */
@@ -60,10 +73,18 @@ export interface Places {
   robotHead: OfRobot;
   /** Below the plots of a robot's battery. */
   robotPanels: OfRobot;
+  /** Beside the verdict on a goal. */
+  goalHead: OfGoal;
+  /** Among what can be done about a goal. */
+  goalCommands: OfGoal;
   /** What sent a goal that no person has sent. */
-  automaticGoal: { goal: AnyGoal };
+  automaticGoal: OfGoal;
   /** On the page about who is told of alerts. */
   notifications: object;
+}
+
+interface OfGoal {
+  goal: AnyGoal;
 }
 
 interface OfRobot {

@@ -23,7 +23,6 @@ import { sentence } from "../ui/text";
 import { goalsPath } from "./filter";
 import { NamedMessage } from "./GoalMessages";
 import classes from "./goalPage.module.css";
-import { RecordedPicture, RecordingButton } from "./RecordingButton";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
@@ -49,7 +48,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         <div className={classes.words}>
           <GoalVerdict goal={goal} />
         </div>
-        <RecordedPicture goal={goal} />
+        <Parts at="goalHead" goal={goal} />
       </Group>
       <GoalCommands goal={goal} />
       <div className={classes.id}>
@@ -156,7 +155,7 @@ function GoalCommands({ goal }: { goal: AnyGoal }) {
         </ReasonButton>
         <CopyButton value={window.location.href} what="to this goal" label="Copy link" />
         <Downloads what="this goal" url={(format) => goalExportUrl(goal.goal_id, format)} />
-        <RecordingButton goal={goal} />
+        <Parts at="goalCommands" goal={goal} />
       </div>
       <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
       <CommandErrorAlert command="Sending it again" error={again.error} onClose={again.reset} />

@@ -1,23 +1,19 @@
-import { type ActionServer, isTerminal, type ListedGoal } from "@dock-gateway/client";
+import type { ActionServer, ListedGoal } from "@dock-gateway/client";
 import { Anchor, Button, Group, Table, Text } from "@mantine/core";
-import { keepPreviousData } from "@tanstack/react-query";
-import { type MouseEvent, memo, useState } from "react";
+import { type MouseEvent, memo, type ReactNode, useState } from "react";
 import { Link, useNavigate } from "react-router";
-import { picturedGoals } from "../api/goals";
-import { ofHub } from "../api/hub";
 import { apiAddress } from "../api/site";
-import { useFleet, useNaming } from "../fleet/context";
+import { useGoalMarks } from "../extension/context";
+import { useNaming } from "../fleet/context";
 import { goalPath } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { goalName, goalTitle, outcome } from "../goal/words";
 import { useTopic } from "../store/context";
 import { Breakable } from "../ui/Fact";
-import { useAnswer } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { sentence } from "../ui/text";
 import { goalsPath } from "./filter";
-import { GoalPicture } from "./GoalPicture";
 import classes from "./goals.module.css";
 
 /** A goal as far as it is listed. */
@@ -32,7 +28,7 @@ interface GoalsTableProps {
 /** Goals, a row each, which leads to the goal's page. */
 export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
   const naming = useNaming();
-  const pictured = usePictured(goals);
+  const markOf = useGoalMarks(goals);
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
       <GoalsHead oneRobot={oneRobot} />
@@ -43,7 +39,7 @@ export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
             goal={goal}
             title={oneRobot ? goalName(goal) : goalTitle(goal, naming)}
             oneRobot={oneRobot}
-            pictured={pictured.has(goal.goal_id)}
+            mark={markOf(goal.goal_id)}
           />
         ))}
       </Table.Tbody>
@@ -71,11 +67,11 @@ interface GoalRowProps {
   /** In words. */
   title: string;
   oneRobot: boolean;
-  /** Whether its recording has a picture. */
-  pictured: boolean;
+  /** What extensions show beside its name. */
+  mark: ReactNode;
 }
 
-const GoalRow = memo(function GoalRow({ goal, title, oneRobot, pictured }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, title, oneRobot, mark }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id, goal.action_name);
   const open = ({ target }: MouseEvent) => {
@@ -93,7 +89,7 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot, pictured }: GoalR
         <Table.Td visibleFrom="xs" title={goal.action_name}>
           <div className={classes.titled}>
             {title}
-            {pictured && <GoalPicture goalId={goal.goal_id} small />}
+            {mark}
           </div>
         </Table.Td>
       ) : (
@@ -107,7 +103,7 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot, pictured }: GoalR
                 <Breakable text={goal.action_name} />
               </Text>
             </div>
-            {pictured && <GoalPicture goalId={goal.goal_id} small />}
+            {mark}
           </div>
           {goal.tags !== undefined && goal.tags.length > 0 && <Tags tags={goal.tags} />}
         </Table.Td>
@@ -141,27 +137,6 @@ function Tags({ tags }: { tags: readonly string[] }) {
       ))}
     </Group>
   );
-}
-
-/** The gateway is asked for the pictures of so many goals at once. */
-const MAX_ASKED = 100;
-const NONE: ReadonlySet<string> = new Set();
-
-/** The goals that have a picture, of the newest that have ended: one request for all. */
-function usePictured(goals: readonly RowGoal[]): ReadonlySet<string> {
-  const { http } = useFleet();
-  const ids = goals
-    .filter(({ status }) => isTerminal(status))
-    .slice(0, MAX_ASKED)
-    .map(({ goal_id }) => goal_id);
-  const { data } = useAnswer({
-    queryKey: ["pictured", ...ids],
-    queryFn: async () => new Set(await picturedGoals(http, ids)),
-    // A hub has no recordings: those are at the sites.
-    enabled: ids.length > 0 && !ofHub(),
-    placeholderData: keepPreviousData,
-  });
-  return data ?? NONE;
 }
 
 const PAGE = 10;

@@ -1,6 +1,6 @@
 import { useState } from "react";
-import { thumbnailUrl } from "../api/goals";
-import classes from "./goals.module.css";
+import classes from "./recordings.module.css";
+import { thumbnailUrl } from "./requests";
 
 /** What the robot's camera saw last while a goal ran; nothing where its recording has no picture. */
 export function GoalPicture({ goalId, small = false }: { goalId: string; small?: boolean }) {

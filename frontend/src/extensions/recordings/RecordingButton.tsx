@@ -1,20 +1,20 @@
 import { type AnyGoal, isTerminal } from "@dock-gateway/client";
 import { Button } from "@mantine/core";
-import { recordingUrl } from "../api/goals";
-import { ReasonButton } from "../ui/ReasonButton";
-import { useAnswer } from "../ui/requests";
+import { useFleet } from "../../fleet/context";
+import { ReasonButton } from "../../ui/ReasonButton";
+import { useAnswer } from "../../ui/requests";
 import { GoalPicture } from "./GoalPicture";
-import { useWatched } from "./useGoalWatch";
+import { recordingOf, recordingUrl } from "./requests";
 
 /** How often it is asked whether a recording is complete (ms). */
 const AGAIN_MS = 1000;
 
 /** Whether a goal has a recording; asked again until that is complete. */
 export function useRecording(goal: AnyGoal) {
-  const { api } = useWatched();
+  const { http } = useFleet();
   return useAnswer({
     queryKey: ["recording", goal.goal_id, goal.finished_at],
-    queryFn: () => api.recording(goal.goal_id),
+    queryFn: () => recordingOf(http, goal.goal_id),
     refetchInterval: ({ state }) => (isTerminal(goal.status) && state.data?.running ? AGAIN_MS : false),
   });
 }

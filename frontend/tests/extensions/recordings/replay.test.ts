@@ -1,8 +1,7 @@
 import { describe, expect, it } from "vitest";
-import type { GoalReplay } from "../../src/api/goals";
-import { readingsAt } from "../../src/goals/ReplayMap";
-import { RecordedSurroundings } from "../../src/scene/recorded";
-import { sceneEvent } from "../events";
+import { RecordedSurroundings, readingsAt } from "../../../src/extensions/recordings/replay";
+import type { GoalReplay } from "../../../src/extensions/recordings/requests";
+import { sceneEvent } from "../../events";
 
 const RECORDED: GoalReplay = {
   scans: [

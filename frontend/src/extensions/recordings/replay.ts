@@ -1,0 +1,74 @@
+import type { AnyGoal, Pose, Scene } from "@dock-gateway/client";
+import { useMemo } from "react";
+import type { ReplayLayer } from "../../extension/extension";
+import { useFleet } from "../../fleet/context";
+import { type Point, place } from "../../store/geometry";
+import { Surroundings } from "../../store/surroundings";
+import { lastUpTo } from "../../ui/crosshair";
+import { useAnswer } from "../../ui/requests";
+import { useRecording } from "./RecordingButton";
+import { type GoalReplay, replayOf } from "./requests";
+
+/** What was recorded longer before a moment says nothing of it (s). */
+const OLD_S = 2;
+
+/** What the recording of a goal adds to its replay; null while it is not known, and without a recording. */
+export function useReplay(goal: AnyGoal): ReplayLayer | null {
+  const { http } = useFleet();
+  const size = useRecording(goal).data?.size ?? null;
+  const { data } = useAnswer({
+    queryKey: ["replay", goal.goal_id, size],
+    queryFn: () => replayOf(http, goal.goal_id),
+    enabled: size !== null,
+    staleTime: Number.POSITIVE_INFINITY,
+  });
+  return useMemo(
+    () =>
+      data === undefined
+        ? null
+        : { around: new RecordedSurroundings(data), readings: (moment) => readingsAt(data, moment) },
+    [data],
+  );
+}
+
+/** What the laser saw at a moment of a goal, as its recording has it. */
+export class RecordedSurroundings extends Surroundings {
+  #points: readonly Point[] = [];
+
+  /** @param recorded What the replay shows of the recording. */
+  constructor(private readonly recorded: GoalReplay) {
+    super();
+  }
+
+  /** Goes to a moment of the goal (s); to its end for null. */
+  seek(moment: number | null): void {
+    const scan = at(this.recorded.scans, moment);
+    this.#points = scan === null ? [] : scan.points.map(([x = 0, y = 0]) => ({ x, y }));
+  }
+
+  override scanIn(_: Scene, robot: Pose): readonly Point[] {
+    return this.#points.map((point) => place(robot, point));
+  }
+}
+
+/** What was last recorded at a moment (s); of the end for null, null where nothing is near. */
+export function at<Each extends { at: number }>(
+  recorded: readonly Each[],
+  moment: number | null,
+): Each | null {
+  const last = recorded.length - 1;
+  const index = moment === null ? last : lastUpTo(moment, recorded.length, (each) => recorded[each]?.at ?? 0);
+  const found = recorded[index] ?? null;
+  return found === null || (moment !== null && moment - found.at > OLD_S) ? null : found;
+}
+
+/** What the robot was told at a moment, and what its battery said. */
+export function readingsAt({ velocity, battery }: GoalReplay, moment: number | null): string[] {
+  const told = at(velocity, moment);
+  const said = at(battery, moment);
+  const readings = [];
+  if (told !== null && told.linear !== null && told.angular !== null)
+    readings.push(`commanded ${told.linear.toFixed(2)} m/s, ${told.angular.toFixed(2)} rad/s`);
+  if (said !== null && said.voltage !== null) readings.push(`battery ${said.voltage.toFixed(2)} V`);
+  return readings.map((reading) => reading.replaceAll("-", "−"));
+}

@@ -1,0 +1,35 @@
+import { type components, deadline, type Http, settle } from "@dock-gateway/client";
+import { apiPath } from "../../api/site";
+
+export type GoalReplay = components["schemas"]["GoalReplay"];
+export type GoalRecording = components["schemas"]["GoalRecording"];
+
+const one = (goalId: string) => ({ params: { path: { goal_id: goalId } }, signal: deadline() });
+
+/** Whether there is a recording of a goal, or why there is none. Every failure is a ClientError. */
+export function recordingOf(http: Http, goalId: string): Promise<GoalRecording> {
+  return settle(http.GET("/goals/{goal_id}/recording", one(goalId)));
+}
+
+/** What the replay shows of a recording. */
+export function replayOf(http: Http, goalId: string): Promise<GoalReplay> {
+  return settle(http.GET("/goals/{goal_id}/replay", one(goalId)));
+}
+
+/** Which of some goals have a picture in their recordings. */
+export async function picturedGoals(http: Http, goalIds: readonly string[]): Promise<string[]> {
+  const { goal_ids = [] } = await settle(
+    http.GET("/recordings", { params: { query: { goal_id: [...goalIds] } }, signal: deadline() }),
+  );
+  return goal_ids;
+}
+
+/** Where the last picture of the robot's camera in the recording of a goal is. */
+export function thumbnailUrl(goalId: string): string {
+  return apiPath(`/goals/${encodeURIComponent(goalId)}/thumbnail`);
+}
+
+/** Where the recording of a goal is downloaded. */
+export function recordingUrl(goalId: string): string {
+  return apiPath(`/goals/${encodeURIComponent(goalId)}/recording.mcap`);
+}
