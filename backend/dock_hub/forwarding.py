@@ -3,8 +3,7 @@
 import asyncio
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from dataclasses import dataclass
+from contextlib import contextmanager, nullcontext, suppress
 from http import HTTPStatus
 from urllib.parse import parse_qsl, urlencode
 
@@ -33,7 +32,7 @@ from dock_gateway.sites.names import site_grant, to_hub
 from dock_gateway.sites.tunnel.failures import SiteTimeout
 from dock_gateway.sites.tunnel.frames import STOP
 from dock_gateway.streams.events import CLOSE_CODES
-from dock_hub.site_client import DEADLINE, SiteClient
+from dock_hub.site_client import DEADLINE, SiteClient, SiteRequest
 from dock_hub.sites import Sites
 from dock_hub.stop_requests import BODY_WITHIN, STOPS_UNSEEN
 
@@ -63,8 +62,7 @@ async def forward_request(site: str, path: str, request: Request) -> Response:
     client = parts[Sites].client(site, UNLIMITED if stops else principal.grant)
     body = await _read_stop(request) if stops else await read_body(request)
     parts[Logins].require_valid(principal)  # the body may have taken its time
-    token = _sign(client, request.method, f"/{path}", request.scope, body)
-    return Forwarded(Asked(client, f"/{path}", token, _headers(request, stops=stops), body, stops))
+    return Forwarded(client, _asked(client, f"/{path}", request, body, stops=stops), stops=stops)
 
 
 @router.websocket("/sites/{site}/{path:path}", name="forward_websocket")
@@ -73,70 +71,35 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
     """Carry a WebSocket to a site. It ends with the login at the hub."""
     parts, principal = parts_of(websocket), principal_of(websocket)
     client = parts[Sites].client(site, principal.grant)
-    scope = {**websocket.scope, "query_string": _without_ticket(websocket.scope["query_string"])}
-    token = _sign(client, "GET", f"/{path}", scope)
-    asked = Asked(client, f"/{path}", token, _headers(websocket), b"")
+    asked = _asked(client, f"/{path}", websocket)
     if path in COMMANDING:
         trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
         trail.fields |= {"robot": None, "subject": f"/sites/{site}/{path}"[:200]}
         await trail.record(HTTPStatus.SWITCHING_PROTOCOLS)
     with _places(websocket, site):
-        await Stream(websocket).run(asked, scope)
-
-
-@dataclass(frozen=True)
-class Asked:
-    """A request to a site.
-
-    Attributes:
-        client: The site.
-        path: The path there.
-        token: Who asks, signed.
-        headers: Its headers.
-        body: Its body.
-        stops: Whether it is a stop.
-    """
-
-    client: SiteClient
-    path: str
-    token: str
-    headers: Pairs
-    body: bytes
-    stops: bool = False
-
-    @property
-    def site(self) -> str:
-        """Name of the site."""
-        return self.client.address.site
-
-    async def carry(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Carry it to the site, and what that answers back; arguments as ASGI has them.
-
-        Raises:
-            GatewayError: As `Caller.forward`.
-        """
-        await self.client.forward(
-            scope, receive, send, path=self.path, token=self.token, headers=self.headers, deadline=DEADLINE
-        )
+        await Stream(websocket).run(client, asked)
 
 
 class Forwarded(Response):
     """The answer of a site, as it comes.
 
     Args:
+        client: The site.
         asked: What it is asked.
+        stops: Whether that is a stop, which is not counted.
     """
 
-    def __init__(self, asked: Asked) -> None:
+    def __init__(self, client: SiteClient, asked: SiteRequest, *, stops: bool) -> None:
         super().__init__()
+        self._client = client
         self._asked = asked
+        self._stops = stops
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send the request, and then what comes."""
         connection = HTTPConnection(scope)
         timeout = parts_of(connection)[Settings].subscriber_timeout
-        asked = self._asked
-        prefix = f"/sites/{asked.site}"
+        asked, site = self._asked, self._client.address.site
         waiting: list[Message] = [{"type": "http.request", "body": asked.body, "more_body": False}]
 
         async def receive_all() -> Message:
@@ -144,13 +107,13 @@ class Forwarded(Response):
 
         async def send_own(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message = {**message, "headers": [*_answered(message.get("headers", ()), prefix)]}
+                message = {**message, "headers": [*_answered(message.get("headers", ()), f"/sites/{site}")]}
             await send_in_time(send, message, timeout)
 
-        carrying = asyncio.ensure_future(asked.carry(scope, receive_all, send_own))
+        carrying = asyncio.ensure_future(self._client.forward(asked, scope, receive_all, send_own))
         try:
             with (
-                self._counted(connection),
+                nullcontext() if self._stops else _places(connection, site),
                 parts_of(connection)[Logins].watch(principal_of(connection), carrying.cancel),
             ):
                 await asyncio.wait((carrying,))
@@ -164,9 +127,6 @@ class Forwarded(Response):
             error.extra["idempotency_key"] = Headers(raw=asked.headers).get("idempotency-key")
             raise
 
-    def _counted(self, connection: HTTPConnection) -> AbstractContextManager[None]:
-        return nullcontext() if self._asked.stops else _places(connection, self._asked.site)
-
 
 class Stream:
     """A WebSocket that is carried to a site.
@@ -179,10 +139,10 @@ class Stream:
         self._websocket = websocket
         self._timeout = parts_of(websocket)[Settings].subscriber_timeout
 
-    async def run(self, asked: Asked, scope: Scope) -> None:
+    async def run(self, client: SiteClient, asked: SiteRequest) -> None:
         """Carry messages both ways until either side ends it, or the login ends."""
         websocket, ended = self._websocket, asyncio.Event()
-        carrying = asyncio.ensure_future(asked.carry(scope, websocket.receive, self._send))
+        carrying = asyncio.ensure_future(client.forward(asked, websocket.scope, websocket.receive, self._send))
         ending = asyncio.ensure_future(ended.wait())
         try:
             with parts_of(websocket)[Logins].watch(principal_of(websocket), ended.set):
@@ -220,10 +180,25 @@ async def _read_stop(request: Request) -> bytes:
         return b""
 
 
-def _sign(client: SiteClient, method: str, path: str, scope: Scope, body: bytes = b"") -> str:
-    principal = principal_of(HTTPConnection(scope))
+def _asked(
+    client: SiteClient, path: str, connection: HTTPConnection, body: bytes = b"", *, stops: bool = False
+) -> SiteRequest:
+    """Return the request of a client, as a site gets it."""
+    principal = principal_of(connection)
     grant = site_grant(principal.grant, client.address.site) or STOPS_UNSEEN  # else, only a stop gets here
-    return client.sign(method, path, scope["query_string"].decode("latin-1"), body, principal.name, grant)
+    query = connection.scope["query_string"]
+    if connection.scope["type"] == "websocket":
+        query = _without_ticket(query)
+    return SiteRequest(
+        connection.scope.get("method", "GET"),
+        path,
+        query.decode("latin-1"),
+        body,
+        principal.name,
+        grant,
+        _headers(connection, stops=stops),
+        DEADLINE,
+    )
 
 
 def _headers(connection: HTTPConnection, *, stops: bool = False) -> Pairs:

@@ -27,7 +27,7 @@ from dock_hub.fields import ForeignDocumentError
 from dock_hub.overview import Overview
 from dock_hub.renaming import read_alerts
 from dock_hub.schema import HubHealth, HubReadiness, SiteAlert, SiteAlertList, SiteInfo, SiteList, SiteRobotList
-from dock_hub.site_client import DEADLINE
+from dock_hub.site_client import SiteRequest
 from dock_hub.sites import Sites
 from dock_hub.stops import Stops
 
@@ -99,10 +99,9 @@ async def acknowledge_alert(alert_id: str, request: Request, parts: Parts, by: s
     client, grant = parts[Sites].client(site, principal.grant), site_grant(principal.grant, site)
     if grant is None:
         raise NotFound(f"there is no alert {alert_id[:60]}", code="alert_not_found")
+    method, sent = ("DELETE", b"") if by is None else ("PUT", encode({"by": by}))
     path = f"/alerts/{own_id}/acknowledgement"
-    sent = b"" if by is None else encode({"by": by})
-    method = "DELETE" if by is None else "PUT"
-    answer = await client.ask(method, path, sent, name=principal.name, grant=grant, deadline=DEADLINE)
+    answer = await client.ask(SiteRequest(method, path, body=sent, user=principal.name, grant=grant))
     if answer.status != 200:
         media_type = "application/problem+json"
         return Response(answer.body, answer.status, media_type=media_type)

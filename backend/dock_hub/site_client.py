@@ -1,8 +1,9 @@
-"""The API of a site, as the hub asks it: each request is signed, for one site, one process and one path."""
+"""The API of a site. Each request is signed for its user, one site, one process and one path."""
 
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import orjson
@@ -19,6 +20,32 @@ from dock_hub.fields import ForeignDocumentError
 DEADLINE = 10.0
 # What the hub itself needs at a site.
 READER = Grant(Role.VIEWER)
+JSON = [(b"content-type", b"application/json")]
+
+
+@dataclass(frozen=True)
+class SiteRequest:
+    """A request to a site.
+
+    Attributes:
+        method: The method.
+        path: The path at the site, decoded.
+        query: The query, encoded.
+        body: The body.
+        user: Name of the user of the hub; None for the hub itself, or if it needs no login.
+        grant: What the user may do, in the site's own names.
+        headers: The headers; by default those of a JSON body.
+        deadline: Seconds that the site may take.
+    """
+
+    method: str
+    path: str
+    query: str = ""
+    body: bytes = b""
+    user: str | None = None
+    grant: Grant = READER
+    headers: list[tuple[bytes, bytes]] = field(default_factory=JSON.copy)
+    deadline: float = DEADLINE
 
 
 class Conversation(Protocol):
@@ -44,19 +71,52 @@ class SiteClient:
         self.address = address
         self._clock = clock
 
-    def sign(  # noqa: PLR0917 - what a token says
-        self, method: str, path: str, query: str, body: bytes = b"", name: str | None = None, grant: Grant = READER
-    ) -> str:
-        """Return who asks, signed for a request that the site begins within `DEADLINE`; by default the hub itself."""
+    def _sign(self, request: SiteRequest) -> str:
+        """Return who asks, signed for a request that the site begins within `DEADLINE`."""
         (site, instance), now = (self.address.site, self.address.instance), self._clock()
-        content = self._caller.content_of(query, body)
-        return self._signer.sign(site, instance, name, grant, method, path, now, content=content, lifetime=DEADLINE)
+        content = self._caller.content_of(request.query, request.body)
+        said = site, instance, request.user, request.grant, request.method, request.path, now
+        return self._signer.sign(*said, content=content, lifetime=DEADLINE)
+
+    async def ask(self, request: SiteRequest) -> TunnelAnswer:
+        """Make a request; return the answer.
+
+        Raises:
+            SiteUnreachable, SiteTimeout: There is no answer.
+        """
+        return await self._caller.request(
+            self.address,
+            request.method,
+            request.path,
+            token=self._sign(request),
+            query=request.query,
+            headers=request.headers,
+            body=request.body,
+            deadline=request.deadline,
+        )
+
+    async def forward(self, request: SiteRequest, scope: Scope, receive: Receive, send: Send) -> None:
+        """Carry a request or a WebSocket of a client to the site, and its answer back; arguments as ASGI has them.
+
+        Raises:
+            GatewayError: As `Caller.forward`.
+        """
+        await self._caller.forward(
+            self.address,
+            {**scope, "query_string": request.query.encode("latin-1")},
+            receive,
+            send,
+            path=request.path,
+            token=self._sign(request),
+            headers=request.headers,
+            deadline=request.deadline,
+        )
 
     def events(self, after: str | None) -> AbstractAsyncContextManager[Conversation]:
         """Follow the site: a snapshot or what was missed since an event, then everything as it happens."""
-        path = "/ws/feedback"
         query = "include=robots&feedback=false" + ("" if after is None else f"&after={after}")
-        return self._caller.websocket(self.address, path, token=self.sign("GET", path, query), query=query)
+        request = SiteRequest("GET", "/ws/feedback", query)
+        return self._caller.websocket(self.address, request.path, token=self._sign(request), query=query)
 
     async def get(self, path: str, query: str = "") -> tuple[int, Any]:
         """Return the status and the document of an answer.
@@ -65,51 +125,11 @@ class SiteClient:
             ForeignDocumentError: It is not JSON.
             SiteUnreachable, SiteTimeout: There is no answer.
         """
-        token = self.sign("GET", path, query)
-        answer = await self._caller.request(self.address, "GET", path, token=token, query=query, deadline=DEADLINE)
+        answer = await self.ask(SiteRequest("GET", path, query, headers=[]))
         try:
             return answer.status, orjson.loads(answer.body)
         except orjson.JSONDecodeError:
             raise ForeignDocumentError(f"the answer to GET {path} is not JSON") from None
-
-    async def ask(
-        self, method: str, path: str, body: bytes, *, name: str | None, grant: Grant, deadline: float, query: str = ""
-    ) -> TunnelAnswer:
-        """Make a request for a user of the hub; return the answer.
-
-        Args:
-            method: The method.
-            path: The path at the site.
-            body: JSON; may be empty.
-            name: Their name; None if the hub needs no login.
-            grant: What they may do, in the site's own names.
-            deadline: Seconds that the site may take.
-            query: The query.
-
-        Raises:
-            SiteUnreachable, SiteTimeout: There is no answer.
-        """
-        token = self.sign(method, path, query, body, name, grant)
-        headers = [(b"content-type", b"application/json")]
-        return await self._caller.request(
-            self.address, method, path, token=token, query=query, headers=headers, body=body, deadline=deadline
-        )
-
-    async def forward(
-        self,
-        scope: Scope,
-        receive: Receive,
-        send: Send,
-        *,
-        path: str,
-        token: str,
-        headers: list[tuple[bytes, bytes]],
-        deadline: float,
-    ) -> None:
-        """Carry a request or a WebSocket of a client; arguments as `Caller.forward`."""
-        await self._caller.forward(
-            self.address, scope, receive, send, path=path, token=token, headers=headers, deadline=deadline
-        )
 
     async def measure(self) -> float:
         """Return the seconds that a small answer takes."""

@@ -10,6 +10,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
+from dock_hub.site_client import SiteRequest
 from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
 
 # All robots of a site.
@@ -41,10 +42,8 @@ class SiteAnswer(Protocol):
 class SiteApi(Protocol):
     """The API of a site."""
 
-    async def ask(
-        self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
-    ) -> SiteAnswer:
-        """Make a request for a user of the hub.
+    async def ask(self, request: SiteRequest) -> SiteAnswer:
+        """Make a request.
 
         Raises:
             GatewayError: There is no answer.
@@ -52,7 +51,7 @@ class SiteApi(Protocol):
 
 
 class ReachableSites(Protocol):
-    """The sites, as far as stops need them."""
+    """The part of the sites that stops need."""
 
     def names(self) -> list[str]:
         """Return the names of all sites, sorted."""
@@ -118,25 +117,20 @@ class SiteStopper:
         query = urlencode([("robot", robot) for robot in entry.robots])
         if len(query) > MAX_QUERY:  # the site would refuse it
             query = urlencode({"robot": WHOLE})
-        answer = await self._ask(name, "POST", "/stop", body, query=query, user=entry.user)
+        request = SiteRequest("POST", "/stop", query, body, entry.user, STOPS_ALL, deadline=self._deadline)
+        answer = await self._sites.client(name).ask(request)
         if answer.status != 200:
             code, detail = read_problem(answer.body, answer.status)
             return answer.status in FINAL, StopOutcome(stopped=False, code=code, detail=detail)
         outcome = judge(name, answer.body, latch=latch)
         return outcome.stopped, outcome
 
-    async def _ask(self, name: str, method: str, path: str, body: bytes, *, query: str, user: str | None) -> SiteAnswer:
-        return await self._sites.client(name).ask(
-            method, path, body, query=query, name=user, grant=STOPS_ALL, deadline=self._deadline
-        )
-
     async def release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
         """Send a release."""
         query = urlencode({"robot": robot})
+        request = SiteRequest("DELETE", "/stop", query, user=user, grant=grant, deadline=self._deadline)
         try:
-            answer = await self._sites.client(name).ask(
-                "DELETE", "/stop", b"", query=query, name=user, grant=grant, deadline=self._deadline
-            )
+            answer = await self._sites.client(name).ask(request)
         except GatewayError as error:
             return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
         if answer.status != 200:

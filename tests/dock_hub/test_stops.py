@@ -15,6 +15,7 @@ from dock_gateway.core.errors import ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
+from dock_hub.site_client import SiteRequest
 from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome
 from dock_hub.stop_requests import WHOLE, StopEntry, outermost
 from dock_hub.stops import Stops, StopTimes
@@ -49,21 +50,19 @@ class FakeSite:
     asked: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
     who: list[tuple[str | None, Grant]] = field(default_factory=list)
 
-    async def ask(
-        self, method: str, path: str, body: bytes, *, query: str, name: str | None, grant: Grant, deadline: float
-    ) -> Answer:
-        if self.delay > deadline:
-            await asyncio.sleep(deadline)
+    async def ask(self, request: SiteRequest) -> Answer:
+        if self.delay > request.deadline:
+            await asyncio.sleep(request.deadline)
             raise ServerTimeout("the site did not answer", code="site_timeout")
         if self.gate is not None:
             await self.gate.wait()
         await asyncio.sleep(self.delay)
-        assert path == "/stop"
-        self.who.append((name, grant))
-        self.asked.append((method, tuple(parse_qs(query).get("robot", ()))))
+        assert request.path == "/stop"
+        self.who.append((request.user, request.grant))
+        self.asked.append((request.method, tuple(parse_qs(request.query).get("robot", ()))))
         if self.refusal is not None:
             return self.refusal
-        self.latched = method == "POST"
+        self.latched = request.method == "POST"
         self.stops += self.latched
         if self.loses_answers:
             raise ServerTimeout("the site did not answer", code="site_timeout")
