@@ -55,7 +55,7 @@ class Canceler:
         self._limits = limits
         self._tracker = tracker
         self._interlock = interlock
-        self.unwanted: dict[str, GoalError] = {}
+        self.unwanted = tracker.unwanted
         self.retrying: set[str] = set()
         for news in (News.SEEN, News.RETURNED):
             tracker.on[news].append(self.seen_again)

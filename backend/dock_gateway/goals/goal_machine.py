@@ -15,7 +15,7 @@ import orjson
 
 from dock_gateway.core.dock_adapters.adapter import NO_REASON, DockAdapter
 from dock_gateway.core.event import Event, Now, feedback_event, moment, nanoseconds, status_event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
+from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
 from dock_gateway.goals.adoption import Message, Newcomer, Newcomers
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 
@@ -99,6 +99,8 @@ class GoalMachine:
     Attributes:
         live: The running goals, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
+        unwanted: Why goals must not run, by their ids. A lost goal that returns in whatever state, even canceled
+            already, has that error.
         newcomers: Unknown goals, which have to be looked up in the history.
         outputs: What has to be done, oldest first. The tracker removes each as it does it.
     """
@@ -117,6 +119,7 @@ class GoalMachine:
         self._halt = halt
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
+        self.unwanted: dict[str, GoalError] = {}
         self.newcomers = Newcomers(limits)
         self.outputs: deque[Output] = deque()
         self._action = (action_name, action_type)
@@ -297,7 +300,7 @@ class GoalMachine:
         before = goal.status
         if goal.goal_id in self.live:
             self._heard_at[goal.goal_id] = now.monotonic
-        if not goal.advance(status, moment(now.ns)):
+        if not self._advance(now, goal, status):
             return
         self._publish(status_event, goal, stamp_ns or now.ns)
         self.outputs.append(Store(goal))
@@ -345,18 +348,27 @@ class GoalMachine:
         stamp_ns: int | None = None,
     ) -> None:
         """End a goal for good; `stamp_ns` is when the server reported it."""
-        if not goal.advance(status, moment(now.ns)):
+        if not self._advance(now, goal, status):
             if goal.status is status and goal.result is None and result is not None:  # a late result
-                goal.result, goal.error = result, error
+                goal.result, goal.error = result, _reason(goal, error)
                 self.outputs.append(Store(goal))
             return
         goal.result = result
-        goal.error = error or (None if status is GoalStatus.SUCCEEDED else goal.error)
+        goal.error = _reason(goal, error)
         reason = f": {goal.error.code}, {goal.error.detail}" if goal.error else ""
         log.info("goal %s %s%s", goal.goal_id, status.value, reason, extra=_about(goal))
         self.outputs.append(PublishEnd(goal, stamp_ns or now.ns))
         self._retire(goal)
         self._note_ended(goal.goal_id)
+
+    def _advance(self, now: Now, goal: Goal, status: GoalStatus) -> bool:
+        """Move a goal on to `status`; return False where that would be a step back."""
+        was_lost = goal.status is GoalStatus.LOST
+        if not goal.advance(status, moment(now.ns)):
+            return False
+        if was_lost:
+            goal.error = self.unwanted.get(goal.goal_id)
+        return True
 
     def _publish(self, make: MakeEvent, goal: Goal, source_ns: int) -> None:
         self.outputs.append(Publish(make(goal, self._stamp(source_ns), source_ns), goal))
@@ -371,6 +383,14 @@ class GoalMachine:
         self._ended[goal_id] = None
         if len(self._ended) > self._limits.ended:
             self._ended.popitem(last=False)
+
+
+def _reason(goal: Goal, error: GoalError | None) -> GoalError | None:
+    """Return why a goal ended as it did. Why it was canceled outweighs that its result is missing."""
+    if goal.status is GoalStatus.SUCCEEDED or goal.error is None or goal.error.code == NO_RESULT:
+        return error
+    missing = error is not None and error.code == NO_RESULT
+    return goal.error if error is None or (missing and goal.status is GoalStatus.CANCELED) else error
 
 
 def _about(goal: Goal) -> dict[str, str]:

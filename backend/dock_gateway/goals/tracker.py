@@ -49,6 +49,7 @@ class GoalTracker:
     Attributes:
         live: The running goals, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
+        unwanted: Why goals must not run, by their ids.
         known: Returns whether a goal is known, on any thread.
         on: The functions to call with a goal, by what happened to it.
         last_heard: When the action server last gave a sign of life, on the monotonic clock.
@@ -73,6 +74,7 @@ class GoalTracker:
         self.known: KnownGoals = self._machine
         self.live = self._machine.live
         self.taken_up = self._machine.taken_up
+        self.unwanted = self._machine.unwanted
         self.last_heard = time.monotonic()
         self.port = port
         self.tasks = Tasks("tracking goals")

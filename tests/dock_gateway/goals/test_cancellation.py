@@ -10,7 +10,7 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import GoalMachine, News
@@ -192,6 +192,24 @@ async def test_a_goal_that_was_given_up(scene: Scene) -> None:
     await asyncio.sleep(0.1)
     assert goal.status is S.CANCELING
     assert goal.error == TOO_LATE
+
+
+@pytest.mark.parametrize("reported", [[S.CANCELING], [S.CANCELING, S.CANCELED], [S.CANCELED]])
+async def test_a_goal_that_was_given_up_and_is_canceled_before_its_answer_comes_says_why(
+    scene: Scene, reported: list[GoalStatus]
+) -> None:
+    """A server that wakes takes the goal, then the stop's request: its status overtakes the answer to the goal."""
+    goal = scene.goal(S.PENDING)
+    scene.canceler.stop()
+    scene.tracker.apply(GoalMachine.lose, goal, GoalError(TOO_LATE.code, "no answer"))
+    for status in reported:
+        scene.tracker.on_status([StatusReport(A, status, 1)], 1)
+    if S.CANCELED in reported:
+        scene.tracker.apply(GoalMachine.answered, goal, ResultAnswer(S.CANCELED, b"{}"), 1)
+    assert (goal.status, goal.error) == (reported[-1], STOPPED)
+    scene.tracker.apply(GoalMachine.accept, goal, 1)
+    assert (goal.status, goal.error) == (reported[-1], STOPPED)
+    assert scene.port.asked == []
 
 
 async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Scene) -> None:

@@ -301,6 +301,22 @@ def test_feedback_of_an_action_without_stages_is_not_read(adapter: DockAdapter |
     assert (goal.stage, goal.retries) == (None, None)
 
 
+@pytest.mark.parametrize(
+    ("status", "first", "then"),
+    [(S.CANCELED, "why", "why"), (S.ABORTED, "result_unavailable", "later"), (S.SUCCEEDED, "result_unavailable", None)],
+)
+def test_a_canceled_goal_whose_result_is_missing_or_late_says_why_it_was_canceled(
+    bench: Bench, status: GoalStatus, first: str, then: str | None
+) -> None:
+    goal = bench.goal(S.CANCELING, error=WHY)
+    missing = GoalError("result_unavailable", "no result")
+    bench.machine.answered(NOW, goal, ResultAnswer(status, None, missing), None)
+    assert (goal.status, goal.error and goal.error.code) == (status, first)
+    error = GoalError("later", "because") if status is S.ABORTED else None
+    bench.machine.answered(NOW, goal, ResultAnswer(status, b"{}", error), None)
+    assert (goal.result, goal.error and goal.error.code) == (b"{}", then)
+
+
 def test_a_late_result_completes_the_end(bench: Bench) -> None:
     goal = bench.goal(S.EXECUTING)
     bench.machine.end(NOW, goal, S.SUCCEEDED, error=WHY)

@@ -20,7 +20,7 @@ GOALS = st.sampled_from([OURS, OURS, ELSEWHERE, EXTERNAL])
 STATUSES = st.sampled_from(sorted(FROM_ROS.values()))
 ENDS = st.sampled_from([S.SUCCEEDED, S.CANCELED, S.ABORTED])
 ORDER = [S.PENDING, S.ACCEPTED, S.EXECUTING, S.CANCELING]
-WHY = GoalError("why", "because")
+WHY, UNWANTED = GoalError("why", "because"), GoalError("stopped", "a stop was requested")
 
 
 class World(RuleBasedStateMachine):
@@ -125,7 +125,7 @@ class World(RuleBasedStateMachine):
         if status.terminal:
             assert AwaitResult(goal, (status, now.ns)) in outputs
         elif was_lost:
-            assert (goal.status, goal.error) == (status, None)
+            assert (goal.status, goal.error) == (status, self.machine.unwanted.get(goal_id))
             assert Notify(News.RETURNED, goal) in outputs, "a lost goal that is reported again returns"
         else:
             assert goal.status.final or ORDER.index(goal.status) >= ORDER.index(status)
@@ -147,8 +147,11 @@ class World(RuleBasedStateMachine):
         if goal_id not in self.requested:
             return
         goal = self.goals[goal_id]
+        was_lost = goal.status is S.LOST
         self.machine.answered(self.now, goal, ResultAnswer(status, result), None)
         self.carry_out()
+        if was_lost and status in (S.CANCELED, S.ABORTED):
+            assert goal.error == self.machine.unwanted.get(goal_id), "what must not run says why, however it ended"
         assert goal.status.terminal or (status is not None and not status.terminal)
 
     # ------------------------------------------------------------------ this gateway
@@ -176,6 +179,13 @@ class World(RuleBasedStateMachine):
             self.machine.end(self.now, goal, S.REJECTED, error=WHY)
         self.carry_out()
         assert OURS in self.requested if accepted else goal.status is S.REJECTED
+
+    @rule(goal_id=GOALS, wanted=st.booleans())
+    def want(self, goal_id: str, wanted: bool) -> None:
+        if wanted:
+            self.machine.unwanted.pop(goal_id, None)
+        else:
+            self.machine.unwanted[goal_id] = UNWANTED
 
     @rule(goal_id=GOALS, what=st.sampled_from(["cancel", "lose", "lose", "stall", "progress"]), flag=st.booleans())
     def change(self, goal_id: str, what: str, flag: bool) -> None:

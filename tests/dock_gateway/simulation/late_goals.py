@@ -17,9 +17,10 @@ from unittest.mock import patch
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import GoalStatus, ResultAnswer
+from dock_gateway.core.goal import Goal, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import Action
+from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch import interlock as latching
 from dock_gateway.ros.action_link import ServerPresence
@@ -265,6 +266,7 @@ class LateGoals:
         self.before: set[str] = set()
         self.after: set[str] = set()
         self.stopped_at = self.thawed_at = 0.0
+        self._ended: list[Goal] = []
         self.server = Server(draw, replace(troubles, latency=draw.choice([0.1, 0.3, 1.0]) * troubles.latency))
         self._port: Any = Port(self.server)
         self._sending: set[asyncio.Task[None]] = set()
@@ -292,6 +294,7 @@ class LateGoals:
         self.action = Action(port, settings, fanout, history, PendingFacts(0.05), interlock=interlock)
         actions._actions[NAME] = self.action
         self.server.on_status = self.action.tracker.on_status
+        self.action.tracker.on[News.RETIRED].append(self._ended.append)
         self.stopper = Stopper(robots, actions, interlock)
         await asyncio.sleep(2.0)  # the server is known to answer
         await self._go_through()
@@ -348,11 +351,14 @@ class LateGoals:
     # ------------------------------------------------------------------ what must hold
 
     def found(self) -> list[str]:
-        """Return what is wrong: goals sent before the stop that run, and goals sent after the release that do not."""
+        """Return what is wrong: goals sent before the stop that run or do not say why, and others that do not run."""
         states = self.server.goals
         found = [f"{goal} runs, though it was sent before the stop" for goal in self.before if self._runs(goal)]
         ended = {goal for goal in self.after & states.keys() if not self._runs(goal)}
         found += [f"{goal} was sent after the release, and is {states[goal].value}" for goal in ended]
+        if not self._troubles.by_another:  # whose gateway knows why
+            canceled = [goal for goal in self._ended if goal.status is S.CANCELED and goal.error is None]
+            found += [f"{goal.goal_id} was canceled and does not say why" for goal in canceled]
         tracked = [goal for goal in self.action.tracker.running() if not self._runs(goal.goal_id)]
         return found + [f"{goal.goal_id} counts as {goal.status.value}" for goal in tracked]
 
