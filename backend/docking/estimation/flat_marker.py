@@ -11,6 +11,8 @@ LEAST_NOISE = math.radians(1.0)
 """Standard deviation of a heading that is reckoned with at least, in rad."""
 FIRST_NOISE = math.radians(2.0)
 """The same until it has been measured, in rad."""
+MOST_NOISE = math.radians(5.0)
+"""The same with which mirrored headings can be told from wrong ones: with more, any heading fits, in rad."""
 NEARER = 0.53
 """How far one detection is off the nearer one of two others, in the median, as a part of the standard deviation."""
 FIRST = (NEARER * FIRST_NOISE,) * 3
@@ -53,24 +55,35 @@ class _Seen:
     Attributes:
         direct: As detected, in odom, in rad.
         mirrored: At the line of sight.
-        noise: Standard deviation of the first one, in rad.
-        mirrored_noise: Of the second one.
+        unsure: Standard deviation of twice the line of sight, in rad.
     """
 
     direct: float
     mirrored: float
-    noise: float
-    mirrored_noise: float
+    unsure: float
 
-    @property
-    def distinct(self) -> bool:
-        """Whether noise cannot make the one look like the other."""
-        return abs(normalize_angle(self.direct - self.mirrored)) > DISTINCT * self.mirrored_noise
+    def off(self, heading: float, noise: float) -> tuple[float, float]:
+        """How far both are off a heading, in standard deviations.
 
-    def off(self, heading: float) -> tuple[float, float]:
-        """How far both are off a heading, in standard deviations."""
+        Args:
+            heading: In odom, in rad.
+            noise: Standard deviation of a detected heading, in rad.
+        """
         direct, mirrored = normalize_angle(self.direct - heading), normalize_angle(self.mirrored - heading)
-        return direct / self.noise, mirrored / self.mirrored_noise
+        return direct / noise, mirrored / self.mirrored_noise(noise)
+
+    def mirrored_noise(self, noise: float) -> float:
+        """Standard deviation of the mirrored heading, in rad."""
+        return math.hypot(noise, self.unsure)
+
+    def kind(self, heading: float, noise: float) -> int | None:
+        """0 if the detection shows that heading as it is, 1 if mirrored, -1 if neither; None if it may be noise."""
+        direct, mirrored = self.off(heading, noise)
+        if abs(direct) <= APART:
+            return 0 if abs(direct) <= abs(mirrored) else None
+        if abs(normalize_angle(self.direct - self.mirrored)) <= DISTINCT * self.mirrored_noise(noise):
+            return None
+        return 1 if abs(mirrored) <= FITS else -1
 
 
 @dataclass(slots=True)
@@ -87,9 +100,9 @@ class _Heading:
     score: float = 0.0
     count: int = 1
 
-    def weigh(self, seen: _Seen, drift: float) -> bool:
+    def weigh(self, seen: _Seen, noise: float, drift: float) -> bool:
         """Take a detection in; return whether it fits."""
-        direct, mirrored = seen.off(self.theta)
+        direct, mirrored = seen.off(self.theta, noise)
         is_direct = abs(direct) <= abs(mirrored)
         off = direct if is_direct else mirrored
         self.score += (DIRECT if is_direct else 0.0) - min(0.5 * off**2, WORST)
@@ -97,7 +110,7 @@ class _Heading:
             return False
         self.count += 1
         # A mirrored one counts the less, the less well the line of sight is known.
-        part = seen.noise if is_direct else seen.noise**2 / seen.mirrored_noise
+        part = noise if is_direct else noise**2 / seen.mirrored_noise(noise)
         step = off * part / min(self.count, SETTLED)
         if self.count > SETTLED:
             step = math.copysign(min(abs(step), FOLLOWS + drift), step)
@@ -121,7 +134,7 @@ class FlatMarker:
         self._other: _Heading | None = None
         self._noise = FIRST_NOISE
         self._offs: deque[float] = deque(maxlen=RECENT)
-        self._mirrored: deque[int] = deque(maxlen=RECENT)  # 0: as it was detected, 1: mirrored, -1: neither
+        self._recent: deque[_Seen] = deque(maxlen=RECENT)  # since the noise has been measured
         self._unfit = 0
         self._last: float | None = None
         self._robot: Pose | None = None
@@ -142,12 +155,12 @@ class FlatMarker:
         line_of_sight = math.atan2(place.y - camera.y, place.x - camera.x)
         unsure = 2.0 * math.atan2(UNSURE, place.distance_to(camera))
         mirrored = normalize_angle(2.0 * line_of_sight - marker.theta)
-        seen = _Seen(marker.theta, mirrored, self._noise, math.hypot(self._noise, unsure))
+        seen = _Seen(marker.theta, mirrored, unsure)
         changed = self._weigh(seen, self._drift(robot)) or self._choose(line_of_sight) or self._begins()
         main = self._main
         if main is None or not self.mirrors:
             return marker, changed
-        direct, other = seen.off(main.theta)
+        direct, other = seen.off(main.theta, self._noise)
         return (Pose(marker.x, marker.y, mirrored) if abs(other) < abs(direct) else marker), changed
 
     def _drift(self, robot: Pose) -> float:
@@ -163,11 +176,10 @@ class FlatMarker:
             began = main is not None
             self._main, self._other, self._unfit = _Heading(seen.direct), _Heading(seen.mirrored), 0
             return began and self.mirrors
-        direct, mirrored = seen.off(main.theta)
-        fits = [heading.weigh(seen, drift) for heading in (main, self._other) if heading is not None]
+        fits = [heading.weigh(seen, self._noise, drift) for heading in (main, self._other) if heading is not None]
         self._unfit = 0 if any(fits) else self._unfit + 1
-        if len(self._offs) >= MEASURED and (abs(direct) <= APART or seen.distinct):
-            self._mirrored.append(0 if abs(direct) <= APART else 1 if abs(mirrored) <= FITS else -1)
+        if len(self._offs) >= MEASURED:
+            self._recent.append(seen)
         return False
 
     def _learn_noise(self, seen: _Seen) -> None:
@@ -193,16 +205,23 @@ class FlatMarker:
         apart = abs(normalize_angle(main.theta - other.theta)) > FITS * self._noise
         if other.score > BETTER and apart:
             self._main, self._other = other, main
-            self._mirrored.clear()
+            self._recent.clear()
             return self.mirrors
         if other.score <= LEAST or not apart:
             self._other = None
         return False
 
     def _begins(self) -> bool:
-        """Whether the first mirrored detections were found just now; as many are wrong in another way by chance."""
-        right, mirrored, neither = (self._mirrored.count(kind) for kind in (0, 1, -1))
-        some = right >= FEWEST and mirrored >= max(FEWEST, SHARE * len(self._mirrored), 2 * neither)
-        begins = some and not self.mirrors
-        self.mirrors = self.mirrors or begins
-        return begins
+        """Whether the first mirrored detections were found just now; as many are wrong in another way by chance.
+
+        The noise that is known by now decides on all recent ones: with that of the first ones, any heading fits.
+        """
+        main = self._main
+        if self.mirrors or main is None or self._noise > MOST_NOISE:
+            return False
+        kinds = [seen.kind(main.theta, self._noise) for seen in self._recent]
+        right, mirrored, neither = (kinds.count(kind) for kind in (0, 1, -1))
+        told = right + mirrored + neither
+        if 2 * told >= len(kinds):  # most detections can be told apart
+            self.mirrors = right >= FEWEST and mirrored >= max(FEWEST, SHARE * told, 2 * neither)
+        return self.mirrors
