@@ -11,6 +11,7 @@ import sys
 from os.path import relpath
 from pathlib import Path
 
+from scripts.docs_modules import modules_page
 from scripts.docs_openapi import anchor, operations_page, schemas_page
 
 ROOT = Path(__file__).parents[1]
@@ -73,6 +74,7 @@ def gather(target: Path) -> None:
     document = json.loads((ROOT / "frontend/openapi.json").read_text())
     (target / "docs/operations.md").write_text(operations_page(document))
     (target / "docs/schemas.md").write_text(schemas_page(document))
+    (target / "docs/modules.md").write_text(modules_page(ROOT / "backend"))
 
 
 if __name__ == "__main__":

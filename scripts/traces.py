@@ -6,10 +6,12 @@ They are those of a real gateway and a real docking server. It takes about half 
 import json
 import signal
 import sys
+import textwrap
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from itertools import groupby
+from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 
 from scripts.follow import DOCK, FEEDBACK, STEP, STOP
@@ -28,6 +30,9 @@ TITLES = {
 }
 ROUNDS = 5
 USUAL = 0.5  # of the number of the most frequent traces of a kind
+
+WIDTH = 126
+FOLDER = 36
 
 Trace = tuple[tuple[str, str], ...]
 
@@ -101,22 +106,42 @@ def usual(traces: list[Trace]) -> Trace:
     return Counter(max(common, key=lambda same: len(same[0]))).most_common(1)[0][0]
 
 
-def table(title: str, trace: Trace) -> str:
+def steps(trace: Trace) -> Iterator[str]:
+    """The lines of a trace: each folder, with what runs there one after the other."""
+    for folder, calls in groupby(trace, key=lambda call: str(PurePath(call[0]).parent)):
+        names = ", ".join(f"{PurePath(file).stem}: {function}" for file, function in calls)
+        yield from wrap(names, first=f"    {folder:<{FOLDER}}", others=" " * (FOLDER + 4))
+
+
+def wrap(names: str, first: str, others: str) -> list[str]:
+    """Break a line between names only."""
+    lines = textwrap.wrap(
+        names.replace(": ", ":\0"),
+        WIDTH,
+        initial_indent=first,
+        subsequent_indent=others,
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+    return [line.replace("\0", " ") for line in lines]
+
+
+def section(title: str, trace: Trace) -> str:
     """A trace as Markdown."""
-    lines = "".join(f"    {file:<52} {function}\n" for file, function in trace)
-    return f"**{title}: {len(trace)} files**\n\n{lines}\n"
+    lines = "\n".join(steps(trace))
+    return f"### {title}\n\nIt passes through {len(trace)} files.\n\n{lines}\n\n"
 
 
 def written(page: str) -> str:
-    """The page, with its traces made anew."""
+    """The page, with new traces."""
     with ros_domain() as domain, TemporaryDirectory() as folder:
         traces = follow_gateway(domain, Path(folder))
     with ros_domain() as domain, TemporaryDirectory() as folder:
         traces |= follow_docking(domain, Path(folder))
     before, _, rest = page.partition(BEGIN)
     _, _, after = rest.partition(END)
-    tables = "".join(table(title, usual(traces[kind])) for kind, title in TITLES.items())
-    return f"{before}{BEGIN}\n{tables}{END}{after}"
+    sections = "".join(section(title, usual(traces[kind])) for kind, title in TITLES.items())
+    return f"{before}{BEGIN}\n{sections}{END}{after}"
 
 
 if __name__ == "__main__":
