@@ -123,11 +123,6 @@ def each(reader: Callable[[str, Any], T]) -> Callable[[str, Any], list[T]]:
     return read
 
 
-def copied(*names: str) -> dict[str, Reader]:
-    """Return the readers of fields that stay as they are."""
-    return dict.fromkeys(names, as_is)
-
-
 def count(_: str, value: Any) -> int:
     """Return a number of things."""
     if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**31:

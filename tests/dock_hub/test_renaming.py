@@ -6,9 +6,15 @@ from typing import Any
 
 import orjson
 import pytest
+from pydantic import BaseModel
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
-from dock_gateway.fleet.alert import Alert, AlertKind
+from dock_gateway.fleet import alert as alerts
+from dock_gateway.fleet.schema import Alert, Robot
+from dock_gateway.goals.action_schema import ActionServer
+from dock_gateway.goals.approval_schema import Approval
+from dock_gateway.goals.schema import GoalState
+from dock_gateway.stop.schema import StopState
 from dock_hub import fields, goal_documents, renaming
 from dock_hub.site_view import MAX_ROBOTS, SiteView
 from tests.support import small_site
@@ -44,13 +50,25 @@ def test_a_robot_gets_the_site_in_front_of_each_name() -> None:
     assert b"/robot1" not in orjson.dumps(robot).replace(b"/berlin/robot1", b"")
 
 
+@pytest.mark.parametrize("model", [Robot, Alert, Approval, ActionServer, GoalState, StopState])
+def test_each_name_of_the_ros_graph_is_marked(model: type[BaseModel]) -> None:
+    graph = {"name", "robot", "robots", "action_name", "topic", "battery_topic", "node"}
+    for name in graph & model.model_fields.keys():
+        assert renaming.readers_of(model)[name] is not fields.as_is, name
+
+
+def test_what_has_no_names_comes_through_as_it_is() -> None:
+    battery = {"state": {"percentage": 0.5, "location": "slot 1"}, "stale": False, "newer": [1]}
+    assert renaming.read_robots("berlin", [ROBOT | {"battery": battery}])[0]["battery"] == battery
+
+
 def test_the_robot_without_a_namespace_has_the_name_of_the_site() -> None:
     assert renaming.read_robots("oslo", [ROBOT | {"name": "/"}])[0]["name"] == "/oslo"
     assert renaming.read_names("oslo", ["/", "/a/b"]) == ["/oslo", "/oslo/a/b"]
 
 
 def test_an_alert_of_the_gateway_is_one_of_the_site() -> None:
-    alert = decoded(Alert(AlertKind.HISTORY_LOST, None, AT, "History lost", "gone").document(None))
+    alert = decoded(alerts.Alert(alerts.AlertKind.HISTORY_LOST, None, AT, "History lost", "gone").document(None))
     (renamed,) = renaming.read_alerts("berlin", [alert])
     assert (renamed["robot"], renamed["site"], renamed["id"]) == ("/berlin", "berlin", f"berlin.{alert['id']}")
     assert renamed["since"] == alert["since"]

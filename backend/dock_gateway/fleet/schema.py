@@ -9,7 +9,7 @@ from dock_gateway.fleet.alert import AlertKind
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
 from dock_gateway.http.bodies import GroupName, Name60, RobotName, Unique
-from dock_gateway.http.schema import MAX_GROUPS, Schema
+from dock_gateway.http.schema import MAX_GROUPS, RosName, Schema
 from dock_gateway.robots.schema import BatteryState, Implausible
 from dock_gateway.stop.schema import StopState
 
@@ -50,7 +50,7 @@ class Robot(Schema):
     without a battery is in another namespace.
     """
 
-    name: str
+    name: RosName
     display_name: str | None
     groups: list[str]
     default: bool
@@ -58,7 +58,7 @@ class Robot(Schema):
     charging: bool | None
     simulated: bool
     battery: RobotBattery
-    battery_topic: str
+    battery_topic: RosName
     battery_publisher: RobotPublisher
     stop: StopState
     dock: ActionServer | None
@@ -109,7 +109,7 @@ class Alert(Schema):
 
     id: str
     kind: AlertKind
-    robot: str | None
+    robot: RosName | None
     severity: Literal["critical", "warning"]
     since: datetime
     title: str

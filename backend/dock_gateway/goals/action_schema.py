@@ -1,13 +1,13 @@
 """The JSON shapes of actions and their servers."""
 
 from dock_gateway.core.goal import Verb
-from dock_gateway.http.schema import Schema
+from dock_gateway.http.schema import RosName, Schema
 
 
 class ActionServer(Schema):
     """Whether an action server is on the graph and answers. `duplicate` is true if there is more than one."""
 
-    action_name: str
+    action_name: RosName
     action_type: str
     available: bool
     answering: bool

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.http.schema import Schema
+from dock_gateway.http.schema import RosName, Schema
 
 
 class Approval(Schema):
@@ -18,8 +18,8 @@ class Approval(Schema):
     approval_id: str
     agent: str
     client: str | None
-    robot: str
-    action_name: str
+    robot: RosName
+    action_name: RosName
     verb: Literal["dock", "undock"] | None
     goal: dict[str, Any]
     requested_at: datetime

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, ConfigDict, Field, JsonValue
 
 from dock_gateway.core.goal import GoalStatus, Origin, Verb
 from dock_gateway.http.bodies import Name60, TagName, Unique, expected
-from dock_gateway.http.schema import Schema
+from dock_gateway.http.schema import RosName, Schema
 from dock_gateway.robots.schema import BatteryState, Scene
 
 
@@ -50,7 +50,7 @@ class GoalState(Schema):
     """The state of any goal, without its messages."""
 
     goal_id: str
-    action_name: str
+    action_name: RosName
     action_type: str
     verb: Verb | None
     status: GoalStatus

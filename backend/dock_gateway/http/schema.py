@@ -9,6 +9,14 @@ from dock_gateway.http.bodies import GroupName, RobotName, Unique, expected
 MAX_ROBOTS, MAX_GROUPS = 500, 20
 
 
+class OnGraph:
+    """Marks a name of the ROS graph. Who shows several graphs together writes it with a prefix."""
+
+
+# A name of the ROS graph: of a robot, an action or a topic.
+RosName = Annotated[str, OnGraph()]
+
+
 class Schema(BaseModel):
     """Base of the schemas. Every field of an answer is always present; a body has no other fields, and exact types."""
 

@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from dock_gateway.http.schema import GatewayAddress, Problem, Schema
+from dock_gateway.http.schema import GatewayAddress, Problem, RosName, Schema
 
 
 class StopFailure(Schema):
@@ -27,7 +27,7 @@ class StopState(Schema):
     latched: bool
     since: datetime | None
     by: str | None
-    robots: list[str]
+    robots: list[RosName]
     persisted: bool
 
 
