@@ -12,9 +12,9 @@ const LAYERS = [
   // Components that know no robot, and what extensions can add.
   ...["ui", "extension"],
   // What features share: all robots, who uses the page, one goal in words.
-  ...["fleet", "access", "goal", "stop", "alerts", "approvals"],
+  ...["fleet", "access", "goal", "stop", "alerts"],
   // Features.
-  ...["battery", "docking", "scene", "simulator", "actions", "goals", "operations"],
+  ...["battery", "docking", "scene", "actions", "goals", "operations"],
   ...["notifications", "graph", "sites"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],

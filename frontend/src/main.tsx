@@ -7,13 +7,13 @@ import { QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { BrowserRouter } from "react-router";
-import { takeFailure } from "./access/ProviderLogin";
 import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
 import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";
 import { session } from "./api/session";
 import { ExtensionsProvider } from "./extension/context";
-import * as extensions from "./extensions";
+import type { Extension } from "./extension/extension";
+import * as listed from "./extensions";
 import { FleetProvider, type FleetServices } from "./fleet/context";
 import { FleetStore } from "./fleet/store";
 import { App } from "./layout/App";
@@ -21,7 +21,8 @@ import { cssVariables, theme } from "./layout/theme";
 import { openRobot } from "./store/openRobot";
 import { openStream, streamUrl } from "./stream/stream";
 
-takeFailure(window);
+const extensions: readonly Extension[] = Object.values(listed);
+for (const { start } of extensions) start?.();
 // Back and Forward between a hub and its sites: the page of each is one of its own.
 const prefix = sitePrefix();
 window.addEventListener("popstate", () => sitePrefix() !== prefix && window.location.reload());
@@ -55,7 +56,7 @@ root.render(
       <Notifications position="bottom-right" zIndex={400} />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
-          <ExtensionsProvider value={Object.values(extensions)}>
+          <ExtensionsProvider value={extensions}>
             {/* A change of the address is on the page at once: the next one begins with it. */}
             <BrowserRouter basename={`${prefix}/`} useTransitions={false}>
               <App />

@@ -1,14 +1,13 @@
 import { QueryObserver } from "@tanstack/react-query";
-import { act, screen, waitFor, within } from "@testing-library/react";
+import { act, screen, waitFor } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import "../src/access/AccountMenu";
 import "../src/access/LoginForm";
 import "../src/access/LoginPage";
 import "../src/access/TokensPage";
 import "../src/access/UsersPage";
-import { takeFailure } from "../src/access/ProviderLogin";
 import { ownName, setOwnName } from "../src/access/who";
-import type { Person, Token, User } from "../src/api/access";
+import type { Token, User } from "../src/api/access";
 import { createQueryClient, pauseWhileUnseen } from "../src/api/queryClient";
 import { ANYBODY, type Role, Session, type SessionState, session, whyForbidden } from "../src/api/session";
 import { whyNot } from "../src/operations/operation";
@@ -63,7 +62,7 @@ const NIGHT: Token = {
  * A gateway with one valid token, `dgw_right`, a user `ada` with the password `right`, and lists of tokens and users; it
  * remembers what it is asked, and the bodies.
  */
-function answering(tokens: Token[] = [], users: User[] = [], people: Person[] = []) {
+function answering(tokens: Token[] = [], users: User[] = []) {
   const asked: string[] = [];
   const refuse = (status: number, code: string) =>
     Response.json({ code, title: "No", detail: "no" }, { status });
@@ -94,11 +93,6 @@ function answering(tokens: Token[] = [], users: User[] = [], people: Person[] = 
     if (request.method === "DELETE" && pathname.startsWith("/users/")) {
       if (pathname.endsWith("/sessions")) users = users.map((user) => ({ ...user, sessions: 0 }));
       else users = users.filter(({ name }) => pathname !== `/users/${name}`);
-      return new Response(null, { status: 204 });
-    }
-    if (pathname === "/people") return Response.json({ people });
-    if (request.method === "DELETE" && pathname.startsWith("/people/")) {
-      people = people.filter(({ name }) => pathname !== `/people/${encodeURIComponent(name)}/sessions`);
       return new Response(null, { status: 204 });
     }
     if (pathname === "/tokens" && request.method === "GET") return Response.json({ tokens });
@@ -417,42 +411,6 @@ describe("the page", () => {
     await user.click(await screen.findByRole("button", { name: "Remove" }));
     await waitFor(() => expect(screen.queryByRole("listitem", { name: "bob" })).toBeNull());
     expect(asked).toContain("DELETE /users/bob");
-  });
-
-  it("leads to the identity provider, says why a login with it has failed, and keeps the address clean", async () => {
-    answering();
-    window.history.replaceState(null, "", "/ui/goals?status=failed&login_error=no_role");
-    takeFailure(window);
-    expect(window.location.search).toBe("?status=failed");
-    session.set({ ...OUT, provider: { name: "Site login", logout_url: "https://login.example/logout" } });
-    renderPage(fakeGateway());
-    const link = await screen.findByRole("link", { name: "Log in with Site login" });
-    expect(link.getAttribute("href")).toBe("/session/oidc?page=%2Fui%2Fgoals%3Fstatus%3Dfailed");
-    expect(screen.getByText(/you have no role here/)).toBeTruthy();
-    expect(screen.getByRole("link", { name: "Log out at Site login" })).toBeTruthy();
-    expect(screen.getByLabelText("Name")).toBeTruthy();
-    window.history.replaceState(null, "", "/");
-    takeFailure(window);
-  });
-
-  it("shows admins who is logged in with the identity provider, and logs them out", async () => {
-    const person: Person = {
-      ...BOB,
-      name: "oidc:grace/1",
-      subject: "4711",
-      sessions: 1,
-      logged_in_at: "2026-11-24T09:00:00Z",
-      expires_at: "2026-11-24T21:00:00Z",
-    };
-    const asked = answering([], [], [person]);
-    session.set({ ...as("admin", "root", "user"), provider: { name: "Site login", logout_url: null } });
-    const { user } = renderPage(fakeGateway(), {}, "/ui/users");
-    const list = await screen.findByRole("list", { name: "Logged in with Site login" });
-    expect(await within(list).findByText("4711")).toBeTruthy();
-    await user.click(within(list).getByRole("button", { name: "Log out oidc:grace/1" }));
-    await screen.findByText("oidc:grace/1 is logged out everywhere.");
-    expect(asked).toContain("DELETE /people/oidc%3Agrace%2F1/sessions");
-    expect(await screen.findByText("No one is logged in.")).toBeTruthy();
   });
 
   it("lets a person of the identity provider log out everywhere, and has no password for them", async () => {

@@ -8,7 +8,6 @@ import { DockingCard } from "../src/docking/DockingCard";
 import { GoalsCard } from "../src/goals/GoalsTable";
 import { CurlCard } from "../src/pages/robot/DeveloperPanels";
 import { SceneCard } from "../src/scene/SceneCard";
-import { SimulatorCard } from "../src/simulator/SimulatorCard";
 import { ServicesProvider } from "../src/store/context";
 import {
   batteryEvent,
@@ -26,7 +25,6 @@ import { fakeGateway, renderWithin, robotServices } from "./page";
 const PANELS: Record<string, ComponentType> = {
   DockingCard,
   SceneCard,
-  SimulatorCard,
   BatteryCard,
   PublisherCard,
   GoalsCard,

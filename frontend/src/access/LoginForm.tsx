@@ -2,12 +2,12 @@ import { Button, Group, PasswordInput, Stack, Text, TextInput } from "@mantine/c
 import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { type LoginBody, logIn } from "../api/access";
-import { session, useSession } from "../api/session";
+import { session } from "../api/session";
+import { Parts } from "../extension/context";
 import { useFleet } from "../fleet/context";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
-import { ProviderLogin } from "./ProviderLogin";
 
 const ADD_USER = "dock-gateway user add NAME --role operator";
 const CREATE_TOKEN = "dock-gateway token create NAME --role operator";
@@ -16,7 +16,6 @@ const CREATE_TOKEN = "dock-gateway token create NAME --role operator";
 export default function LoginForm({ onDone }: { onDone?: () => void }) {
   const { http } = useFleet();
   const client = useQueryClient();
-  const { provider } = useSession();
   const [byToken, setByToken] = useState(false);
   const login = useCommand((body: LoginBody) => logIn(http, body));
   const submit = (body: LoginBody, onError: () => void) =>
@@ -36,7 +35,7 @@ export default function LoginForm({ onDone }: { onDone?: () => void }) {
   };
   return (
     <Stack gap="md">
-      {provider !== null && <ProviderLogin provider={provider} />}
+      <Parts at="login" />
       <Fields login={login} submit={submit} />
       <Button variant="subtle" onClick={toggle}>
         {byToken ? "Log in with a password" : "Log in with a token"}

@@ -1,9 +1,8 @@
-import type { ClientError } from "@dock-gateway/client";
-import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
-import { notifications } from "@mantine/notifications";
+import { Group, Skeleton, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import type { User } from "../api/access";
-import { useForbidden, useSession } from "../api/session";
+import { useForbidden } from "../api/session";
+import { Parts } from "../extension/context";
 import { useWhyNot } from "../fleet/context";
 import { Dialog, RemovalDialog } from "../ui/Dialog";
 import { Empty } from "../ui/Empty";
@@ -14,7 +13,7 @@ import { ReasonButton } from "../ui/ReasonButton";
 import { PageTitle } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { type Example, UserForm } from "./accountForms";
-import { AccountItem, sessionWords, usePeople, useUsers } from "./accounts";
+import { AccountItem, loggedOutNotice, sessionWords, useUsers } from "./accounts";
 import { OpenNotice } from "./OpenNotice";
 import { loginName } from "./who";
 
@@ -24,7 +23,6 @@ const EXAMPLE: Example = { name: "operator", role: "operator" };
 /** Those who log in with a name and a password, or with the identity provider; for admins. */
 export default function UsersPage() {
   const forbidden = useForbidden("GET /users");
-  const { provider } = useSession();
   const { users, error, refetch, save, remove, logOut } = useUsers();
   /** Who is changed; null for a new user, undefined for no form. */
   const [edited, setEdited] = useState<User | null>();
@@ -57,7 +55,7 @@ export default function UsersPage() {
               user={user}
               reason={reason}
               onEdit={() => setEdited(user)}
-              onLogOut={() => logOut.mutate(user.name, told(user.name))}
+              onLogOut={() => logOut.mutate(user.name, loggedOutNotice(user.name))}
               onRemove={() => setRemoved(user)}
             />
           ))}
@@ -86,7 +84,7 @@ export default function UsersPage() {
           People log in with a name and a password. An operator moves robots; a viewer only watches.
         </Empty>
       )}
-      {provider !== null && forbidden === null && <PeopleList provider={provider.name} reason={reason} />}
+      <Parts at="users" />
       <Dialog
         opened={edited !== undefined}
         onClose={closeForm}
@@ -120,67 +118,6 @@ export default function UsersPage() {
         )}
       </RemovalDialog>
     </Stack>
-  );
-}
-
-/** Says what came of logging somebody out everywhere. */
-function told(name: string) {
-  return {
-    onSuccess: () => void notifications.show({ message: `${name} is logged out everywhere.` }),
-    onError: ({ title, detail }: ClientError) =>
-      void notifications.show({
-        color: "red",
-        title: `${name} is still logged in: ${title}`,
-        message: detail,
-      }),
-  };
-}
-
-/** Who is logged in with the identity provider; for admins. Nothing can be changed but that. */
-function PeopleList({ provider, reason }: { provider: string; reason: string | null }) {
-  const { people, error, refetch, logOut } = usePeople();
-  return (
-    <>
-      <Title order={2} size="h4">
-        Logged in with {provider}
-      </Title>
-      <Text size="sm" c="dimmed">
-        What they may do is decided there, and holds from their next login on. To keep somebody out, block
-        them there and log them out here.
-      </Text>
-      <Trouble what="The people could not be loaded" error={error} onRetry={() => void refetch()} />
-      {people?.length === 0 && (
-        <Text size="sm" c="dimmed">
-          No one is logged in.
-        </Text>
-      )}
-      <Stack component="ul" gap="sm" m={0} p={0} aria-label={`Logged in with ${provider}`}>
-        {people?.map((person) => (
-          <AccountItem
-            key={`${person.name} ${person.subject}`}
-            account={{ ...person, created_at: person.logged_in_at }}
-            flaw={null}
-            begun="Last login"
-            buttons={
-              <ReasonButton
-                {...ENTRY_BUTTON}
-                reason={reason}
-                aria-label={`Log out ${person.name}`}
-                onClick={() => logOut.mutate(person.name, told(person.name))}
-              >
-                Log out
-              </ReasonButton>
-            }
-          >
-            <Fact name="Logged in">{sessionWords(person.sessions)}</Fact>
-            <Fact name="Until">
-              <Time value={person.expires_at} />
-            </Fact>
-            <Fact name={`Id at ${provider}`}>{person.subject}</Fact>
-          </AccountItem>
-        ))}
-      </Stack>
-    </>
   );
 }
 

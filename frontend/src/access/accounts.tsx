@@ -1,12 +1,11 @@
-import type { Http } from "@dock-gateway/client";
+import type { ClientError, Http } from "@dock-gateway/client";
 import { Badge, Group, Paper, Text } from "@mantine/core";
+import { notifications } from "@mantine/notifications";
 import { useQueryClient } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
 import {
   createToken,
-  endPersonSessions,
   endSessions,
-  listPeople,
   listTokens,
   listUsers,
   putUser,
@@ -27,7 +26,7 @@ import { type Grant, limitWords } from "./accountForms";
 const REFETCH_MS = 5000;
 
 /** A list of accounts, and what lists them again after a change. */
-function useAccounts<Account>(command: Command, list: (http: Http) => Promise<Account[]>) {
+export function useAccounts<Account>(command: Command, list: (http: Http) => Promise<Account[]>) {
   const { http } = useFleet();
   const client = useQueryClient();
   const live = useFleetLive();
@@ -51,13 +50,6 @@ export function useUsers() {
   const remove = useCommand((name: string) => removeUser(http, name).then(renew));
   const logOut = useCommand((name: string) => endSessions(http, name).then(renew));
   return { users, error, refetch, save, remove, logOut };
-}
-
-/** Who is logged in with the identity provider, and what ends that. */
-export function usePeople() {
-  const { http, accounts: people, error, refetch, renew } = useAccounts("GET /people", listPeople);
-  const logOut = useCommand((name: string) => endPersonSessions(http, name).then(renew));
-  return { people, error, refetch, logOut };
 }
 
 /** The tokens, and what changes them. */
@@ -126,4 +118,17 @@ function byWords(created_by: string | null | undefined): string {
 export function sessionWords(sessions: number): string {
   if (sessions === 0) return "No";
   return sessions === 1 ? "In one browser" : `In ${sessions} browsers`;
+}
+
+/** Says what came of logging somebody out everywhere. */
+export function loggedOutNotice(name: string) {
+  return {
+    onSuccess: () => void notifications.show({ message: `${name} is logged out everywhere.` }),
+    onError: ({ title, detail }: ClientError) =>
+      void notifications.show({
+        color: "red",
+        title: `${name} is still logged in: ${title}`,
+        message: detail,
+      }),
+  };
 }

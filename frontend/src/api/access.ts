@@ -12,8 +12,6 @@ export type TokenBody = paths["/tokens"]["post"]["requestBody"]["content"]["appl
 
 /** A person who logs in with a name and a password. */
 export type User = Schemas["User"];
-/** Somebody who is logged in with the identity provider. */
-export type Person = Schemas["Person"];
 /** What an admin says of a user; a new one needs a password. */
 export type UserBody = paths["/users/{user}"]["put"]["requestBody"]["content"]["application/json"];
 /** A name and a password, or a token. */
@@ -54,17 +52,6 @@ export async function removeUser(http: Http, name: string): Promise<void> {
 export async function endSessions(http: Http, name: string): Promise<void> {
   await settle(
     http.DELETE("/users/{user}/sessions", { params: { path: { user: name } }, signal: deadline() }),
-  );
-}
-
-/** By name. */
-export async function listPeople(http: Http): Promise<Person[]> {
-  return (await settle(http.GET("/people", { signal: deadline() }))).people;
-}
-
-export async function endPersonSessions(http: Http, person: string): Promise<void> {
-  await settle(
-    http.DELETE("/people/{person}/sessions", { params: { path: { person } }, signal: deadline() }),
   );
 }
 

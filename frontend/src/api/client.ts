@@ -1,6 +1,5 @@
 import {
   type Alert,
-  type Approval,
   type BatteryStateInput,
   type Calibration,
   type CalibrationService,
@@ -129,12 +128,6 @@ export function createAlerts(http: Http) {
     withdraw: (id: string): Promise<Alert> =>
       settle(http.DELETE("/alerts/{alert_id}/acknowledgement", options(id))),
   };
-}
-
-/** Allows or refuses the goal of an agent that waits for it; throws a ClientError where it does not wait any more. */
-export function answerApproval(http: Http, approval_id: string, allow: boolean): Promise<Approval> {
-  const params = { path: { approval_id } };
-  return settle(http.POST("/approvals/{approval_id}", { body: { allow }, params, signal: deadline() }));
 }
 
 type RobotLabel = components["schemas"]["Label"];

@@ -11,7 +11,6 @@ export interface SessionState extends Schema<"Session"> {
 
 type Schema<Name extends keyof components["schemas"]> = components["schemas"][Name];
 type Principal = Schema<"Requester">;
-export type Provider = Schema<"Provider">;
 export type Role = Schema<"Role">;
 
 /** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */

@@ -12,6 +12,8 @@ export interface Extension {
   pages?: readonly Page[];
   /** What it adds to pages that are not its own, by place. */
   parts?: { [Place in keyof Places]?: ComponentType<Places[Place]> };
+  /** Called once, before anything is shown. */
+  start?: () => void;
   /** A hook: what to show beside the names of listed goals, by their ids. */
   goalMarks?: (goals: readonly Pick<AnyGoal, "goal_id" | "status">[]) => ReadonlyMap<string, ReactNode>;
   /** A hook: what to add to the replay of a goal that has ended; null for nothing. */
@@ -67,6 +69,14 @@ export function partsAt<Place extends keyof Places>(
 
 /** The places for parts of extensions, and what a part there is given. */
 export interface Places {
+  /** On every page, above its content: what has to be answered. */
+  banners: object;
+  /** Below the list of users. */
+  users: object;
+  /** Above the fields of a login. */
+  login: object;
+  /** First among the panels for developers of a robot. */
+  developer: object;
   /** Below what has to be done about a robot: the column beside its map. */
   robotColumn: OfRobot;
   /** Beside a robot's name. */

@@ -5,7 +5,7 @@ import { LoginEnded } from "../access/Entrance";
 import { OpenBanner } from "../access/OpenNotice";
 import { openAlerts } from "../alerts/order";
 import { useSession } from "../api/session";
-import { ApprovalBanner } from "../approvals/ApprovalBanner";
+import { Parts } from "../extension/context";
 import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
@@ -50,7 +50,7 @@ export function Shell() {
                 <PendingStops />
               </Suspense>
             )}
-            <ApprovalBanner />
+            <Parts at="banners" />
             <OpenBanner />
             <Guarded of={pathname}>
               <Suspense fallback={<PageSkeleton />}>

@@ -3,8 +3,8 @@ import { useSession } from "../../api/session";
 import { apiAddress } from "../../api/site";
 import { PublisherCard } from "../../battery/PublisherCard";
 import { CalibrationCard } from "../../docking/CalibrationCard";
+import { Parts } from "../../extension/context";
 import { currentGoal } from "../../goal/words";
-import { SimulatorCard } from "../../simulator/SimulatorCard";
 import { useServices, useTopic } from "../../store/context";
 import { Command } from "../../ui/CopyButton";
 import { Section } from "../../ui/Section";
@@ -14,7 +14,7 @@ import classes from "./robot.module.css";
 export default function DeveloperPanels() {
   return (
     <Stack gap="md">
-      <SimulatorCard />
+      <Parts at="developer" />
       <CalibrationCard />
       <PublisherCard />
       <CurlCard />

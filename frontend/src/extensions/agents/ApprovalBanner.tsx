@@ -2,16 +2,16 @@ import type { Approval } from "@dock-gateway/client";
 import { Anchor, Code, Group, Paper, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
-import { answerApproval } from "../api/client";
-import { ownId } from "../api/hub";
-import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
-import { robotPath } from "../fleet/names";
-import { dockOf } from "../goal/words";
-import { CommandErrorAlert } from "../ui/errors";
-import { ReasonButton } from "../ui/ReasonButton";
-import { useCommand } from "../ui/requests";
-import { Time } from "../ui/Time";
+import { ownId } from "../../api/hub";
+import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
+import { robotPath } from "../../fleet/names";
+import { dockOf } from "../../goal/words";
+import { CommandErrorAlert } from "../../ui/errors";
+import { ReasonButton } from "../../ui/ReasonButton";
+import { useCommand } from "../../ui/requests";
+import { Time } from "../../ui/Time";
 import classes from "./approvals.module.css";
+import { answerApproval } from "./requests";
 
 /** The number of characters of a goal to show. */
 const GOAL = 300;

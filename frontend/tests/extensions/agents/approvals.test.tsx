@@ -1,8 +1,8 @@
 import type { Approval } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { at, robot } from "./events";
-import { fakeGateway, renderPage } from "./page";
+import { at, robot } from "../../events";
+import { fakeGateway, renderPage } from "../../page";
 
 afterEach(() => vi.unstubAllGlobals());
 

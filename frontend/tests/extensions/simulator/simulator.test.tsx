@@ -1,9 +1,9 @@
 import { ClientError, type EventOf } from "@dock-gateway/client";
 import { act, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { SCENE_STALE_MS } from "../src/store/context";
-import { at, sceneEvent, simulator } from "./events";
-import { fakeGateway, isDisabled, renderPage } from "./page";
+import { SCENE_STALE_MS } from "../../../src/store/context";
+import { at, sceneEvent, simulator } from "../../events";
+import { fakeGateway, isDisabled, renderPage } from "../../page";
 
 const words = () => screen.getByTestId("scene-words").textContent;
 

@@ -1,20 +1,20 @@
 import type { Fault, Simulator } from "@dock-gateway/client";
 import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
 import { useState } from "react";
-import { useForbidden } from "../api/session";
-import { type NumberInputValue, toNumber } from "../battery/form";
-import { useLive, useServices, useTopic } from "../store/context";
-import { toRadians } from "../store/geometry";
-import { CommandErrorAlert } from "../ui/errors";
-import { ReasonButton } from "../ui/ReasonButton";
-import { useCommand } from "../ui/requests";
-import { Section } from "../ui/Section";
+import { useForbidden } from "../../api/session";
+import { type NumberInputValue, toNumber } from "../../battery/form";
+import { useLive, useServices, useTopic } from "../../store/context";
+import { toRadians } from "../../store/geometry";
+import { CommandErrorAlert } from "../../ui/errors";
+import { ReasonButton } from "../../ui/ReasonButton";
+import { useCommand } from "../../ui/requests";
+import { Section } from "../../ui/Section";
 
 const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";
 const NOT_ANSWERED = "The simulator has not answered yet.";
 
 /** What can be done to a simulated robot; nothing where there is none. */
-export function SimulatorCard() {
+export default function SimulatorCard() {
   const simulator = useTopic("simulator");
   return simulator === null ? null : <Controls simulator={simulator} />;
 }

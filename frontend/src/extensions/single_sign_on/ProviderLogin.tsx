@@ -1,8 +1,11 @@
 import { Alert, Anchor, Button, Stack, Text } from "@mantine/core";
-import type { Provider } from "../api/session";
+import { useSession } from "../../api/session";
 
-/** Leads to the identity provider, where people log in. */
-export function ProviderLogin({ provider: { name, logout_url } }: { provider: Provider }) {
+/** Leads to the identity provider, where people log in; nothing where there is none. */
+export function ProviderLogin() {
+  const { provider } = useSession();
+  if (provider === null) return null;
+  const { name, logout_url } = provider;
   const failure = failureWords(name);
   return (
     <Stack gap="xs">
