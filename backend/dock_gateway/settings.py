@@ -161,7 +161,7 @@ class Settings(SiteSettings):
     oidc_issuer: Issuer = Field(
         None,
         description="Issuer of the OpenID Connect provider where people log in, such as "
-        "`https://login.example.com/realms/site`: [access.md](access.md#an-identity-provider).",
+        "`https://login.example.com/realms/site`: [single_sign_on.md](extensions/single_sign_on.md).",
     )
     oidc_client_id: OptionalText = Field(
         None,

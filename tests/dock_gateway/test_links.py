@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 INDEX = ROOT / "docs/index.md"
+EXTENSIONS = ROOT / "docs/extensions"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
@@ -38,6 +39,20 @@ def test_the_index_and_the_navigation_list_every_page_once_in_the_same_order() -
     pages = [str((INDEX.parent / link).resolve().relative_to(ROOT)) for link in links]
     assert pages == [page for page in listed if page not in {*generated, "README.md", "docs/index.md"}]
     assert sorted({*listed} - generated) == sorted(str(page.relative_to(ROOT)) for page in PAGES)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_the_page_of_an_extension_can_be_removed(page: Path) -> None:
+    """It is named by the index, by itself and its further pages (`sites-nats.md`), and by the rows of its settings."""
+    if page == INDEX:
+        return
+    lines = [line for line in page.read_text().splitlines() if not line.startswith("| `DOCK_GATEWAY_")]
+    links = re.findall(r"\]\(([^)\s:#]+\.md)", "\n".join(lines))
+    targets = [(page.parent / link).resolve() for link in links]
+    own = page.stem.partition("-")[0] if page.parent == EXTENSIONS else None
+    assert [
+        target.name for target in targets if target.parent == EXTENSIONS and target.stem.partition("-")[0] != own
+    ] == []
 
 
 def functions(path: Path) -> set[str]:

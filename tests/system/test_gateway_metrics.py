@@ -139,21 +139,16 @@ def exposed(gateway: RunningGateway) -> set[str]:
     return {f"{family.name}{part}" for family in found for part in PARTS[family.type]}
 
 
-def of_a_gateway(path: Path) -> str:
-    """What a file says of the metrics of a gateway. tests/dock_hub/test_hub.py looks at those of a hub."""
-    return path.read_text().partition("## Of a hub")[0]
-
-
 @pytest.mark.parametrize("path", [DASHBOARD, ROOT / "observability" / "alerts.yml", PAGE])
 def test_every_metric_that_is_named_exists(gateway: RunningGateway, path: Path) -> None:
-    named = {name for name in NAME.findall(of_a_gateway(path)) if not name.endswith("_")}
+    named = {name for name in NAME.findall(path.read_text()) if not name.endswith("_")}
     assert len(named) > 5
     names = exposed(gateway) | set(families(gateway))
     assert named <= names, f"unknown: {named - names}"
 
 
 def test_every_metric_is_documented(gateway: RunningGateway) -> None:
-    rows = re.findall(r"^\| `(dock_gateway_\w+)` \| (\w+) \|", of_a_gateway(PAGE), re.MULTILINE)
+    rows = re.findall(r"^\| `(dock_gateway_\w+)` \| (\w+) \|", PAGE.read_text(), re.MULTILINE)
     ours = [family for name, family in families(gateway).items() if name.startswith("dock_gateway_")]
     total = {"counter": "_total"}
     assert sorted(rows) == sorted((f"{family.name}{total.get(family.type, '')}", family.type) for family in ours)
