@@ -15,7 +15,6 @@ from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import closed_by
-from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
@@ -107,7 +106,6 @@ async def _open(settings: Settings, history: History, audit: AuditLog, broker: B
             Present: overview,
             Goals: goals,
             RobotActions: robot_actions,
-            Approvals: Approvals(settings, fanout, lambda _: None, lambda _: False),
             Notifier: notifier,
             Logins: logins,
             Tickets: Tickets(),
