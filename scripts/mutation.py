@@ -45,8 +45,8 @@ AREAS = {
         ["tests/dock_gateway/latch"],
     ),
     "automation": (
-        [f"dock_gateway/automation/{name}.py" for name in ("policy", "past", "schedule")],
-        [f"tests/dock_gateway/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
+        [f"dock_gateway/extensions/automation/{name}.py" for name in ("policy", "past", "schedule")],
+        [f"tests/extensions/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
     ),
     "stop": (["dock_gateway/stop/stopper.py"], ["tests/dock_gateway/stop/test_stopper.py"]),
     "docking": (

@@ -1,8 +1,8 @@
 """An ASGI application of routers, with all that those of one site and of many have in common."""
 
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, TypedDict
 
@@ -44,6 +44,7 @@ class Contents:
         unions: The messages of streams, which no route names.
         models: Further models that no route names.
         messages: Returns the schemas of ROS messages, by name.
+        values: Further values of enumerations, by the name of the component.
         asyncapi: Makes the AsyncAPI document from the OpenAPI document, if there is one.
         many_sites: Whether it is one dashboard for many sites, each below `/sites/{site}`.
     """
@@ -52,6 +53,7 @@ class Contents:
     unions: Sequence[Union] = ()
     models: Models = ()
     messages: Callable[[], Document] = dict
+    values: Mapping[str, Sequence[str]] = field(default_factory=dict)
     asyncapi: Callable[[Document], Document] | None = None
     many_sites: bool = False
 
@@ -97,6 +99,7 @@ def build_app(
         unions=contents.unions,
         models=(Problem, *contents.models),
         messages=contents.messages,
+        values=contents.values,
     )
     if contents.asyncapi is not None:
         serve_document(app, "/asyncapi.json", partial(_asyncapi, app, contents.asyncapi))

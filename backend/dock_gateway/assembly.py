@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager
 from functools import partial
 
@@ -14,13 +14,7 @@ from dock_gateway.access.single_sign_on import open_single_sign_on
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.subjects import Subjects
-from dock_gateway.automation.activity import Activity
-from dock_gateway.automation.decisions import DecisionLog
-from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
-from dock_gateway.automation.rule import RuleEntry
-from dock_gateway.cameras.cameras import Cameras
 from dock_gateway.core.alerts import Alerts
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
@@ -30,6 +24,7 @@ from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import PendingFacts, Tasks, closed_by
 from dock_gateway.core.work import Work, in_turn
+from dock_gateway.extension import Extension, GatewayCore, extensions, open_extensions
 from dock_gateway.fleet.alert import Acknowledgement
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
@@ -55,23 +50,20 @@ from dock_gateway.graph.publishing import Publishing
 from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.parts import Parts
-from dock_gateway.http.quotas import Quotas
+from dock_gateway.http.quotas import Limit, Quotas
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.maps.service import Maps
+from dock_gateway.observability.collector import Further
 from dock_gateway.observability.gateway_collector import GatewayCollector
 from dock_gateway.observability.goal_metrics import GoalMetrics
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.traces import open_traces
-from dock_gateway.recordings.recorder import Recorder
-from dock_gateway.recordings.recordings import Recordings
-from dock_gateway.recordings.store import RecordingStore
 from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.robots.robots import Robots
+from dock_gateway.robots.robots import RobotLabels, Robots
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, read_topic, scan
@@ -83,10 +75,10 @@ from dock_gateway.stop.stop_of_all import StopOfAll
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
-from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+from dock_gateway.storage.shared_entries import SharedEntries
 from dock_gateway.streams.gateway_present import GatewayPresent
 from dock_gateway.streams.present import Present
-from dock_gateway.webhooks.notifier import Notifier, make_notifier
+from dock_gateway.streams.queries import Includes
 
 log = logging.getLogger(__name__)
 
@@ -97,18 +89,31 @@ REASON_WAIT = 0.3
 
 
 @asynccontextmanager
-async def open_gateway(settings: Settings, limits: GoalLimits = LIMITS) -> AsyncIterator[Parts]:
-    """Open the history, join the ROS graph and run the gateway until the block ends."""
+async def open_gateway(
+    settings: Settings, installed: Sequence[Extension[GatewayCore]] | None = None, limits: GoalLimits = LIMITS
+) -> AsyncIterator[Parts]:
+    """Open the history, join the ROS graph and run the gateway until the block ends.
+
+    Args:
+        settings: The settings.
+        installed: The extensions; default: all.
+        limits: How long goals wait.
+    """
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
         spool = None if settings.database_url == "memory:" else AuditSpool(settings.spool_folder / "audit")
         audit = closed_by(stack, AuditLog(history.audit, spool))
         await audit.open()
-        yield await _open(settings, history, audit, stack, limits)
+        yield await _open(settings, extensions() if installed is None else installed, history, audit, stack, limits)
 
 
-async def _open(
-    settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack, limits: GoalLimits
+async def _open(  # noqa: PLR0917 - one after another
+    settings: Settings,
+    installed: Sequence[Extension[GatewayCore]],
+    history: History,
+    audit: AuditLog,
+    stack: AsyncExitStack,
+    limits: GoalLimits,
 ) -> Parts:
     """Make every part, and register it with the stack for closing."""
     share, gateways = await _claim_robots(settings, history, stack)  # before anything of a robot is touched
@@ -142,9 +147,9 @@ async def _open(
     stopper = closed_by(stack, Stopper(robots, actions, interlock, share=share))
     simulators = closed_by(stack, Simulators(settings, bridge, fanout, robots))
     approvals = closed_by(stack, _make_approvals(settings, fanout, actions, simulators))
-    activity = _watch_activity(robots, actions)
-    _follow_stops(stopper, interlock, activity, approvals)
-    _subscribe_on_demand(settings, bridge, fanout, robots, activity, stack=stack)
+    stopper.on_stop.append(approvals.drop)
+    interlock.on_latch.append(approvals.drop)
+    _subscribe_on_demand(settings, bridge, fanout, robots, stack)
     wheels_watch = closed_by(stack, _watch_wheels(settings, bridge, actions, robots, stack))
     board = closed_by(stack, SceneBoard(fanout, robots.namespaces))
     _listen_to_poses(settings, robots, MapPort, board, stack)
@@ -152,7 +157,6 @@ async def _open(
         recorder = closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
         _listen_to_poses(settings, robots, PosePort, recorder, stack)
     graph, relays, work = _read_topics(bridge, stack)
-    recordings = _record(settings, relays, robots, actions, audit=audit, stack=stack)
     publishing = closed_by(stack, _make_publishing(settings, bridge, interlock, stopper))
     await bridge.call(
         lambda: DiagnosticsPort(
@@ -165,9 +169,7 @@ async def _open(
         )
     )
     stop_of_all = closed_by(stack, StopOfAll(settings, robots, interlock, stopper))
-    await _open_robots(robots, actions, share, stop_of_all)
     graph_watch = _make_graph_watch(settings, bridge, robots, actions, robot_actions)
-    decisions = DecisionLog(fanout, history.documents("decision", Decision))
     alerts = closed_by(
         stack,
         AlertBoard(
@@ -175,8 +177,6 @@ async def _open(
             SharedEntries(history.documents("acknowledgement", Acknowledgement)),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
-            recordings=lambda: recordings.trouble,
-            given_up=decisions.given_up,
             findings=lambda: [*graph_watch.findings, *claimed_twice(gateways.conflict), *wheels_watch.findings],
             only=robots.namespaces if share.limited else None,
         ),
@@ -198,48 +198,9 @@ async def _open(
             alerts=alerts,
         ),
     )
-    automation = closed_by(
-        stack,
-        AutomaticDocking(
-            fleet,
-            actions,
-            robot_actions,
-            history,
-            activity=activity,
-            shared=lambda: graph_watch.shared,
-            rules=SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES),
-            decisions=decisions,
-        ),
-    )
-    notifier = closed_by(stack, make_notifier(history, alerts, labels, share))
     logins = closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
-    tasks = closed_by(stack, Tasks("running the gateway"))
-    tasks.spawn(
-        _watch_graph(
-            bridge,
-            actions.update,
-            robots.update,
-            lambda found: robots.velocities.update(found.topics),
-            lambda found: robots.topics.update(found.topics),
-            graph_watch.update,
-            recordings.update,
-            _following(
-                Departures(
-                    robots,
-                    actions,
-                    robot_actions,
-                    interlock,
-                    last_goals,
-                    forget_after=settings.forget_robot_after,
-                    leave=recordings.leave,
-                )
-            ),
-        )
-    )
-    tasks.spawn(take_over_unfinished(actions, history))
-    stack.callback(fanout.close)
     parts = Parts(
         {
             Settings: settings,
@@ -257,24 +218,23 @@ async def _open(
             Robots: robots,
             RobotRegistry: robots,
             Labels: labels,
+            RobotLabels: labels,
             Simulators: simulators,
             Calibrations: Calibrations(settings, bridge),
             Stopper: stopper,
             Fleet: fleet,
             Alerts: alerts,
             AlertBoard: alerts,
-            AutomaticDocking: automation,
-            Notifier: notifier,
             Logins: logins,
             Tickets: Tickets(),
-            Quotas: Quotas(settings),
+            Quotas: Quotas(settings, _limits(settings, installed)),
+            Includes: Includes(topic for extension in installed for topic in extension.includes),
+            Interlock: interlock,
+            GraphWatch: graph_watch,
             AuditLog: audit,
             Subjects: Subjects(settings, actions.action_of, robots.namespaces),
             GraphCache: graph,
             Relays: relays,
-            Maps: closed_by(stack, Maps(settings, relays, graph, fanout, robots.namespaces)),
-            Cameras: closed_by(stack, Cameras(settings, fanout, robots, graph, relays)),
-            Recordings: recordings,
             Work: work,
             ServiceCalls: closed_by(stack, ServiceCalls(settings, bridge, interlock)),
             Parameters: closed_by(stack, Parameters(settings, bridge)),
@@ -282,14 +242,43 @@ async def _open(
         }
     )
     parts.add(Present, GatewayPresent(parts))
-    _observe(parts, stack)
+    core = GatewayCore(settings, history, fanout, alerts, parts, robots, actions, graph, relays, stopper)
+    opened = await open_extensions(installed, core, stack)
+    alerts.sources.append(lambda: opened.failed)
+    alerts.kinds.update(kind for extension in installed for kind in extension.alerts)
+    _observe(parts, opened.metrics, stack)
+    await _open_robots(robots, actions, share, stop_of_all)
+    tasks = closed_by(stack, Tasks("running the gateway"))
+    tasks.spawn(
+        _watch_graph(
+            bridge,
+            actions.update,
+            robots.update,
+            lambda found: robots.velocities.update(found.topics),
+            lambda found: robots.topics.update(found.topics),
+            graph_watch.update,
+            robots.scanned,
+            _following(
+                Departures(
+                    robots,
+                    actions,
+                    robot_actions,
+                    interlock,
+                    last_goals,
+                    forget_after=settings.forget_robot_after,
+                    leave=robots.leave,
+                )
+            ),
+        )
+    )
+    tasks.spawn(take_over_unfinished(actions, history))
+    stack.callback(fanout.close)
     return parts
 
 
-def _watch_activity(robots: RobotRegistry, actions: ActionRegistry) -> Activity:
-    activity = Activity(robots)
-    actions.on_end.append(activity.on_end)
-    return activity
+def _limits(settings: Settings, installed: Sequence[Extension[GatewayCore]]) -> dict[str, Limit]:
+    """Return what users share of extensions."""
+    return {name: limit for extension in installed for name, limit in extension.limits(settings).items()}
 
 
 def _watch_wheels(
@@ -374,28 +363,6 @@ def _read_topics(bridge: Bridge, stack: AsyncExitStack) -> tuple[GraphCache, Rel
     return graph, closed_by(stack, Relays(bridge, graph, work)), work
 
 
-def _record(
-    settings: Settings,
-    relays: Relays,
-    robots: RobotRegistry,
-    actions: ActionRegistry,
-    *,
-    audit: AuditLog,
-    stack: AsyncExitStack,
-) -> Recordings:
-    """Record goals, from their first sign until they have ended or are lost."""
-    store = RecordingStore(settings.recordings_folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
-    if settings.record == "none":
-        return Recordings(store, None)
-    recorder = closed_by(stack, Recorder(settings, robots.topics.bridge, relays, robots, store))
-    actions.on_sent.append(recorder.follow)
-    actions.on_change.append(recorder.follow)
-    actions.on_end.append(recorder.end)
-    actions.on_lost.append(recorder.end)
-    audit.on_entry.append(recorder.on_command)
-    return Recordings(store, recorder)
-
-
 def _make_graph_watch(
     settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry, robot_actions: RobotActions
 ) -> GraphWatch:
@@ -412,13 +379,6 @@ def _make_approvals(settings: Settings, fanout: Fanout, actions: ActionRegistry,
     return approvals
 
 
-def _follow_stops(stopper: Stopper, interlock: Interlock, activity: Activity, approvals: Approvals) -> None:
-    """Tell what a stop interrupts: what waits for approval, and robots that stand still since."""
-    stopper.on_stop += (approvals.drop, activity.intervened)
-    interlock.on_latch.append(approvals.drop)
-    interlock.on_release.append(activity.intervened)
-
-
 def _follow_docking(
     actions: ActionRegistry, robot_actions: RobotActions, last_goals: LastGoals, fanout: Fanout
 ) -> None:
@@ -432,23 +392,17 @@ def _follow_docking(
     actions.on_end.append(last_goals.take)
 
 
-def _observe(parts: Parts, stack: AsyncExitStack) -> None:
+def _observe(parts: Parts, further: Further, stack: AsyncExitStack) -> None:
     """Measure the parts, and trace their goals if that is configured."""
     if traces := open_traces(parts):
         closed_by(stack, traces)
     registry = CollectorRegistry()
     GoalMetrics(registry, parts)
-    parts.add(Metrics, closed_by(stack, Metrics(GatewayCollector(parts), registry)))
+    parts.add(Metrics, closed_by(stack, Metrics(GatewayCollector(parts, further), registry)))
 
 
 def _subscribe_on_demand(
-    settings: Settings,
-    bridge: Bridge,
-    fanout: Fanout,
-    robots: RobotRegistry,
-    activity: Activity,
-    *,
-    stack: AsyncExitStack,
+    settings: Settings, bridge: Bridge, fanout: Fanout, robots: RobotRegistry, stack: AsyncExitStack
 ) -> None:
     """Set up the topics that are subscribed to only on demand."""
 
@@ -462,18 +416,8 @@ def _subscribe_on_demand(
 
         return robots.velocities.listen(settings.resolve(settings.cmd_vel_topic, robot), hear)
 
-    def motion(robot: str) -> ExitStack:
-        topic = settings.resolve(settings.cmd_vel_topic, robot)
-        listener = robots.velocities.listen(topic, lambda message, _: activity.on_velocity(robot, message))
-        activity.subscribed(robot, lambda: listener.complete)
-        port = ExitStack()
-        port.callback(listener.close)
-        port.callback(activity.unsubscribed, robot)
-        return port
-
     closed_by(stack, OnDemand(bridge, fanout, "scene", scene))
     closed_by(stack, OnDemand(bridge, fanout, "cmd_vel", velocity))
-    closed_by(stack, OnDemand(bridge, activity, "motion", motion))
 
 
 def _listen_to_poses(

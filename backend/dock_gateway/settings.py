@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Literal, Self
+from typing import Literal, Self, TypeVar
 
 import platformdirs
 from pydantic import Field, model_validator
-from pydantic_settings import SettingsConfigDict
+from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from dock_gateway.setting_types import (
     LOOPBACK_HOSTS,
@@ -60,13 +60,14 @@ def data_file(name: str) -> Path:
     return platformdirs.user_data_path("dock-gateway", appauthor=False) / name
 
 
-def unknown_variables(environment: Iterable[str]) -> list[str]:
+def unknown_variables(environment: Iterable[str], fields: Iterable[str]) -> list[str]:
     """Return a sentence for each variable that looks like a setting but is none, with a similar setting.
 
     Args:
         environment: Names of variables.
+        fields: The settings.
     """
-    settings = [name.upper() for name in Settings.model_fields]
+    settings = [name.upper() for name in fields]
     sentences = []
     for variable in sorted(environment):
         name = variable.upper().removeprefix(PREFIX)
@@ -76,6 +77,15 @@ def unknown_variables(environment: Iterable[str]) -> list[str]:
         hint = "".join(f". Did you mean {PREFIX}{one}?" for one in similar)
         sentences.append(f"{variable} is not a setting and has no effect{hint}")
     return sentences
+
+
+class ExtensionSettings(BaseSettings):
+    """The base of the settings of an extension, which the gateway's settings have, too."""
+
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True)
+
+
+S = TypeVar("S", bound=ExtensionSettings)
 
 
 class Settings(SiteSettings):
@@ -121,11 +131,6 @@ class Settings(SiteSettings):
     authentication: bool = Field(
         False,
         description="Whether requests need a login or a token: [access.md](access.md).",
-    )
-    mcp: bool = Field(
-        False,
-        description="Whether agents can use the gateway at `/mcp`, by the Model Context Protocol: "
-        "[agents.md](extensions/agents.md). Needs `dock-gateway[mcp]`.",
     )
     approval_timeout: Seconds = Field(
         60.0,
@@ -390,20 +395,6 @@ class Settings(SiteSettings):
         "`PERCENTAGE_0_TO_100`. It counts where `power_supply_status` is UNKNOWN.",
     )
 
-    camera_max_rate: float = Field(
-        10.0, ge=0.1, le=60, description="Pictures per second of a camera that a viewer gets at most."
-    )
-    camera_max_width: int = Field(
-        1280,
-        ge=16,
-        le=8192,
-        description="Width in pixels above which pictures of cameras are scaled down: "
-        "[cameras.md](extensions/cameras.md).",
-    )
-    camera_quality: int = Field(
-        75, ge=10, le=95, description="Quality of the JPEG pictures that the gateway encodes itself, 10 to 95."
-    )
-
     database_url: str = Field(
         "",
         pattern=r"^(memory:|sqlite:///.+|postgres(ql)?://.*)?$",
@@ -595,6 +586,10 @@ class Settings(SiteSettings):
         if not self.oidc_roles:
             raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: without it no one has a role")
         return self
+
+    def of(self, kind: type[S]) -> S:
+        """The settings of an extension: those that came with these, or else those of the environment."""
+        return self if isinstance(self, kind) else kind()
 
     @property
     def ports(self) -> dict[str, int]:

@@ -16,7 +16,6 @@ from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.observability import metrics_routes
 from dock_gateway.settings import Settings
-from dock_gateway.statistics import routes as statistics_routes
 from dock_gateway.streams import events
 from dock_gateway.streams.schema import (
     ClosingEvent,
@@ -27,9 +26,9 @@ from dock_gateway.streams.schema import (
     ResumedEvent,
     StatusEvent,
 )
-from dock_gateway.webhooks import routes as webhook_routes
 from dock_hub import forwarding, routes, stop_routes
 from dock_hub.assembly import open_hub
+from dock_hub.extensions import hub_extensions
 from dock_hub.schema import (
     HubAlertsEvent,
     HubApprovalsEvent,
@@ -68,8 +67,6 @@ ROUTERS = tuple(
         events,
         export_routes,  # before goals: `export` is not a goal id
         goal_routes,
-        statistics_routes,
-        webhook_routes,
         session_routes,
         provider_routes,
         user_routes,
@@ -93,7 +90,8 @@ def create_hub_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
         async with open_hub(settings) if parts is None else nullcontext(parts) as found:
             yield found
 
-    routers = (*ROUTERS, _pages_of_sites(settings), forwarding.router)
+    further = [router for extension in hub_extensions() for router in extension.routes(settings)]
+    routers = (*ROUTERS, *further, _pages_of_sites(settings), forwarding.router)
     return build_app(settings, routers, opened, CONTENTS)
 
 

@@ -14,13 +14,16 @@ from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import closed_by
+from dock_gateway.extension import Core, open_extensions
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.observability.metrics import Metrics
-from dock_gateway.robots.robots import Robots
+from dock_gateway.robots.robots import RobotLabels, Robots
 from dock_gateway.settings import Settings
 from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer
@@ -29,8 +32,9 @@ from dock_gateway.sites.tunnel.caller import Caller
 from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.storage.database import display
 from dock_gateway.streams.present import Present
-from dock_gateway.webhooks.notifier import Notifier, make_notifier
+from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
+from dock_hub.extensions import hub_extensions
 from dock_hub.labels import SiteLabels
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
@@ -86,7 +90,6 @@ async def _open(settings: Settings, history: History, audit: AuditLog, broker: B
     robot_actions = RobotActions(settings, sites, labels, history)
     goals = Goals(NoLiveGoals(), robot_actions, history)
     overview = closed_by(stack, Overview(fanout, sites, goals, history))
-    notifier = closed_by(stack, make_notifier(history, overview, labels))
     logins = closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
@@ -106,7 +109,10 @@ async def _open(settings: Settings, history: History, audit: AuditLog, broker: B
             Present: overview,
             Goals: goals,
             RobotActions: robot_actions,
-            Notifier: notifier,
+            Approvals: Approvals(settings, fanout, lambda _: None, lambda _: False),
+            RobotLabels: labels,
+            Share: EVERYTHING,
+            Includes: Includes(),
             Logins: logins,
             Tickets: Tickets(),
             Quotas: Quotas(settings),
@@ -114,8 +120,8 @@ async def _open(settings: Settings, history: History, audit: AuditLog, broker: B
             Subjects: Subjects(settings, lambda _: None, overview.namespaces),
         }
     )
-    metrics = closed_by(stack, Metrics(HubCollector(parts), CollectorRegistry()))
-    parts.add(Metrics, metrics)
+    opened = await open_extensions(hub_extensions(), Core(settings, history, fanout, overview, parts), stack)
+    parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, opened.metrics), CollectorRegistry())))
     stops.open()
     await sites.open()
     stack.callback(fanout.close)

@@ -6,10 +6,10 @@ from typing import Any
 import click
 import orjson
 
-from dock_gateway.cli.options import read_settings, settings_options
+from dock_gateway.cli.options import TYPE, read_settings, settings_options
 from dock_gateway.cli.start import check_broker, check_exposure, check_port
 from dock_gateway.doctor.machine import find_database_fault
-from dock_gateway.settings import Settings, data_file
+from dock_gateway.settings import data_file
 
 # What a hub reads of the settings besides those of the web server, by what their names begin with.
 OPTIONS = (
@@ -30,7 +30,7 @@ OPTIONS = (
 
 
 @click.command()
-@partial(settings_options, leave_out=[name for name in Settings.model_fields if not name.startswith(OPTIONS)])
+@partial(settings_options, leave_out=[name for name in TYPE.model_fields if not name.startswith(OPTIONS)])
 def hub(**options: Any) -> None:
     """Run a hub: one dashboard, one API and one set of rights for many gateways, over NATS."""
     settings = read_settings(options)

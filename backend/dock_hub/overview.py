@@ -17,7 +17,8 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind
+from dock_gateway.fleet import alert_kinds
+from dock_gateway.fleet.alert import Acknowledgement, Alert
 from dock_gateway.goals.goals import Goals
 from dock_gateway.sites.names import site_grant
 from dock_gateway.storage import History
@@ -71,7 +72,7 @@ class Overview:
 
     Attributes:
         default_namespace: Every robot: a hub is set up for none.
-        own_robot: False: a hub has no robot of its own.
+        own_robot: Likewise.
         on_change: Called when an alert begins or ends.
     """
 
@@ -167,19 +168,19 @@ class Overview:
     def _check(self) -> None:
         own = []
         if (incident := self._history.incident) is not None:
-            own.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
+            own.append(Alert(alert_kinds.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for name in self._sites.names():
             site, state = self._sites.find(name), self._sites.state(name)
             since = datetime.fromtimestamp(site.since, UTC)
             if state is SiteState.REFUSED:
                 detail = site.detail or "It was refused."
-                own.append(Alert(AlertKind.SITE_REFUSED, f"/{name}", since, "Site refused", detail))
+                own.append(Alert(alert_kinds.SITE_REFUSED, f"/{name}", since, "Site refused", detail))
             elif state is SiteState.UNREACHABLE and self._sites.silent_for(name) >= SILENT_AFTER:
                 detail = (
                     f"The hub does not reach {name}. Its robots go on as the site says; check that its gateway runs "
                     "and is connected to the NATS server."
                 )
-                own.append(Alert(AlertKind.SITE_UNREACHABLE, f"/{name}", since, "Site unreachable", detail))
+                own.append(Alert(alert_kinds.SITE_UNREACHABLE, f"/{name}", since, "Site unreachable", detail))
         self._own = {alert.id: alert for alert in own}
 
     async def _sync(self) -> None:
@@ -247,8 +248,8 @@ class Overview:
         ids = {alert["id"] for view in views for alert in view.alerts} | self._own.keys()
         if ids != self._ids:
             self._ids = ids
-            for callback in self.on_change:
-                callback()
+            for heard in self.on_change:
+                heard()
         if not self._fanout.watched(TOPIC):
             self._published.clear()
             for view in views:

@@ -51,9 +51,12 @@ def box_of(page: Page, robot: str) -> FloatRect:
 
 
 def test_robots_are_where_they_are_and_lead_to_their_pages(page: Page, gateway: RunningGateway) -> None:
-    one, two = (box_of(page, robot) for robot in STARTS)
-    right, up = one["x"] - two["x"], two["y"] - one["y"]
-    assert right == pytest.approx(1.5 * up, rel=0.05), "1.5 m and 1 m"
+    def are_in_place() -> bool:  # the map grows when the second robot comes
+        one, two = (box_of(page, robot) for robot in STARTS)
+        right, up = one["x"] - two["x"], two["y"] - one["y"]
+        return right == pytest.approx(1.5 * up, rel=0.05)
+
+    wait_until(are_in_place, "1.5 m and 1 m apart")
     place = {"x": -1.0, "y": -0.5, "theta": 0.0}
     gateway.http.post("/simulator/place", params={"robot": "/robot1"}, json=place).raise_for_status()
     wait_until(lambda: abs(box_of(page, "/robot1")["y"] - box_of(page, "/robot2")["y"]) < 3, "the robot elsewhere")

@@ -7,9 +7,10 @@ import click
 import pytest
 from click.testing import CliRunner
 from pydantic import ValidationError
+from scripts import settings_table
 
 from dock_gateway.cli import main
-from dock_gateway.cli.options import FIELDS, option_name, read_settings
+from dock_gateway.cli.options import TYPE, option_name, read_settings
 from dock_gateway.settings import Settings, unknown_variables
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
@@ -17,24 +18,13 @@ DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
 
 @pytest.fixture(autouse=True)
 def clean_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in Settings.model_fields:
+    for name in TYPE.model_fields:
         monkeypatch.delenv(f"DOCK_GATEWAY_{name.upper()}", raising=False)
 
 
 def test_every_setting_is_documented_as_it_is() -> None:
-    rows = [line for line in DOCUMENT.read_text().splitlines() if line.startswith("| `DOCK_GATEWAY_")]
-    expected = [
-        f"| `DOCK_GATEWAY_{name.upper()}` | `{option_name(name)}` "
-        f"| {describe_default(field.default)} | {field.description} |"
-        for name, field in FIELDS
-    ]
-    assert rows == expected
-
-
-def describe_default(default: object) -> str:
-    if isinstance(default, tuple):
-        default = ",".join(default)
-    return f"`{default}`" if default not in ("", None) else "empty"
+    found = [line for line in DOCUMENT.read_text().splitlines() if line.startswith("| `DOCK_GATEWAY_")]
+    assert found == settings_table.rows(), "run `make format`"
 
 
 def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +196,7 @@ def test_names_are_resolved_as_ros_does() -> None:
 
 def test_help_names_every_setting() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
-    assert all(option_name(name) in text for name in Settings.model_fields)
+    assert all(option_name(name) in text for name in TYPE.model_fields)
 
 
 def test_what_is_kept_of_one_robot_is_kept_apart_from_another(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -263,8 +253,8 @@ def test_who_may_do_everything_without_a_login(options: dict[str, str], open_to:
 
 def test_a_variable_that_is_no_setting_is_named_with_a_similar_one() -> None:
     known = ["PATH", "DOCK_GATEWAY_PORT", "dock_gateway_host", "DOCK_GATEWAY_TOKEN", "DOCK_GATEWAY_SERVICE_HOST"]
-    assert unknown_variables(known) == []
-    assert unknown_variables([*known, "DOCK_GATEWAY_BATERY_TOPIC", "DOCK_GATEWAY_X"]) == [
+    assert unknown_variables(known, TYPE.model_fields) == []
+    assert unknown_variables([*known, "DOCK_GATEWAY_BATERY_TOPIC", "DOCK_GATEWAY_X"], TYPE.model_fields) == [
         "DOCK_GATEWAY_BATERY_TOPIC is not a setting and has no effect. Did you mean DOCK_GATEWAY_BATTERY_TOPIC?",
         "DOCK_GATEWAY_X is not a setting and has no effect",
     ]

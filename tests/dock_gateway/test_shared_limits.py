@@ -21,13 +21,14 @@ from dock_gateway.core.errors import NotFound, TooManyRequests
 from dock_gateway.core.grant import Role
 from dock_gateway.core.request import PERMIT, hold, turn
 from dock_gateway.core.work import Work
-from dock_gateway.foxglove.channels import Channel
-from dock_gateway.foxglove.subscriptions import FoxgloveSubscriptions
+from dock_gateway.extension import extensions
+from dock_gateway.extensions.foxglove.channels import Channel
+from dock_gateway.extensions.foxglove.subscriptions import FoxgloveSubscriptions
+from dock_gateway.extensions.rosbridge.protocol import Subscribe
+from dock_gateway.extensions.rosbridge.subscriptions import RosbridgeSubscriptions
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import TURNS, Quotas, limits
-from dock_gateway.rosbridge.protocol import Subscribe
-from dock_gateway.rosbridge.subscriptions import RosbridgeSubscriptions
 from dock_gateway.settings import Settings
 from tests.support.bounds import OF_HUB, ROOT, bounds
 from tests.support.permits import acting, permit, user
@@ -54,11 +55,11 @@ BOUNDS = {
     "core.log_limit:LogLimit.filter": OF_GATEWAY,
     "core.work:Lane.__call__": SHARES,  # `large messages` come first
     "core.work:Work.__init__": OF_GATEWAY,
-    "foxglove.parameters:ClientParameters.offer": OF_CONNECTION,
-    "foxglove.parameters:ClientParameters.subscribe": OF_CONNECTION,
-    "foxglove.publications:FoxglovePublications.advertise": OF_CONNECTION,
-    "foxglove.subscriptions:Queue.put": OF_CONNECTION,
-    "foxglove.subscriptions:FoxgloveSubscriptions.require_room": OF_CONNECTION,
+    "extensions.foxglove.parameters:ClientParameters.offer": OF_CONNECTION,
+    "extensions.foxglove.parameters:ClientParameters.subscribe": OF_CONNECTION,
+    "extensions.foxglove.publications:FoxglovePublications.advertise": OF_CONNECTION,
+    "extensions.foxglove.subscriptions:Queue.put": OF_CONNECTION,
+    "extensions.foxglove.subscriptions:FoxgloveSubscriptions.require_room": OF_CONNECTION,
     "goals.adoption:Newcomers.hear": OF_GRAPH,
     "goals.cancellation:Canceler.mark_unwanted": OLDEST_GO,
     "goals.goal_machine:GoalMachine._note_ended": OLDEST_GO,
@@ -75,9 +76,9 @@ BOUNDS = {
     "http.quotas:Quotas.turn": OF_USER,
     "http.quotas:limits": SHARES,
     "latch.latch_file:LatchWriter.__init__": OF_GATEWAY,
-    "maps.feed:MapFeed.offer": OF_GRAPH,
-    "recordings.replay:Replay._use": OF_GATEWAY,
-    "recordings.store:RecordingStore.note": OLDEST_GO,
+    "extensions.maps.feed:MapFeed.offer": OF_GRAPH,
+    "extensions.recordings.replay:Replay._use": OF_GATEWAY,
+    "extensions.recordings.store:RecordingStore.note": OLDEST_GO,
     "robots.labels:Labels.replace.check": STORED,
     "ros.action_port:ActionPort.__init__": OF_GATEWAY,
     "ros.admission:Admission._find": OF_GRAPH,
@@ -86,12 +87,12 @@ BOUNDS = {
     "ros.inbox:Inbox.put": OF_GRAPH,
     "ros.losses:Losses.count": OF_GRAPH,
     "ros.parameter_reader:ParameterReader.messages": OF_GATEWAY,
-    "rosbridge.fragments:Fragments.add": OF_CONNECTION,
-    "rosbridge.goals:ClientGoals.on_events": OF_CONNECTION,
-    "rosbridge.goals:ClientGoals.submit": OF_CONNECTION,
-    "rosbridge.publications:RosbridgePublications._prepare": OF_CONNECTION,
-    "rosbridge.publications:RosbridgePublications.advertise.advertise": OF_CONNECTION,
-    "rosbridge.subscriptions:RosbridgeSubscriptions.subscribe": OF_CONNECTION,
+    "extensions.rosbridge.fragments:Fragments.add": OF_CONNECTION,
+    "extensions.rosbridge.goals:ClientGoals.on_events": OF_CONNECTION,
+    "extensions.rosbridge.goals:ClientGoals.submit": OF_CONNECTION,
+    "extensions.rosbridge.publications:RosbridgePublications._prepare": OF_CONNECTION,
+    "extensions.rosbridge.publications:RosbridgePublications.advertise.advertise": OF_CONNECTION,
+    "extensions.rosbridge.subscriptions:RosbridgeSubscriptions.subscribe": OF_CONNECTION,
     "sites.identity:Verifier._use": OF_SITES,  # 1,667 requests a second of one hub
     "sites.tunnel.answer:Asker.send": OF_GATEWAY,
     "sites.tunnel.caller:Caller._open": SHARES,  # `requests` and `requests of one` come first
@@ -106,7 +107,8 @@ BOUNDS = {
     "streams.socket_session:SocketSession.read": OF_CONNECTION,
 }
 
-LIMITS = limits(Settings())
+FURTHER = {name: limit for extension in extensions() for name, limit in extension.limits(Settings()).items()}
+LIMITS = {**limits(Settings()), **FURTHER}
 NONE = "\N{EN DASH}"
 # Those of which all users together have a number. `exports` are the others' business only by their number of users.
 COMMON = sorted(what for what, limit in LIMITS.items() if limit.most < math.inf)
@@ -126,13 +128,20 @@ def test_each_share_is_taken_somewhere() -> None:
     assert set(re.findall(r'turn\("([^"]+)"', source)) == set(TURNS)
 
 
-def test_the_documentation_has_every_share() -> None:
+PAGES = {"configuration.md": limits(Settings())} | {
+    f"extensions/{extension.name}.md": extension.limits(Settings())
+    for extension in extensions()
+    if extension.limits(Settings())
+}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_documentation_has_every_share(page: str) -> None:
     """In the order of the list: of all, of a user, of an address, the reserve, and the error."""
-    page = (Path(__file__).parents[2] / "docs/configuration.md").read_text()
-    table = page.partition("### Shares of users")[2].partition("|---")[2].partition("\n\n")[0].splitlines()[1:]
+    text = (Path(__file__).parents[2] / "docs" / page).read_text()
+    table = text.partition("## Shares of users")[2].partition("|---")[2].partition("\n\n")[0].splitlines()[1:]
     rows = [[cell.strip() for cell in row.strip("| ").split("|")][1:] for row in table]
-    assert len(rows) == len(LIMITS)
-    for limit, (most, share, of_address, reserve, code) in zip(LIMITS.values(), rows, strict=True):
+    for limit, (most, share, of_address, reserve, code) in zip(PAGES[page].values(), rows, strict=True):
         numbers = (limit.most, limit.share, limit.share_of(HERE), limit.reserve or math.inf)
         texts = (NONE if number == math.inf else str(number) for number in numbers)
         assert [each.partition(",")[0].partition(" ")[0] for each in (most, share, of_address, reserve)] == [*texts]
@@ -156,7 +165,7 @@ def test_what_one_user_takes_is_not_all(what: str) -> None:
     """Whoever it is, another user with the same role still has a place, and those who stop and see have theirs."""
     for greedy, other in ((VIEWER, OTHER), (OPERATOR, user("another", Role.OPERATOR)), (ADMIN, user("eve"))):
         with ExitStack() as stack:
-            quotas = Quotas(Settings())
+            quotas = Quotas(Settings(), FURTHER)
             assert fill(stack, quotas, greedy, what) == LIMITS[what].share
             for each in (other, OPERATOR if greedy != OPERATOR else ADMIN, ADMIN if greedy != ADMIN else OPERATOR):
                 with quotas.hold(each, what, "more", "it"):
@@ -169,7 +178,7 @@ def test_what_one_user_takes_is_not_all(what: str) -> None:
 def test_viewers_together_leave_the_reserve(what: str) -> None:
     limit = LIMITS[what]
     with ExitStack() as stack:
-        quotas = Quotas(Settings())
+        quotas = Quotas(Settings(), FURTHER)
         viewers = (user(f"viewer{number}", Role.VIEWER) for number in range(math.ceil(limit.most / limit.share)))
         assert sum(fill(stack, quotas, each, what) for each in viewers) == limit.most - limit.reserve
         with pytest.raises(TooManyRequests, match="all users together have"):
@@ -181,7 +190,7 @@ def test_viewers_together_leave_the_reserve(what: str) -> None:
 @pytest.mark.parametrize("what", COMMON)
 def test_without_a_login_another_address_still_has_a_place(what: str) -> None:
     with ExitStack() as stack:
-        quotas = Quotas(Settings())
+        quotas = Quotas(Settings(), FURTHER)
         assert fill(stack, quotas, HERE, what) == LIMITS[what].share_of(HERE) < LIMITS[what].most
         with quotas.hold(THERE, what, "more", "it"):
             pass
@@ -191,7 +200,7 @@ def test_without_a_login_another_address_still_has_a_place(what: str) -> None:
 
 def test_the_hub_follows_its_site_as_long_as_there_is_a_place() -> None:
     with ExitStack() as stack:
-        assert fill(stack, Quotas(Settings()), THE_HUB, "streams") == LIMITS["streams"].most
+        assert fill(stack, Quotas(Settings(), FURTHER), THE_HUB, "streams") == LIMITS["streams"].most
 
 
 Step = tuple[Principal, str, int]
@@ -205,7 +214,7 @@ STEPS = st.lists(
 def test_no_order_of_holds_breaks_a_share(steps: list[Step], most: int, share: int, reserve: int) -> None:
     """Whatever is held and given back: nobody has more than their share, all no more than there is, viewers no more
     than is not reserved, nothing is refused without need, and in the end nothing is left."""
-    quotas = Quotas(Settings())
+    quotas = Quotas(Settings(), FURTHER)
     limit = LIMITS["topics"].__class__("topics", most, share, min(reserve, most - 1))
     quotas._limits["topics"] = limit
     held: defaultdict[Principal, list[tuple[str, ExitStack]]] = defaultdict(list)
@@ -232,7 +241,7 @@ def test_no_order_of_holds_breaks_a_share(steps: list[Step], most: int, share: i
 
 
 def test_a_topic_of_several_connections_and_users_takes_one_place() -> None:
-    quotas = Quotas(Settings())
+    quotas = Quotas(Settings(), FURTHER)
     with ExitStack() as stack:
         for who in (VIEWER, VIEWER, OTHER):
             stack.enter_context(quotas.hold(who, "topics", "/scan"))
@@ -243,7 +252,7 @@ def test_a_topic_of_several_connections_and_users_takes_one_place() -> None:
 @pytest.mark.parametrize("what", TURNS)
 async def test_a_user_waits_for_their_own_turn_before_those_of_others(what: str) -> None:
     """One user asks a hundred times at once; another one, later, is next."""
-    quotas, shared, order = Quotas(Settings()), asyncio.Semaphore(TURNS[what]), list[str]()
+    quotas, shared, order = Quotas(Settings(), FURTHER), asyncio.Semaphore(TURNS[what]), list[str]()
 
     async def ask(who: Principal) -> None:
         PERMIT.set(permit(quotas, who))
@@ -262,7 +271,7 @@ def test_what_the_gateway_does_by_itself_needs_no_place() -> None:
     with ExitStack() as stack:
         for _ in range(1000):
             stack.enter_context(hold("topics"))
-        with acting(Quotas(Settings()), VIEWER):
+        with acting(Quotas(Settings(), FURTHER), VIEWER):
             assert sum(1 for _ in range(75) if stack.enter_context(hold("topics")) is None) == 75
             with pytest.raises(TooManyRequests):
                 stack.enter_context(hold("topics"))
@@ -274,7 +283,7 @@ async def test_a_subscription_that_fails_keeps_no_place() -> None:
     relays.join.side_effect = NotFound("its package is not installed", code="interface_not_found")
     parts = Parts({Relays: relays, Work: AsyncMock(Work)})
     rosbridge, foxglove = RosbridgeSubscriptions(parts, VIEWER, None), FoxgloveSubscriptions(parts, VIEWER, None)
-    quotas = Quotas(Settings())
+    quotas = Quotas(Settings(), FURTHER)
     with acting(quotas, VIEWER):
         for number in range(100):
             topic = f"/topic{number}"

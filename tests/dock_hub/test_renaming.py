@@ -10,6 +10,7 @@ from pydantic import BaseModel
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
 from dock_gateway.fleet import alert as alerts
+from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.approval_schema import Approval
@@ -68,7 +69,7 @@ def test_the_robot_without_a_namespace_has_the_name_of_the_site() -> None:
 
 
 def test_an_alert_of_the_gateway_is_one_of_the_site() -> None:
-    alert = decoded(alerts.Alert(alerts.AlertKind.HISTORY_LOST, None, AT, "History lost", "gone").document(None))
+    alert = decoded(alerts.Alert(alert_kinds.HISTORY_LOST, None, AT, "History lost", "gone").document(None))
     (renamed,) = renaming.read_alerts("berlin", [alert])
     assert (renamed["robot"], renamed["site"], renamed["id"]) == ("/berlin", "berlin", f"berlin.{alert['id']}")
     assert renamed["since"] == alert["since"]

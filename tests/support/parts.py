@@ -1,6 +1,6 @@
 """The parts of a gateway that has only some of them."""
 
-from dock_gateway.core.errors import NotFound
+from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.http.parts import Parts, T
 
 
@@ -10,5 +10,5 @@ class Refusing(Parts):
     def __getitem__(self, kind: type[T]) -> T:
         try:
             return super().__getitem__(kind)
-        except KeyError:
+        except Unavailable:
             raise NotFound(f"there is no {kind.__name__}") from None

@@ -15,7 +15,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability
 
-from dock_gateway.recordings.recorder import BEFORE
+from dock_gateway.extensions.recordings.recorder import BEFORE
 from dock_gateway.ros.messages.interfaces import load_message
 from robot_io.recording import Sample, read
 from tests.support.gateway import ACTION, RunningGateway, running_gateway
@@ -132,7 +132,10 @@ def test_what_was_published_once_long_before_is_the_first_in_the_recording(
         file = tmp_path / "recording.mcap"
 
         def recorded(path: str) -> list[Sample]:
-            file.write_bytes(gateway.http.get(path).raise_for_status().content)
+            answer = gateway.http.get(path)
+            if answer.status_code == 404:  # nothing has been heard yet
+                return []
+            file.write_bytes(answer.raise_for_status().content)
             return [each for each in read(file) if each.topic == "/map"]
 
         (heard, *_) = wait_until(lambda: recorded("/robots/recording.mcap"), "the map")

@@ -1,4 +1,4 @@
-"""Command-line options for settings: one for each field of `Settings`."""
+"""Command-line options for settings: one for each field of `Settings` and of the settings of extensions."""
 
 from collections.abc import Callable, Collection
 from typing import Any
@@ -6,11 +6,20 @@ from typing import Any
 import click
 from pydantic import ValidationError
 
+from dock_gateway.extension_list import settings_type
 from dock_gateway.settings import Settings
 from dock_gateway.site_settings import SiteSettings
 
-# All settings; those of sites and hubs are the last ones.
-FIELDS = sorted(Settings.model_fields.items(), key=lambda field: field[0] in SiteSettings.model_fields)
+TYPE = settings_type()
+
+
+def _place(name: str) -> int:
+    """Return where a setting belongs: the gateway's own come first, those of sites and hubs last."""
+    return 2 if name in SiteSettings.model_fields else name not in Settings.model_fields
+
+
+# All settings, in the order of the documentation.
+FIELDS = sorted(TYPE.model_fields.items(), key=lambda field: _place(field[0]))
 
 Command = Callable[..., Any]
 
@@ -48,7 +57,7 @@ def read_settings(options: dict[str, str | None]) -> Settings:
         click.UsageError: A value is invalid. The message says which.
     """
     try:
-        return Settings(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]
+        return TYPE(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]
     except ValidationError as error:
         lines = [
             f"{'.'.join(map(str, item['loc'])) or 'settings'}: {item['msg'].removeprefix('Value error, ')}"

@@ -166,7 +166,7 @@ def run(
     """
     certificates = load_certificates(settings)
     configure_logs(settings)
-    for sentence in unknown_variables(os.environ):
+    for sentence in unknown_variables(os.environ, type(settings).model_fields):
         log.warning(sentence)
     raise_file_limit()
     _say_who_may_use(settings)

@@ -26,7 +26,6 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
         click.ClickException: The message says why, and what to do.
     """
     check_exposure(settings)
-    check_agents(settings)
     check_hub(settings)
     _refuse(find_twin_fault())
     check_ros(environment)
@@ -55,16 +54,6 @@ def check_exposure(settings: Settings) -> None:
     """
     if (fault := find_exposure_fault(settings)) is not None:
         raise click.UsageError(fault)
-
-
-def check_agents(settings: Settings) -> None:
-    """Refuse to let agents in without what speaks their protocol.
-
-    Raises:
-        click.UsageError: It is not installed.
-    """
-    if settings.mcp and importlib.util.find_spec("mcp") is None:
-        raise click.UsageError("mcp: dock-gateway[mcp] is not installed")
 
 
 def check_hub(settings: Settings) -> None:

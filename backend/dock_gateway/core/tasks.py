@@ -3,8 +3,8 @@
 import asyncio
 import logging
 from collections import OrderedDict
-from collections.abc import Coroutine
-from contextlib import AsyncExitStack
+from collections.abc import AsyncIterator, Coroutine
+from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, Generic, Protocol, TypeVar
 
 from dock_gateway.core.errors import GatewayError
@@ -114,3 +114,12 @@ def closed_by(stack: AsyncExitStack, part: ClosableT) -> ClosableT:
     """Return a part, which is closed when the stack is."""
     stack.push_async_callback(part.close)
     return part
+
+
+@asynccontextmanager
+async def closing(part: ClosableT) -> AsyncIterator[ClosableT]:
+    """Close a part when the block ends."""
+    try:
+        yield part
+    finally:
+        await part.close()

@@ -48,7 +48,7 @@ def check_settings(settings: Settings, environment: Mapping[str, str]) -> Check:
     """Check that the gateway may start with its settings, and that each variable is one."""
     if (fault := find_exposure_fault(settings)) is not None:
         return Check("settings", Level.ERROR, fault)
-    unknown = ". ".join(unknown_variables(environment))
+    unknown = ". ".join(unknown_variables(environment, type(settings).model_fields))
     given = sorted(settings.model_fields_set)
     found = f"{', '.join(given)} set, all others by default" if given else "all by default"
     return judge("settings", unknown or None, found, Level.WARNING)

@@ -1,12 +1,11 @@
-"""One alert, and the kinds that there are."""
+"""One alert."""
 
 import hashlib
 from dataclasses import dataclass
 from datetime import datetime
-from enum import StrEnum
 from typing import Any
 
-from dock_gateway.fleet.findings import FindingKind
+from dock_gateway.fleet.alert_kinds import AlertKind
 
 
 @dataclass(frozen=True)
@@ -15,53 +14,6 @@ class Acknowledgement:
 
     by: str
     at: datetime
-
-
-class AlertKind(StrEnum):
-    """The kinds of alerts."""
-
-    STOP_LATCHED = "stop_latched"
-    GOAL_LOST = "goal_lost"
-    DISCHARGING_ON_DOCK = "discharging_on_dock"
-    LOW_BATTERY = "low_battery"
-    BATTERY_IMPLAUSIBLE = "battery_implausible"
-    BATTERY_STALE = "battery_stale"
-    HISTORY_LOST = "history_lost"
-    RECORDINGS_FAILED = "recordings_failed"
-    DUPLICATE_ACTION_SERVER = "duplicate_action_server"
-    AUTOMATIC_DOCKING_FAILED = "automatic_docking_failed"
-    SPLIT_ROBOT = "split_robot"
-    WRONG_TOPIC_TYPE = FindingKind.WRONG_TOPIC_TYPE.value
-    DUPLICATE_BASE = FindingKind.DUPLICATE_BASE.value
-    ROBOT_SEEN_TWICE = FindingKind.ROBOT_SEEN_TWICE.value
-    ROBOTS_CLAIMED_TWICE = FindingKind.ROBOTS_CLAIMED_TWICE.value
-    COMMANDS_LOST = FindingKind.COMMANDS_LOST.value
-    # Of what spans several sites.
-    SITE_UNREACHABLE = "site_unreachable"
-    SITE_REFUSED = "site_refused"
-
-    @property
-    def critical(self) -> bool:
-        """Whether an operator must act, if the alert itself does not say."""
-        return self not in WARNINGS
-
-
-# Faults on the ROS graph.
-ON_GRAPH = frozenset(map(AlertKind, (*FindingKind, AlertKind.DUPLICATE_ACTION_SERVER, AlertKind.SPLIT_ROBOT)))
-WARNINGS = frozenset(
-    {
-        AlertKind.LOW_BATTERY,
-        AlertKind.BATTERY_IMPLAUSIBLE,
-        AlertKind.BATTERY_STALE,
-        AlertKind.HISTORY_LOST,
-        AlertKind.RECORDINGS_FAILED,
-        AlertKind.ROBOT_SEEN_TWICE,
-        AlertKind.SPLIT_ROBOT,
-        AlertKind.WRONG_TOPIC_TYPE,
-        AlertKind.SITE_UNREACHABLE,
-        AlertKind.SITE_REFUSED,
-    }
-)
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime, timedelta
 
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.battery import CHARGES_NEGATIVE
 from dock_gateway.core.filters import is_hidden, lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
-from dock_gateway.fleet.alert import Alert, AlertKind
+from dock_gateway.fleet import alert_kinds
+from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.robot_state import DRAINS, RobotState
 from dock_gateway.goals.hints import Join
@@ -28,7 +28,6 @@ UNKNOWN_FOR = 30.0
 
 
 NO_DUPLICATES: Mapping[str, list[str]] = {}
-NOT_GIVEN_UP: Mapping[str, Decision] = {}
 
 
 class AlertRules:
@@ -56,11 +55,10 @@ class AlertRules:
         seconds: float,
         *,
         incident: Incident | None = None,
-        recordings: Incident | None = None,
         duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
-        given_up: Mapping[str, Decision] = NOT_GIVEN_UP,
         findings: Iterable[Finding] = (),
         split: Iterable[Join] = (),
+        further: Iterable[Alert] = (),
     ) -> list[Alert]:
         """Return the alerts, critical ones first, then oldest first.
 
@@ -70,26 +68,21 @@ class AlertRules:
             now: The current time.
             seconds: The current time on a monotonic clock, in seconds.
             incident: The incident of the history, if there is one.
-            recordings: Why recordings cannot be written, if so.
             duplicates: By robot, the actions that have more than one server.
-            given_up: By robot, the decisions of automatic docking to give up.
             findings: Faults on the ROS graph, once for each kind and robot.
             split: Robots that are probably in two namespaces.
+            further: What extensions have found.
         """
         alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]
         alerts += [*self._found(list(findings), now), *self._split(list(split), now, seconds)]
         if incident is not None:
-            alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
-        if recordings is not None:
-            kind = AlertKind.RECORDINGS_FAILED
-            alerts.append(Alert(kind, None, recordings.since, "No recordings", recordings.detail))
+            alerts.append(Alert(alert_kinds.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
+        alerts += further
         for state in states:
             alerts += self._discharging(state, now, seconds)
             alerts += self._low(state, now, seconds)
             alerts += self._implausible(state, now)
             alerts += _stale(state, now)
-            if state.name in given_up:
-                alerts.append(_undocked(given_up[state.name]))
         return sorted(alerts, key=lambda alert: (not alert.critical, alert.since, alert.id))
 
     def _duplicates(self, duplicates: Mapping[str, list[str]], now: datetime) -> Iterator[Alert]:
@@ -97,7 +90,7 @@ class AlertRules:
         for robot, actions in duplicates.items():
             names = " and ".join(sorted(actions))
             yield Alert(
-                AlertKind.DUPLICATE_ACTION_SERVER,
+                alert_kinds.DUPLICATE_ACTION_SERVER,
                 robot,
                 self._duplicate_since[robot],
                 "Two action servers",
@@ -111,7 +104,7 @@ class AlertRules:
             since, began = self._split_since[each.robot, each.other]
             if seconds - began >= SPLIT_FOR:
                 yield Alert(
-                    AlertKind.SPLIT_ROBOT,
+                    alert_kinds.SPLIT_ROBOT,
                     each.robot,
                     since,
                     "One robot in two namespaces?",
@@ -124,7 +117,8 @@ class AlertRules:
         self._found_since = {key: self._found_since.get(key, now) for key in keys}
         for each in findings:
             since = self._found_since[each.kind.value, each.robot]
-            yield Alert(AlertKind(each.kind.value), each.robot, since, each.title, each.detail, urgent=each.critical)
+            kind = alert_kinds.OF_FINDINGS[each.kind]
+            yield Alert(kind, each.robot, since, each.title, each.detail, urgent=each.critical)
 
     def _discharging(self, state: RobotState, now: datetime, seconds: float) -> Iterator[Alert]:
         full = state.battery.reading.percentage is not None and state.battery.reading.percentage >= FULL
@@ -134,7 +128,7 @@ class AlertRules:
         since, began = self._without_power.setdefault(state.name, (now, seconds))
         if seconds - began >= WITHOUT_POWER:
             yield Alert(
-                AlertKind.DISCHARGING_ON_DOCK,
+                alert_kinds.DISCHARGING_ON_DOCK,
                 state.name,
                 since,
                 "Not charging on the dock",
@@ -159,7 +153,7 @@ class AlertRules:
             return
         on_dock = f"Check the contacts and the charger.{_about_current(state)}"
         yield Alert(
-            AlertKind.LOW_BATTERY,
+            alert_kinds.LOW_BATTERY,
             name,
             self._low_since.setdefault(name, now),
             "Low battery",
@@ -173,7 +167,7 @@ class AlertRules:
             self._implausible_since.pop(state.name, None)
             return
         yield Alert(
-            AlertKind.BATTERY_IMPLAUSIBLE,
+            alert_kinds.BATTERY_IMPLAUSIBLE,
             state.name,
             self._implausible_since.setdefault(state.name, now),
             "Implausible battery state",
@@ -192,17 +186,6 @@ def _about_current(state: RobotState) -> str:
     )
 
 
-def _undocked(decision: Decision) -> Alert:
-    return Alert(
-        AlertKind.AUTOMATIC_DOCKING_FAILED,
-        decision.robot,
-        decision.at,
-        "Automatic docking gave up",
-        f"The rule {decision.rule_name!r} could not dock {decision.robot}, whose battery is low. Check what stopped "
-        "it, then send it to its dock.",
-    )
-
-
 def _stops(states: list[RobotState]) -> Iterator[Alert]:
     """Yield one alert for each stopped robot; it includes the robots below."""
     held = {state.name: state.stop for state in states if state.stop["latched"]}
@@ -214,7 +197,7 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
         names = f"{name}{f' and {others} below it' if others else ''}"
         stopped = f"{stop['by']} stopped {names}" if stop["by"] else f"{names} was stopped"
         yield Alert(
-            AlertKind.STOP_LATCHED,
+            alert_kinds.STOP_LATCHED,
             name,
             stop["since"],
             "Stopped",
@@ -240,7 +223,7 @@ def _lost(states: list[RobotState], strays: Iterable[Goal], now: datetime) -> It
         if now - since < LOST_FOR:
             reason = "" if goal.error is None else f": {goal.error.detail}"
             yield Alert(
-                AlertKind.GOAL_LOST,
+                alert_kinds.GOAL_LOST,
                 robot,
                 since,
                 "Goal lost",
@@ -255,7 +238,7 @@ def _stale(state: RobotState, now: datetime) -> Iterator[Alert]:
     since = state.battery.stale_since
     if since is not None and now - since > STALE_FOR:
         yield Alert(
-            AlertKind.BATTERY_STALE,
+            alert_kinds.BATTERY_STALE,
             state.name,
             since,
             "No battery state",

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from dock_gateway.core.alerts import SETTLED_AFTER
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
@@ -15,7 +14,8 @@ from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.narrowing import narrow_alerts
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alert import ON_GRAPH, Acknowledgement, Alert, AlertKind, alert_id
+from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
+from dock_gateway.fleet.alert_kinds import CORE_KINDS, AlertKind
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, AlertRules
 from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.robot_state import RobotState
@@ -36,8 +36,6 @@ class AlertBoard:
         acknowledgements: The acknowledgements.
         low_battery: Charge (0 to 1) below which a battery is low.
         incident: Returns the incident of the history, or None.
-        recordings: Returns why recordings cannot be written, or None.
-        given_up: Returns, by robot, the decisions of automatic docking to give up.
         findings: Returns the faults on the ROS graph, once for each kind and robot.
         only: Returns the robots of this gateway, where others on the same database have alerts of other robots.
         sync_interval: Seconds between two reads of what other gateways have acknowledged.
@@ -51,8 +49,6 @@ class AlertBoard:
         *,
         low_battery: float,
         incident: Callable[[], Incident | None] = lambda: None,
-        recordings: Callable[[], Incident | None] = lambda: None,
-        given_up: Callable[[], Mapping[str, Decision]] = dict,
         findings: Callable[[], Iterable[Finding]] = tuple,
         only: Callable[[], Iterable[str]] | None = None,
         sync_interval: float = SYNC_INTERVAL,
@@ -62,8 +58,6 @@ class AlertBoard:
         self._acknowledgements = acknowledgements
         self._rules = AlertRules(low_battery)
         self._incident = incident
-        self._recordings = recordings
-        self._given_up = given_up
         self._findings = findings
         self._only = only
         self._sync_interval = sync_interval
@@ -71,6 +65,8 @@ class AlertBoard:
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
         self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
+        self.sources: list[Callable[[], Iterable[Alert]]] = []  # return further alerts, which are active
+        self.kinds: set[AlertKind] = {*CORE_KINDS}  # a source returns alerts of these
         self._task = asyncio.create_task(self._sync())
 
     def update(
@@ -94,11 +90,10 @@ class AlertBoard:
             utc_now(),
             time.monotonic(),
             incident=self._incident(),
-            recordings=self._recordings(),
             duplicates=duplicates,
-            given_up=self._given_up(),
             findings=self._findings(),
             split=split,
+            further=[alert for source in self.sources for alert in source()],
         )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():
@@ -119,7 +114,7 @@ class AlertBoard:
 
     def of_graph(self, robot: str) -> list[Alert]:
         """Return the alerts about faults on the ROS graph, of a robot or of the gateway."""
-        return [alert for alert in self._alerts.values() if alert.kind in ON_GRAPH and alert.robot in (robot, None)]
+        return [alert for alert in self._alerts.values() if alert.kind.on_graph and alert.robot in (robot, None)]
 
     def get(self, alert_id: str, grant: Grant = UNLIMITED) -> Alert:
         """Return an alert.
@@ -186,7 +181,7 @@ class AlertBoard:
     def _forget_others(self) -> None:
         ended = self._acknowledgements.keys() - self._alerts.keys()
         if self._only is not None:
-            ended &= {alert_id(kind, robot) for kind in AlertKind for robot in self._only()}
+            ended &= {alert_id(kind, robot) for kind in self.kinds for robot in self._only()}
         for each in ended:
             self._acknowledgements.put(each, None)
 

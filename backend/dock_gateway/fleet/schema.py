@@ -1,17 +1,21 @@
 """The JSON shapes of the overview of robots, their labels and alerts."""
 
 from datetime import datetime
+from enum import StrEnum
 from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, JsonValue
 
-from dock_gateway.fleet.alert import AlertKind
+from dock_gateway.fleet.alert_kinds import CORE_KINDS
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
 from dock_gateway.http.bodies import GroupName, Name60, RobotName, Unique
 from dock_gateway.http.schema import MAX_GROUPS, RosName, Schema
 from dock_gateway.robots.schema import BatteryState, Implausible
 from dock_gateway.stop.schema import StopState
+
+AlertKind = StrEnum("AlertKind", [(kind.value.upper(), kind.value) for kind in CORE_KINDS])  # type: ignore[misc]
+AlertKind.__doc__ = "The kinds of alerts."
 
 
 class RobotBattery(Schema):

@@ -22,6 +22,7 @@ REF = "#/components/schemas/{model}"
 
 
 Models = Sequence[type[BaseModel]]
+NO_VALUES: Mapping[str, Sequence[str]] = {}
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ def install_openapi(
     unions: Iterable[Union],
     models: Models,
     messages: Callable[[], dict[str, Any]] = dict,
+    values: Mapping[str, Sequence[str]] = NO_VALUES,
 ) -> None:
     """Make the app serve its OpenAPI document with our schemas in it.
 
@@ -61,12 +63,16 @@ def install_openapi(
         unions: The messages of streams, which no route names.
         models: Further models that no route names.
         messages: Returns the schemas of ROS messages, by name.
+        values: Further values of enumerations, by the name of the component.
     """
     components = [*unions]
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _build(app, components, models, messages, authentication=authentication)
+            document = _build(app, components, models, messages, authentication=authentication)
+            for name, further in values.items():
+                document["components"]["schemas"][name]["enum"] += further
+            app.openapi_schema = document
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
+from dock_gateway.core.errors import Unavailable
+
 T = TypeVar("T")
 
 
@@ -25,7 +27,15 @@ class Parts:
         self._parts[kind] = part
 
     def __getitem__(self, kind: type[T]) -> T:
-        part: T = self._parts[kind]
+        """Return a part.
+
+        Raises:
+            Unavailable: It is that of an extension that could not be opened (`extension_failed`).
+        """
+        try:
+            part: T = self._parts[kind]
+        except KeyError:
+            raise Unavailable(f"{kind.__name__} could not be opened: see the alerts", code="extension_failed") from None
         return part
 
 

@@ -7,7 +7,7 @@ import asyncio
 import math
 import time
 from collections import Counter, defaultdict, deque
-from collections.abc import AsyncIterator, Callable, Hashable, Iterator
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator, Mapping
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field
 
@@ -55,7 +55,7 @@ class Limit:
 
 
 def limits(settings: Settings) -> dict[str, Limit]:
-    """Return everything that users share, by name: docs/configuration.md shows it.
+    """Return what users share of the gateway itself, by name: docs/configuration.md shows it.
 
     `streams` are WebSockets, event streams and subscriptions of `/ws`; `goals` are those of one action that wait for
     its server; `requests` are those that are carried to other sites.
@@ -66,7 +66,6 @@ def limits(settings: Settings) -> dict[str, Limit]:
         "exports": Limit("exports", math.inf, settings.max_exports_per_user, code="too_many_exports"),
         "topics": Limit("topics subscribed to", 200, 75, 50),
         "views": Limit("topics being watched", 28, 8, 8),
-        "cameras": Limit("cameras being watched", 50, 20, 10),
         "goals": Limit("goals waiting for the answer of", pending, max(1, pending // 4), pending // 4),
         "approvals": Limit("goals waiting for a person", 10, 3, code="too_many_approvals", of_address=8),
         "calls": Limit("calls of services in progress", 32, 8, 8, "too_many_calls", Role.SUPERVISOR),
@@ -80,6 +79,7 @@ def limits(settings: Settings) -> dict[str, Limit]:
     }
 
 
+NO_FURTHER: Mapping[str, Limit] = {}
 # How many of something that takes long a user may do at the same time; the others wait, without being refused.
 TURNS = {"large reads": 1, "parameters of many": 2, "graph views": 1}
 
@@ -112,12 +112,18 @@ class Quotas:
 
     Args:
         settings: The limits.
+        further: What users share of extensions, by name.
         clock: Returns seconds that never go back.
     """
 
-    def __init__(self, settings: Settings, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        further: Mapping[str, Limit] = NO_FURTHER,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._goals_per_minute = settings.max_goals_per_minute
-        self._limits = limits(settings)
+        self._limits = {**limits(settings), **further}
         self._clock = clock
         self._sent: dict[str, deque[float]] = {}
         self._places: dict[tuple[str, str], _Places] = {}

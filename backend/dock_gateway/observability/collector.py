@@ -1,7 +1,7 @@
 """The state of the parts that a gateway has in common with other programs, read when it is scraped."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from prometheus_client import Metric
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
@@ -9,31 +9,33 @@ from prometheus_client.registry import Collector
 
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.webhook import DeliveryState
 from dock_gateway.http.parts import Parts
 from dock_gateway.observability.request_metrics import NAMESPACE
 from dock_gateway.storage import History
-from dock_gateway.webhooks.notifier import Notifier
-from dock_gateway.webhooks.webhook import SEVERITIES
 
-OUTCOMES = {
-    DeliveryState.DELIVERED: "delivered",
-    DeliveryState.PENDING: "to_be_repeated",
-    DeliveryState.FAILED: "given_up",
-}
+SEVERITIES = ("critical", "warning")
+Further = Sequence[Callable[[], Iterable[Metric]]]
 
 
 class PartsCollector(Collector):
-    """Reads streams, the history, alerts and webhooks."""
+    """Reads streams, the history, alerts, and what extensions measure.
 
-    def __init__(self, parts: Parts) -> None:
+    Args:
+        parts: The parts.
+        further: Return the metrics of extensions.
+    """
+
+    def __init__(self, parts: Parts, further: Further = ()) -> None:
         self.parts = parts
+        self._further = further
 
     def collect(self) -> Iterator[Metric]:
         """Yield the metrics as they are now. Call it on the event loop."""
         yield from self._streams()
         yield from self._history()
         yield from self._alerts()
+        for measure in self._further:
+            yield from measure()
 
     def _streams(self) -> Iterator[Metric]:
         fanout = self.parts[Fanout]
@@ -52,11 +54,9 @@ class PartsCollector(Collector):
         yield gauge("database_reachable", "Whether the database answers", stats.database_reachable)
 
     def _alerts(self) -> Iterator[Metric]:
-        alerts = Counter({str(severity): 0 for severity in SEVERITIES})
+        alerts = Counter(dict.fromkeys(SEVERITIES, 0))
         alerts.update(alert["severity"] for alert in self.parts[Alerts].documents())
         yield gauges("alerts", "Active alerts", "severity", alerts)
-        attempts = {outcome: self.parts[Notifier].attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
-        yield counters("webhook_attempts", "Attempts to send an alert to a webhook", "outcome", attempts)
 
 
 def gauge(name: str, text: str, value: float) -> Metric:

@@ -1,7 +1,7 @@
 """The robots. A robot is a namespace with a battery topic, a velocity topic and actions."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Literal
@@ -85,6 +85,18 @@ class RobotRegistry:
         self.topics = TypedTopics(bridge)
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
         self.default_namespace = normalize_namespace(settings.namespace)
+        self.on_scan: list[Callable[[Scan], None]] = []  # called with each scan of the ROS graph
+        self.before_removal: list[Callable[[str], Awaitable[None]]] = []  # called with the robot
+
+    async def scanned(self, found: Scan) -> None:
+        """Pass on a scan of the ROS graph."""
+        for follow in self.on_scan:
+            follow(found)
+
+    async def leave(self, namespace: str) -> None:
+        """Let all leave the topics of a robot that is about to be removed."""
+        for leave in self.before_removal:
+            await leave(namespace)
 
     async def open(self, namespace: str) -> Robot:
         """Join the topics of a robot."""

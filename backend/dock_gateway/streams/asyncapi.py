@@ -21,7 +21,6 @@ Models = tuple[type[BaseModel], ...]
 
 SSE = "text/event-stream"
 SCHEMAS = "#/components/schemas/"
-ALL_EVENTS: Models = (*EVENTS, *ACTION_EVENTS)
 EVENTS_OF_GOAL: Models = (*GOAL_EVENTS, *ACTION_EVENTS)
 SERVERS = {
     "websockets": {"protocol": "ws", "description": "WebSockets; `wss` where the gateway has TLS"},
@@ -40,8 +39,14 @@ TICKET_SCHEME: Json = {
 }
 
 
-def asyncapi_document(openapi: Json) -> Json:
-    """Return the AsyncAPI 3.0 document that belongs to an OpenAPI document of this gateway."""
+def asyncapi_document(openapi: Json, further: Models) -> Json:
+    """Return the AsyncAPI 3.0 document that belongs to an OpenAPI document of this gateway.
+
+    Args:
+        openapi: The OpenAPI document.
+        further: The events of extensions.
+    """
+    all_events: Models = (*EVENTS, *further, *ACTION_EVENTS)
     schemas: Json = openapi["components"]["schemas"]
     stream_query = {
         name: field
@@ -50,13 +55,13 @@ def asyncapi_document(openapi: Json) -> Json:
     }
     commands: Models = (*COMMAND_SCHEMAS, *ANSWERS)
     channels = {
-        "socket": _socket("/ws", socket.socket, (*commands, *ALL_EVENTS), {}),
-        "feedback": _socket("/ws/feedback", events.feedback, ALL_EVENTS, stream_query),
+        "socket": _socket("/ws", socket.socket, (*commands, *all_events), {}),
+        "feedback": _socket("/ws/feedback", events.feedback, all_events, stream_query),
         "topics": _socket("/ws/topics", topics.echo_topic, ECHO_EVENTS, TOPIC_QUERY, required=["topic"]),
     }
     operations = {
-        "socket_events": _sent("socket", events.feedback, ALL_EVENTS),
-        "feedback": _sent("feedback", events.feedback, ALL_EVENTS),
+        "socket_events": _sent("socket", events.feedback, all_events),
+        "feedback": _sent("feedback", events.feedback, all_events),
         "topics": _sent("topics", topics.echo_topic, ECHO_EVENTS),
         **dict(_commands(schemas)),
     }
@@ -71,7 +76,7 @@ def asyncapi_document(openapi: Json) -> Json:
             "bindings": {"http": {"method": "GET", "query": _object(query), "bindingVersion": "0.3.0"}},
             "x-role": operation["x-role"],
         }
-    messages = [*dict.fromkeys(model.__name__ for model in (*commands, *ALL_EVENTS, *ECHO_EVENTS))]
+    messages = [*dict.fromkeys(model.__name__ for model in (*commands, *all_events, *ECHO_EVENTS))]
     schemes = {name: _scheme(scheme) for name, scheme in openapi["components"].get("securitySchemes", {}).items()}
     servers = {name: _server(server, schemes) for name, server in SERVERS.items()}
     if schemes:

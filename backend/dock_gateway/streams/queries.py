@@ -19,8 +19,13 @@ from dock_gateway.robots.robots import Robots
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
 
+
+class Includes(tuple[str, ...]):
+    """The topics of events that extensions add to `INCLUDES`."""
+
+
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
-INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots", "map", "maps", "scan", "path")
+INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 # As they are described: they are read as those of WebSockets are, with the same errors.
 FlagText = Annotated[str, WithJsonSchema({"type": "boolean"})]
@@ -113,8 +118,9 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
     if action is not None and (len(action) > LONGEST_NAME or not TOPIC.fullmatch(action)):
         raise InvalidField([FieldError("query.action", "the name of an action", got(action))])
     names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
-    if unknown := [name for name in names if name not in INCLUDES]:
-        raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
+    known = (*INCLUDES, *parts[Includes])
+    if unknown := [name for name in names if name not in known]:
+        raise InvalidField([FieldError("query.include", f"any of {', '.join(known)}", f"got {unknown[0][:60]!r}")])
     kind = EventFilter if read_feedback(query) else WithoutFeedback
     goal = None if goal_id is None else await parts[Goals].get(read_goal_id(goal_id), grant)
     return kind(

@@ -5,14 +5,12 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dock_gateway.automation.schema import Decision
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.goals.schema import ActionGoal, DockFeedbackMessage, DockResultMessage, Goal, GoalError, GoalSummary
 from dock_gateway.http.schema import Schema
-from dock_gateway.maps.schema import Points, RobotMap
 from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
 from dock_gateway.stop.schema import StopState
 
@@ -185,14 +183,6 @@ class ApprovalsEvent(Schema):
     approvals: list[Approval]
 
 
-class AutomationEvent(Schema):
-    """A rule of automatic docking has decided, at any gateway that shares the history."""
-
-    type: Literal["automation"]
-    time: datetime
-    automation: Decision
-
-
 class SceneEvent(Schema):
     """The poses of a robot and its dock, up to 20 times a second."""
 
@@ -208,41 +198,6 @@ class ScenesEvent(Schema):
     type: Literal["scenes"]
     time: datetime
     scenes: dict[str, Scene]
-
-
-class MapEvent(Schema):
-    """The robot's map changed: not its cells, which `GET /robots/map.png` has. At most 5 times a second."""
-
-    type: Literal["map"]
-    time: datetime
-    robot: str
-    map: RobotMap
-
-
-class MapsEvent(Schema):
-    """The maps of all robots that have one, by robot."""
-
-    type: Literal["maps"]
-    time: datetime
-    maps: dict[str, RobotMap]
-
-
-class ScanEvent(Schema):
-    """What the robot's laser sees, up to 5 times a second."""
-
-    type: Literal["scan"]
-    time: datetime
-    robot: str
-    scan: Points
-
-
-class PathEvent(Schema):
-    """The path that the robot is to drive."""
-
-    type: Literal["path"]
-    time: datetime
-    robot: str
-    path: Points
 
 
 class HeartbeatEvent(Schema):
@@ -322,11 +277,6 @@ EVENTS: tuple[type[BaseModel], ...] = (
     RobotsEvent,
     AlertsEvent,
     ApprovalsEvent,
-    AutomationEvent,
     SceneEvent,
     ScenesEvent,
-    MapEvent,
-    MapsEvent,
-    ScanEvent,
-    PathEvent,
 )

@@ -4,10 +4,10 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.automation.decisions import narrow_decision
 from dock_gateway.core.event import Event, fleet_event, message_event, overview_event, surroundings_event, utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.narrowing import by_robot, narrow, narrow_alerts, narrow_robots
+from dock_gateway.extensions.automation.decisions import narrow_decision
 
 
 def robots(*patterns: str) -> Grant:

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.fleet.alert import Acknowledgement, Alert, AlertKind, alert_id
+from dock_gateway.fleet import alert_kinds
+from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
 from dock_gateway.fleet.alert_rules import AlertRules
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.robot_state import RobotState
@@ -89,7 +89,7 @@ def test_a_robot_that_is_well() -> None:
 def test_one_alert_for_a_stop_of_all() -> None:
     stopped = [robot(name, latched=True) for name in ("/", "/robot1", "/robot1/arm")]
     (alert,) = Looks().alerts(0, *stopped)
-    assert (alert.kind, alert.robot, alert.since) == (AlertKind.STOP_LATCHED, "/", NOON)
+    assert (alert.kind, alert.robot, alert.since) == (alert_kinds.STOP_LATCHED, "/", NOON)
     assert alert.detail.startswith("Ada stopped / and 2 below it")
     separate = Looks().alerts(0, robot("/"), robot("/robot1", latched=True), robot("/robot10", latched=True))
     assert {alert.robot for alert in separate} == {"/robot1", "/robot10"}
@@ -99,7 +99,7 @@ def test_a_lost_goal_for_an_hour_at_most() -> None:
     lost = goal("/robot1/dock", GoalStatus.LOST)
     lost.error = GoalError("action_server_lost", "the action server left the ROS graph")
     (alert,) = Looks().alerts(1, robot(lost=[lost]))
-    assert (alert.kind, alert.goal_id, alert.since) == (AlertKind.GOAL_LOST, "a", NOON)
+    assert (alert.kind, alert.goal_id, alert.since) == (alert_kinds.GOAL_LOST, "a", NOON)
     assert "the action server left the ROS graph" in alert.detail
     assert Looks().alerts(3601, robot(lost=[lost])) == []
     (stray,) = Looks().alerts(1, strays=(goal("/fibonacci", GoalStatus.LOST),))
@@ -126,7 +126,7 @@ def test_a_docked_robot_without_power(docked: dict[str, Any]) -> None:
     looks = Looks()
     assert looks.kinds(0, robot(**docked)) == looks.kinds(9.9, robot(**docked)) == []
     (alert,) = looks.alerts(10, robot(**docked))
-    assert (alert.kind, alert.since) == (AlertKind.DISCHARGING_ON_DOCK, NOON)
+    assert (alert.kind, alert.since) == (alert_kinds.DISCHARGING_ON_DOCK, NOON)
     assert looks.kinds(11, robot(supply=CHARGING, left_docked=True)) == []
     assert looks.kinds(12, robot(**docked)) == []  # it begins anew
 
@@ -150,7 +150,7 @@ def test_a_low_battery_until_it_is_well_above() -> None:
     looks = Looks()
     assert looks.kinds(0, robot(percentage=0.2)) == []
     (alert,) = looks.alerts(1, robot(percentage=0.19))
-    assert (alert.kind, alert.since) == (AlertKind.LOW_BATTERY, NOON + timedelta(seconds=1))
+    assert (alert.kind, alert.since) == (alert_kinds.LOW_BATTERY, NOON + timedelta(seconds=1))
     assert "20%" in alert.detail
     (same,) = looks.alerts(2, robot(percentage=0.24))
     assert same == alert
@@ -200,7 +200,7 @@ def test_an_implausible_battery_is_one_warning_and_no_low_battery() -> None:
     looks = Looks()
     wrong = robot(percentage=None, doubts=(WRONG,), named=(WRONG,))
     (alert,) = looks.alerts(0, wrong)
-    assert (alert.kind, alert.since, alert.kind.critical) == (AlertKind.BATTERY_IMPLAUSIBLE, NOON, False)
+    assert (alert.kind, alert.since, alert.kind.critical) == (alert_kinds.BATTERY_IMPLAUSIBLE, NOON, False)
     assert "/robot1/battery_status" in alert.detail
     assert "percentage is 12, but should be 0 to 1. Name the robot." in alert.detail
     assert looks.alerts(60, wrong) == [alert]
@@ -230,7 +230,7 @@ def test_a_battery_that_fell_silent() -> None:
     silent = robot(stale_since=NOON)
     assert looks.kinds(5, silent) == []
     (alert,) = looks.alerts(5.1, silent)
-    assert (alert.kind, alert.since) == (AlertKind.BATTERY_STALE, NOON)
+    assert (alert.kind, alert.since) == (alert_kinds.BATTERY_STALE, NOON)
     assert "/robot1/battery_status" in alert.detail
     assert looks.kinds(6, robot()) == []
 
@@ -253,8 +253,8 @@ def test_what_happened_to_the_history_is_an_alert_of_no_robot() -> None:
 
 
 def test_ids_are_the_same_everywhere() -> None:
-    assert alert_id(AlertKind.LOW_BATTERY, "/robot1") == "d52cd72bb043e060"  # as other gateways have it
-    names = [(kind, name, goal) for kind in AlertKind for name in ("/", "/r") for goal in (None, "a")]
+    assert alert_id(alert_kinds.LOW_BATTERY, "/robot1") == "d52cd72bb043e060"  # as other gateways have it
+    names = [(kind, name, goal) for kind in alert_kinds.CORE_KINDS for name in ("/", "/r") for goal in (None, "a")]
     ids = {alert_id(*name) for name in names}
     assert len(ids) == len(names)
     assert all(identity.isalnum() and identity.isascii() for identity in ids)
@@ -291,7 +291,7 @@ def test_two_servers_of_one_robot_are_one_alert() -> None:
 
     look(0, robot1=["/robot1/undock"])
     (alert,) = look(5, robot1=["/robot1/undock", "/robot1/dock"])
-    assert (alert.kind, alert.robot, alert.since) == (AlertKind.DUPLICATE_ACTION_SERVER, "/robot1", NOON)
+    assert (alert.kind, alert.robot, alert.since) == (alert_kinds.DUPLICATE_ACTION_SERVER, "/robot1", NOON)
     assert alert.kind.critical
     assert "serves /robot1/dock and /robot1/undock" in alert.detail
     assert look(6) == []
@@ -299,27 +299,15 @@ def test_two_servers_of_one_robot_are_one_alert() -> None:
     assert again.since == NOON + timedelta(seconds=7)
 
 
-def test_automatic_docking_that_gave_up_is_an_alert_of_a_robot_that_is_here() -> None:
-    decision = Decision(
-        "low", "Low battery", "/robot1", NOON, Outcome.GAVE_UP, 0.1, None, None, None, None, None, open=True
-    )
-    given_up = {"/robot1": decision, "/gone": decision}
-    states = [robot(), robot("/robot2")]
-    (alert,) = AlertRules(0.2).evaluate(states, [], NOON, 0.0, given_up=given_up)
-    assert (alert.kind, alert.robot, alert.since) == (AlertKind.AUTOMATIC_DOCKING_FAILED, "/robot1", NOON)
-    assert alert.kind.critical
-    assert "'Low battery' could not dock /robot1" in alert.detail
-
-
 def test_a_finding_is_an_alert_since_it_was_first_seen() -> None:
-    rules = AlertRules(0.2)
+    rules, kind = AlertRules(0.2), alert_kinds.OF_FINDINGS[FindingKind.WRONG_TOPIC_TYPE]
 
     def look(seconds: float, *findings: Finding) -> list[Alert]:
         return rules.evaluate([], [], NOON + timedelta(seconds=seconds), seconds, findings=findings)
 
     wrong = Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "One.")
     (alert,) = look(0, wrong)
-    assert (alert.kind, alert.robot, alert.since, alert.critical) == (AlertKind.WRONG_TOPIC_TYPE, "/", NOON, False)
+    assert (alert.kind, alert.robot, alert.since, alert.critical) == (kind, "/", NOON, False)
     (worse,) = look(5, Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "Two.", critical=True))
     assert (worse.id, worse.since, worse.detail) == (alert.id, NOON, "Two.")
     assert worse.document(None)["severity"] == "critical"

@@ -11,14 +11,15 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.fleet.alert import Acknowledgement, AlertKind, alert_id
+from dock_gateway.fleet import alert_kinds
+from dock_gateway.fleet.alert import Acknowledgement, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import EntriesInMemory
 
 LOW, WELL = [robot(percentage=0.1)], [robot(percentage=0.9)]
-ID = alert_id(AlertKind.LOW_BATTERY, "/robot1")
+ID = alert_id(alert_kinds.LOW_BATTERY, "/robot1")
 
 
 class Scene:

@@ -13,15 +13,15 @@ from jsonschema import Draft202012Validator
 from pydantic import BaseModel
 
 from dock_gateway.access.schema import PasswordBody, TokenBody, UserBody
-from dock_gateway.agents.schema import Nothing
-from dock_gateway.automation.rule import RuleBody
 from dock_gateway.core.errors import InvalidField
+from dock_gateway.extensions.agents.schema import Nothing
+from dock_gateway.extensions.automation.rule import RuleBody
+from dock_gateway.extensions.webhooks.webhook import WebhookBody
 from dock_gateway.fleet.schema import AcknowledgementBody, Label
 from dock_gateway.goals.schema import NoteBody, TagsBody
 from dock_gateway.http.bodies import MAX_ERRORS, body_schema, read_fields, read_model
 from dock_gateway.robots.schema import FaultBody, PlaceBody
 from dock_gateway.streams.command_schema import SendGoalCommand, SubscribeCommand
-from dock_gateway.webhooks.webhook import WebhookBody
 
 NAMESPACE = "a ROS namespace such as /robot1, of up to 255 characters"
 RULE: dict[str, Any] = {"name": "a", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 60}}

@@ -46,7 +46,7 @@ def test_every_command_is_declared() -> None:
 def test_a_route_that_does_not_say_what_it_needs_keeps_the_app_from_being_made(monkeypatch: pytest.MonkeyPatch) -> None:
     router = APIRouter()
     router.post("/change")(change)
-    monkeypatch.setattr(app_module, "api_routers", lambda: (router,))
+    monkeypatch.setattr(app_module, "api_routers", lambda *_: (router,))
     with pytest.raises(TypeError, match=r"test_operation\.change does not say which role it needs: put @operation"):
         create_app(Settings())
 
@@ -58,7 +58,7 @@ def test_nothing_that_changes_something_is_kept_out_of_the_audit_log(monkeypatch
 
     router = APIRouter()
     router.post("/change")(secretly)
-    monkeypatch.setattr(app_module, "api_routers", lambda: (router,))
+    monkeypatch.setattr(app_module, "api_routers", lambda *_: (router,))
     with pytest.raises(TypeError, match="/change may change something: the audit log must have it"):
         create_app(Settings())
 

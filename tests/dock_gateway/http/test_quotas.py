@@ -37,7 +37,7 @@ def test_no_minute_has_more_goals_of_one_user_and_none_is_refused_without_need(
     attempts: list[tuple[Principal, float]],
 ) -> None:
     clock = Clock()
-    quotas = Quotas(SETTINGS, clock)
+    quotas = Quotas(SETTINGS, clock=clock)
     sent: dict[str | None, list[float]] = {"ada": [], "bob": []}
     for principal, pause in attempts:
         clock.now += pause

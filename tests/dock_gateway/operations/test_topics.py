@@ -14,7 +14,7 @@ from dock_gateway.operations.topics import ReadTopic, subscribe
 from dock_gateway.settings import Settings
 from tests.support.permits import acting, user
 
-DOORS = ("foxglove/subscriptions.py", "rosbridge/subscriptions.py")
+DOORS = ("extensions/foxglove/subscriptions.py", "extensions/rosbridge/subscriptions.py")
 
 
 async def test_a_topic_takes_a_place_and_is_read_until_it_is_closed() -> None:

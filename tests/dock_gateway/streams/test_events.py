@@ -33,6 +33,7 @@ from dock_gateway.storage import History
 from dock_gateway.streams.events import EventStream, _sse_chunks, until_one_ends
 from dock_gateway.streams.gateway_present import GatewayPresent
 from dock_gateway.streams.present import Present
+from dock_gateway.streams.queries import Includes
 from tests.support.history import HistoryInMemory
 from tests.support.tracking import A, S, Scene, scene
 
@@ -162,6 +163,7 @@ class OneGoal(Parts):
             {
                 Settings: Settings(heartbeat_interval=60.0),
                 Fanout: scene.fanout,
+                Includes: Includes(),
                 History: scene.history,
                 Quotas: Quotas(Settings()),
                 Logins: self.logins,

@@ -25,6 +25,7 @@ from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.streams import socket as socket_module
 from dock_gateway.streams.commands import COMMANDS
+from dock_gateway.streams.queries import Includes
 from dock_gateway.streams.socket import CommandSession
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
@@ -40,7 +41,11 @@ class FakeWebSocket:
         self._texts = list(texts)
         self._stays = stays
         self.told: list[dict[str, Any]] = []
-        self.scope = {"type": "websocket", "principal": ANYBODY, "state": {"parts": Parts(audit_parts())}}
+        self.scope = {
+            "type": "websocket",
+            "principal": ANYBODY,
+            "state": {"parts": Parts({**audit_parts(), Includes: Includes()})},
+        }
 
     async def receive(self) -> dict[str, Any]:
         await asyncio.sleep(0.01)
@@ -98,6 +103,7 @@ class Lookups(Parts):
             {
                 Settings: settings,
                 Fanout: self.fanout,
+                Includes: Includes(),
                 Quotas: Quotas(settings),
                 Logins: Logins(HistoryInMemory()),
                 Goals: SimpleNamespace(get=self._goal),

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.recordings.mcap_file import McapFile
+from dock_gateway.extensions.recordings.mcap_file import McapFile
 from docking.replay.recorded_goal import LONGEST, read_goal
 from robot_io.recording import Sample, event_sample
 from tests.support.odd_recordings import as_file, odd_events, odd_messages

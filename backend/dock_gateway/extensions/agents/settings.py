@@ -1,0 +1,24 @@
+"""The settings of agents."""
+
+import importlib.util
+
+from pydantic import Field, field_validator
+
+from dock_gateway.settings import ExtensionSettings
+
+
+class AgentSettings(ExtensionSettings):
+    """Whether agents are let in."""
+
+    mcp: bool = Field(
+        False,
+        description="Whether agents can use the gateway at `/mcp`, by the Model Context Protocol: "
+        "[agents.md](extensions/agents.md). Needs `dock-gateway[mcp]`.",
+    )
+
+    @field_validator("mcp")
+    @classmethod
+    def _check_mcp(cls, mcp: bool) -> bool:
+        if mcp and importlib.util.find_spec("mcp") is None:
+            raise ValueError("dock-gateway[mcp] is not installed")
+        return mcp

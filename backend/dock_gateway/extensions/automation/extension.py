@@ -1,0 +1,85 @@
+"""Automatic docking: rules that send a robot to its dock when its battery is low, or when it has nothing to do."""
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager
+
+from dock_gateway.core.automation import Decision
+from dock_gateway.core.tasks import closed_by
+from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway.extensions.automation.activity import Activity
+from dock_gateway.extensions.automation.decisions import DecisionLog
+from dock_gateway.extensions.automation.docking import MAX_RULES, AutomaticDocking
+from dock_gateway.extensions.automation.routes import router
+from dock_gateway.extensions.automation.rule import RuleEntry
+from dock_gateway.extensions.automation.schema import AutomationEvent
+from dock_gateway.fleet.alert import Alert
+from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.fleet.graph_watch import GraphWatch
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.on_demand import OnDemand
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.storage.shared_entries import SharedBook
+
+GAVE_UP = AlertKind("automatic_docking_failed")
+
+
+@asynccontextmanager
+async def open_automation(core: GatewayCore) -> AsyncIterator[AutomaticDocking]:
+    """Apply the rules."""
+    async with AsyncExitStack() as stack:
+        activity = Activity(core.robots)
+        core.goals.on_end.append(activity.on_end)
+        core.stop.on_stop.append(activity.intervened)
+        core.parts[Interlock].on_release.append(activity.intervened)
+        closed_by(stack, OnDemand(core.parts[Bridge], activity, "motion", lambda robot: _follow(core, activity, robot)))
+        decisions = DecisionLog(core.events, core.history.documents("decision", Decision))
+        core.alerts.sources.append(lambda: gave_up(decisions, core.robots.namespaces()))
+        graph = core.parts[GraphWatch]
+        yield closed_by(
+            stack,
+            AutomaticDocking(
+                core.parts[Fleet],
+                core.goals,
+                core.parts[RobotActions],
+                core.history,
+                activity=activity,
+                shared=lambda: graph.shared,
+                rules=SharedBook(core.history.documents("rule", RuleEntry), "rule", MAX_RULES),
+                decisions=decisions,
+            ),
+        )
+
+
+def _follow(core: GatewayCore, activity: Activity, robot: str) -> ExitStack:
+    """Follow whether a robot moves."""
+    topic = core.settings.resolve(core.settings.cmd_vel_topic, robot)
+    listener = core.robots.velocities.listen(topic, lambda message, _: activity.on_velocity(robot, message))
+    activity.subscribed(robot, lambda: listener.complete)
+    port = ExitStack()
+    port.callback(listener.close)
+    port.callback(activity.unsubscribed, robot)
+    return port
+
+
+def gave_up(decisions: DecisionLog, robots: list[str]) -> list[Alert]:
+    """Return an alert for each of these robots that no rule could dock."""
+    given_up = decisions.given_up()
+    return [_alert(given_up[robot]) for robot in robots if robot in given_up]
+
+
+def _alert(decision: Decision) -> Alert:
+    return Alert(
+        GAVE_UP,
+        decision.robot,
+        decision.at,
+        "Automatic docking gave up",
+        f"The rule {decision.rule_name!r} could not dock {decision.robot}, whose battery is low. Check what stopped "
+        "it, then send it to its dock.",
+    )
+
+
+extension = Extension(
+    "automation", open_automation, routes=lambda _: (router,), events=(AutomationEvent,), alerts=(GAVE_UP,)
+)

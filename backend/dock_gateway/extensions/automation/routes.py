@@ -1,0 +1,87 @@
+"""`/automation`: the rules of automatic docking, and their decisions."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query
+from starlette.responses import Response
+
+from dock_gateway.core.grant import Role
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.extensions.automation.docking import AutomaticDocking
+from dock_gateway.extensions.automation.rule import RuleBody
+from dock_gateway.extensions.automation.schema import DecisionList, Rule, RuleList
+from dock_gateway.http.bodies import SignedBody
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.requests import (
+    GOAL_ID,
+    SLUG_IN_PATH,
+    Answer,
+    LimitQuery,
+    RobotQuery,
+    json_response,
+    read_goal_id,
+    read_slug,
+)
+from dock_gateway.http.route import ApiRoute
+
+router = APIRouter(route_class=ApiRoute, tags=["Automatic docking"], prefix="/automation")
+
+
+async def _rule_id_in_path(rule_id: Annotated[str, SLUG_IN_PATH]) -> str:
+    return read_slug(rule_id, "rule_id")
+
+
+RuleId = Annotated[str, Depends(_rule_id_in_path)]
+GoalIdQuery = Annotated[
+    str | None,
+    Query(description="Only the decision that sent this goal", json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"}),
+]
+
+
+@router.get("/rules")
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Answer[RuleList]:
+    """List the rules by name, each with the robots that it applies to and what it waits for."""
+    return json_response({"rules": await automation.documents(grant)})
+
+
+@router.put("/rules/{rule_id}")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
+async def replace_rule(rule_id: RuleId, body: SignedBody[RuleBody], automation: Part[AutomaticDocking]) -> Answer[Rule]:
+    """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
+
+    A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
+    """
+    return json_response(await automation.replace(rule_id, body.entry()))
+
+
+@router.delete("/rules/{rule_id}", status_code=204)
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
+async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking]) -> Response:
+    """Remove a rule. Goals that it sent go on."""
+    await automation.remove(rule_id)
+    return Response(status_code=204)
+
+
+@router.get("/decisions")
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_decisions(
+    automation: Part[AutomaticDocking],
+    grant: TheGrant,
+    *,
+    robot: RobotQuery = None,
+    rule: Annotated[str | None, Query(description="Id of a rule")] = None,
+    goal_id: GoalIdQuery = None,
+    limit: LimitQuery = 50,
+) -> Answer[DecisionList]:
+    """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
+    found = await automation.decisions.newest(
+        robot=None if robot is None else read_namespace(robot),
+        rule_id=rule,
+        goal_id=None if goal_id is None else read_goal_id(goal_id),
+        limit=limit,
+        grant=grant,
+    )
+    return json_response({"decisions": found})

@@ -1,0 +1,89 @@
+"""What the API returns about automatic docking: rules and decisions."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import ConfigDict
+
+from dock_gateway.core.automation import Outcome, Wait
+from dock_gateway.extensions.automation.rule import RuleEntry
+from dock_gateway.http.schema import Schema
+
+
+class RuleRobot(Schema):
+    """A robot that a rule applies to now, and why it is not docked now."""
+
+    robot: str
+    waits_for: Wait
+
+
+class Rule(RuleEntry):
+    """A rule of automatic docking. Either `battery` or `schedule` is null.
+
+    `applies_to` lists the robots on the gateway that it applies to.
+    """
+
+    id: str
+    applies_to: list[RuleRobot]
+
+
+class RuleList(Schema):
+    """The rules, by name."""
+
+    rules: list[Rule]
+
+
+class Decision(Schema):
+    """What a rule decided about a robot, and the facts that it went by.
+
+    `battery` is the charge (0 to 1); `idle_since` is when the robot was idle with a low battery, or stood still before
+    a time of day, which is `scheduled_for`. `code` and `detail` say why no goal was sent.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "id": "0b8f9b0e4e5c4c62a2ac3c2f5bd0a1f2",
+                    "rule_id": "low-battery",
+                    "rule_name": "Low battery",
+                    "robot": "/robot1",
+                    "at": "2026-11-21T21:04:12.182Z",
+                    "outcome": "sent",
+                    "battery": 0.18,
+                    "idle_since": "2026-11-21T21:03:12.182Z",
+                    "scheduled_for": None,
+                    "goal_id": "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f",
+                    "code": None,
+                    "detail": None,
+                }
+            ]
+        }
+    )
+
+    id: str
+    rule_id: str
+    rule_name: str
+    robot: str
+    at: datetime
+    outcome: Outcome
+    battery: float | None
+    idle_since: datetime | None
+    scheduled_for: datetime | None
+    goal_id: str | None
+    code: str | None
+    detail: str | None
+
+
+class DecisionList(Schema):
+    """Decisions, newest first."""
+
+    decisions: list[Decision]
+
+
+class AutomationEvent(Schema):
+    """A rule of automatic docking has decided, at any gateway that shares the history."""
+
+    type: Literal["automation"]
+    time: datetime
+    automation: Decision

@@ -1,0 +1,21 @@
+"""The metrics of webhooks."""
+
+from collections.abc import Iterator
+
+from prometheus_client import Metric
+
+from dock_gateway.core.webhook import DeliveryState
+from dock_gateway.extensions.webhooks.notifier import Notifier
+from dock_gateway.observability.collector import counters
+
+OUTCOMES = {
+    DeliveryState.DELIVERED: "delivered",
+    DeliveryState.PENDING: "to_be_repeated",
+    DeliveryState.FAILED: "given_up",
+}
+
+
+def webhook_metrics(notifier: Notifier) -> Iterator[Metric]:
+    """Yield how often an alert was sent."""
+    attempts = {outcome: notifier.attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
+    yield counters("webhook_attempts", "Attempts to send an alert to a webhook", "outcome", attempts)

@@ -1,0 +1,69 @@
+"""`/webhooks`: addresses that receive alerts."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+from starlette.responses import Response
+
+from dock_gateway.core.grant import Role
+from dock_gateway.extensions.webhooks.notifier import Notifier
+from dock_gateway.extensions.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
+from dock_gateway.extensions.webhooks.webhook import WebhookBody
+from dock_gateway.http.bodies import SignedBody
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import ADMIN_IF_FORWARDED
+from dock_gateway.http.requests import SLUG_IN_PATH, Answer, LimitQuery, json_response, read_slug
+from dock_gateway.http.route import ApiRoute
+
+router = APIRouter(route_class=ApiRoute, tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_IF_FORWARDED])
+
+
+async def _webhook_id_in_path(webhook_id: Annotated[str, SLUG_IN_PATH]) -> str:
+    return read_slug(webhook_id, "webhook_id")
+
+
+WebhookId = Annotated[str, Depends(_webhook_id_in_path)]
+
+
+@router.get("")
+@operation(Role.SUPERVISOR, Scope.EVERY)
+async def list_webhooks(notifier: Part[Notifier]) -> Answer[WebhookList]:
+    """List the webhooks by name, each with its last delivery. Secrets are not shown."""
+    return json_response({"webhooks": await notifier.documents()})
+
+
+@router.put("/{webhook_id}")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
+async def replace_webhook(
+    webhook_id: WebhookId, body: SignedBody[WebhookBody], notifier: Part[Notifier]
+) -> Answer[StoredWebhook]:
+    """Store a webhook, new or changed, at every gateway that shares the history.
+
+    It receives the present alerts, and then each that begins or ends.
+    """
+    return json_response(await notifier.replace(webhook_id, body.entry()))
+
+
+@router.delete("/{webhook_id}", status_code=204)
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
+async def remove_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Response:
+    """Remove a webhook with its deliveries. What has not been sent yet is not sent."""
+    await notifier.remove(webhook_id)
+    return Response(status_code=204)
+
+
+@router.post("/{webhook_id}/test")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404, 409))
+async def test_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Answer[Delivery]:
+    """Send a test now, once, also to a webhook that is off. The answer says what came of it, after 10 s at most."""
+    return json_response(await notifier.test(webhook_id))
+
+
+@router.get("/{webhook_id}/deliveries")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
+async def list_deliveries(
+    webhook_id: WebhookId, notifier: Part[Notifier], limit: LimitQuery = 50
+) -> Answer[DeliveryList]:
+    """List what was and is to be sent to a webhook, newest first. The last 500 of all webhooks are kept."""
+    return json_response({"deliveries": await notifier.deliveries(webhook_id, limit)})

@@ -1,0 +1,34 @@
+"""Writes the table of settings in docs/configuration.md, from the settings and their descriptions: `make format`."""
+
+from pathlib import Path
+
+from dock_gateway.cli.options import FIELDS, option_name
+
+PAGE = Path(__file__).parents[1] / "docs/configuration.md"
+ROW = "| `DOCK_GATEWAY_"
+
+
+def rows() -> list[str]:
+    """Return the rows of the table: variable, option, default, description."""
+    return [
+        f"{ROW}{name.upper()}` | `{option_name(name)}` | {_default(field.default)} | {field.description} |"
+        for name, field in FIELDS
+    ]
+
+
+def _default(default: object) -> str:
+    if isinstance(default, tuple):
+        default = ",".join(default)
+    return f"`{default}`" if default not in ("", None) else "empty"
+
+
+def main() -> None:
+    """Replace the rows of the page."""
+    lines = PAGE.read_text().splitlines()
+    places = [number for number, line in enumerate(lines) if line.startswith(ROW)]
+    lines[places[0] : places[-1] + 1] = rows()
+    PAGE.write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+"""Rules and robots for the tests of automatic docking."""
+
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts, Verdict
+from dock_gateway.extensions.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
+from dock_gateway.http.schema import RobotSelection
+
+
+def changed(rule: RuleEntry, **fields: Any) -> RuleEntry:
+    """The rule with other fields."""
+    return rule.model_copy(update=fields)
+
+
+NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)  # a Thursday
+LOW_BATTERY = RuleEntry(
+    name="Low battery",
+    mode=Mode.ON,
+    robots=RobotSelection(all=True),
+    battery=BatteryCondition(below=0.2, idle_s=60),
+    changed_by="Ada",
+    changed_at=NOON - timedelta(days=1),
+)
+LUNCH = Schedule(times=["12:10"], weekdays=[*WEEKDAYS], time_zone="UTC")
+AT_ONE = changed(LOW_BATTERY, name="Lunch", battery=None, schedule=LUNCH)
+EMPTY = RobotFacts("/robot1", battery=0.1, still_since=0.0)
+
+
+class Site:
+    """One gateway and its robot: looks at a number of seconds past noon, and records what is decided."""
+
+    def __init__(self, **rules: RuleEntry) -> None:
+        self.rules = rules
+        self.policy = DockingPolicy()
+        self.decisions: dict[str, Decision] = {}
+        self.verdict = Verdict()
+
+    def look(self, seconds: float, robot: RobotFacts = EMPTY, *, outcome: Outcome = Outcome.SENT) -> list[Outcome]:
+        """Return the outcomes of new decisions; those to dock a robot have this outcome."""
+        return [decision.outcome for decision in self.decide(seconds, robot, outcome=outcome)]
+
+    def decide(self, seconds: float, *robots: RobotFacts, outcome: Outcome = Outcome.SENT) -> list[Decision]:
+        now = NOON + timedelta(seconds=seconds)
+        self.verdict = self.policy.decide(self.rules, robots, self.decisions, now, seconds)
+        for identity in self.verdict.recovered:
+            self.decisions[identity] = replace(self.decisions[identity], open=False)
+        for decision in self.verdict.decisions:
+            final = replace(decision, outcome=outcome) if decision.outcome is Outcome.SENDING else decision
+            self.decisions[str(len(self.decisions))] = final
+        return [*self.decisions.values()][len(self.decisions) - len(self.verdict.decisions) :]
+
+    def waits(self, rule: str = "low", robot: str = "/robot1") -> Wait | None:
+        """What the rule waits for."""
+        return self.verdict.waits.get((rule, robot))
+
+
+def robot(**facts: Any) -> RobotFacts:
+    """The robot with an empty battery, except for these facts."""
+    return replace(EMPTY, **facts)

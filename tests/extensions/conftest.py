@@ -1,0 +1,12 @@
+"""The databases of the gateway's tests, for those of extensions."""
+
+from tests.dock_gateway.conftest import (  # noqa: F401 - fixtures
+    database_url,
+    history_timeouts,
+    place,
+    postgresql_server,
+    postgresql_url,
+    quick_hashes,
+    sqlite_url,
+    stopped_clock,
+)
