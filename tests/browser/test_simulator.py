@@ -11,13 +11,14 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import SETTLED, find_violations
 from tests.browser.width import expect_no_sideways_scrolling
-from tests.support.docking import PATIENT
+from tests.support.docking import FAST, PATIENT, UNMEASURED
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
 # A start that is near the dock, and no patience: nobody wants to watch for minutes.
-NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
-IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5", "-p", PATIENT)
+NEAR = ("-p", FAST, "-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
+IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5")
+STEADY = ("-p", PATIENT, "-p", UNMEASURED)
 # A goal looks for a marker that is hidden for as long as a test needs.
 SEARCHING = ("-p", "initial_perception_timeout:=3600.0")
 MINUS = "\N{MINUS SIGN}"
@@ -48,7 +49,7 @@ class Pose(NamedTuple):
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
-        stack.enter_context(running_program(domain, "docking_server", *IMPATIENT, *SEARCHING))
+        stack.enter_context(running_program(domain, "docking_server", *IMPATIENT, *STEADY, *SEARCHING))
         gateway = stack.enter_context(running_gateway(domain))
         gateway.wait_until_ready()
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")

@@ -76,6 +76,11 @@ def _dock_action(make_plan: Callable[[DockSettings], Plan] | None) -> DockAction
     return DockAction() if make_plan is None else PlannedDockAction(make_plan)
 
 
+# Simulated seconds in each second, where a test is not about the motion itself. To the servers, which live in real
+# time, the robot is so many times faster than it is told to be; so they must not look whether it moves as it is told.
+FAST = "real_time_factor:=3.0"
+UNMEASURED = "blocked_after:=60.0"
+
 # A busy machine is no broken odometry.
 PATIENT = "odometry_timeout:=10.0"
 

@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from docking.core.geometry import Pose
 from docking.simulation.dock import DOCKED
-from tests.support.docking import ABORTED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
+from tests.support.docking import ABORTED, FAST, SERVER, SUCCEEDED, UNMEASURED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
 from tests.support.site import NEAR, Site, assert_docked, look_at
@@ -28,9 +28,10 @@ CALIBRATION_TIME = 60.0
 @pytest.fixture
 def here(domain: int, observer: Observer) -> Iterator[Site]:
     wrong = [f"{name}:={value}" for name, value in zip(NAMES, WRONG, strict=True)]
+    server = ("controller:=dock_pose", "max_retries:=0", "wait_charge_timeout:=1.0", UNMEASURED)
     with (
-        dock_simulator(domain, f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}"),
-        docking_servers(domain, "controller:=dock_pose", "max_retries:=0", "wait_charge_timeout:=1.0", *wrong),
+        dock_simulator(domain, f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}", FAST),
+        docking_servers(domain, *server, *wrong),
     ):
         yield look_at(observer)
 

@@ -12,7 +12,16 @@ from docking.core.geometry import Pose
 from docking.ros import navigation
 from docking.simulation.dock import DOCKED
 from robot_io.qos import LATCHED
-from tests.support.docking import ABORTED, CANCELED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
+from tests.support.docking import (
+    ABORTED,
+    CANCELED,
+    FAST,
+    SERVER,
+    SUCCEEDED,
+    UNMEASURED,
+    docking_servers,
+    send_dock_goal,
+)
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
 from tests.support.site import Site, assert_docked, look_at
@@ -57,15 +66,18 @@ def expect_both_zeros(site: Site, since: int) -> None:
 
 
 @contextmanager
-def robot(domain: int) -> Iterator[Nav2]:
+def robot(domain: int, *parameters: str) -> Iterator[Nav2]:
     """A simulated robot far from its dock, and nav2."""
     place = f"start_x:={FAR.x}", f"start_y:={FAR.y}", f"start_theta:={FAR.theta}", "linear_max:=1.0"
-    with dock_simulator(domain, *place, LEFT_TO_NAV2), nav2(domain, FAR) as server:
+    with dock_simulator(domain, *place, LEFT_TO_NAV2, *parameters), nav2(domain, FAR) as server:
         yield server
 
 
 def test_a_robot_far_from_its_dock_is_driven_to_the_staging_pose_and_docks(domain: int, observer: Observer) -> None:
-    with robot(domain) as server, docking_servers(domain, *DATABASE, "navigator_bt_xml:=slowly.xml"):
+    with (
+        robot(domain, FAST) as server,
+        docking_servers(domain, *DATABASE, UNMEASURED, "navigator_bt_xml:=slowly.xml"),
+    ):
         site = look_at(observer)
         goal = send_dock_goal(observer, dock="home")
         site.wait_for_stage(goal, "NAV_TO_STAGING_POSE")

@@ -5,15 +5,14 @@ from typing import Any
 
 import pytest
 
+from tests.support.docking import FAST, UNMEASURED
 from tests.support.gateway import RunningGateway, Stream, running_gateway, running_program
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
-# Simulated seconds in each second. To the servers, which live in real time, the robot is so many times faster than it
-# is told to be; so they must not look whether it moves as it is told.
-SIMULATOR = ("-p", "real_time_factor:=3.0")
-SERVER = ("-p", "controller:=dock_pose", "-p", "blocked_after:=60.0", "-p", "wait_charge_timeout:=1.5")
+SIMULATOR = ("-p", FAST)
+SERVER = ("-p", "controller:=dock_pose", "-p", UNMEASURED, "-p", "wait_charge_timeout:=1.5")
 CHARGING, NOT_CHARGING = 1, (2, 3)
 
 

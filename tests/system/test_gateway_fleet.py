@@ -1,4 +1,4 @@
-"""Simulated robots, in real time, dock through one gateway at the same time, each from a random start."""
+"""Simulated robots dock through one gateway at the same time, each from a random start."""
 
 import math
 import random
@@ -8,6 +8,7 @@ from contextlib import ExitStack
 
 import pytest
 
+from tests.support.docking import FAST, UNMEASURED
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
@@ -23,8 +24,9 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
         for robot in ROBOTS:
             namespace = ("-r", f"__ns:={robot}")
-            stack.enter_context(running_program(domain, "dock_simulator", *namespace))
-            stack.enter_context(running_program(domain, "docking_server", *namespace, "-p", "controller:=dock_pose"))
+            stack.enter_context(running_program(domain, "dock_simulator", *namespace, "-p", FAST))
+            server = (*namespace, "-p", "controller:=dock_pose", "-p", UNMEASURED)
+            stack.enter_context(running_program(domain, "docking_server", *server))
         gateway = stack.enter_context(running_gateway(domain, namespace=ROBOTS[0]))
         gateway.wait_until_ready()
         for robot in ROBOTS:
