@@ -635,11 +635,6 @@ class Settings(SiteSettings):
         """Where recordings are."""
         return self.recordings_path or data_file(f"recordings-{self._scope}")
 
-    @property
-    def hub_key_file(self) -> Path:
-        """Where the private key of a hub is."""
-        return self.hub_key_path or data_file("hub.key")
-
     def counts_to_100(self, namespace: str) -> bool:
         """Whether the battery driver of a robot counts percentage to 100."""
         return _named(namespace, self.percentage_0_to_100)

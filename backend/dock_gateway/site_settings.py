@@ -1,6 +1,5 @@
-"""The settings of a site that has a hub, and of a hub: docs/extensions/sites.md."""
+"""The settings of a site that has a hub: docs/extensions/sites.md."""
 
-from pathlib import Path
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -10,7 +9,7 @@ from dock_gateway.setting_types import Brokers, OptionalFile, RobotPatterns, Sit
 
 
 class SiteSettings(BaseSettings):
-    """The part of `Settings` that is about a hub and its sites."""
+    """The part of `Settings` that is about a hub."""
 
     hub: Brokers = Field(
         (),
@@ -30,14 +29,6 @@ class SiteSettings(BaseSettings):
         (),
         description="Robots that the hub may see and move, separated by commas: `/robot1`, or `/hall_a/*`, where `*` "
         "stands for any text. Empty: every robot.",
-    )
-    nats: Brokers = Field(
-        (), description="At a hub: NATS servers, separated by commas, over which it reaches its sites."
-    )
-    hub_key_path: Path | None = Field(
-        None,
-        description="At a hub: file of the private key with which it signs who asks, made at the first start. Empty: "
-        "`hub.key` in the user's data directory.",
     )
     nats_credentials: OptionalFile = Field(
         None, description="File with the credentials (`.creds`) of this site or hub at the NATS servers."
@@ -66,15 +57,17 @@ class SiteSettings(BaseSettings):
             raise ValueError("hub_robots limits no admin, who can change any limit: choose a lower hub_role")
         return self
 
+    @property
+    def brokers(self) -> dict[str, Brokers]:
+        """The NATS servers, by the name of the setting."""
+        return {"hub": self.hub}
+
     @model_validator(mode="after")
     def _check_brokers(self) -> Self:
-        brokers = (*self.hub, *self.nats)
-        if not brokers and (self.nats_credentials or self.nats_ca):
-            raise ValueError("nats_credentials and nats_ca need hub, or nats at a hub")
-        if not self.nats_insecure and not all(map(is_safe_broker, brokers)):
-            name = "nats" if all(map(is_safe_broker, self.hub)) else "hub"
-            raise ValueError(
-                f"{name} names a NATS server on another machine without TLS: write tls:// instead of nats://, or allow "
-                "it with nats_insecure"
-            )
+        for name, servers in self.brokers.items():
+            if not self.nats_insecure and not all(map(is_safe_broker, servers)):
+                raise ValueError(
+                    f"{name} names a NATS server on another machine without TLS: write tls:// instead of nats://, or "
+                    "allow it with nats_insecure"
+                )
         return self

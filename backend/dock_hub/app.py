@@ -36,6 +36,7 @@ from dock_hub.schema import (
     HubSnapshotEvent,
     SitesEvent,
 )
+from dock_hub.settings import HubSettings
 from dock_hub.stop_schema import HubReleaseProblem, HubStopProblem
 
 EVENTS = (
@@ -77,13 +78,14 @@ ROUTERS = tuple(
 )
 
 
-def create_hub_app(settings: Settings, parts: Parts | None = None) -> FastAPI:
+def create_hub_app(settings: HubSettings | None = None, parts: Parts | None = None) -> FastAPI:
     """Create the application.
 
     Args:
-        settings: The settings.
+        settings: The settings; by default, those of the environment.
         parts: Those of an open hub. Without them, the application opens one at startup and closes it at shutdown.
     """
+    settings = settings or HubSettings()
 
     @asynccontextmanager
     async def opened() -> AsyncIterator[Parts]:

@@ -38,6 +38,7 @@ from dock_hub.extensions import hub_extensions
 from dock_hub.labels import SiteLabels
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
+from dock_hub.settings import HubSettings
 from dock_hub.shares import BY_SITE
 from dock_hub.sites import Sites
 from dock_hub.stop_requests import StopEntry
@@ -59,7 +60,7 @@ class NoLiveGoals:
 
 
 @asynccontextmanager
-async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
+async def open_hub(settings: HubSettings) -> AsyncIterator[Parts]:
     """Open the history, connect to the NATS server in the background, and run the hub until the block ends."""
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
@@ -76,7 +77,9 @@ async def open_hub(settings: Settings) -> AsyncIterator[Parts]:
         yield await _open(settings, history, audit, broker, stack)
 
 
-async def _open(settings: Settings, history: History, audit: AuditLog, broker: Broker, stack: AsyncExitStack) -> Parts:
+async def _open(
+    settings: HubSettings, history: History, audit: AuditLog, broker: Broker, stack: AsyncExitStack
+) -> Parts:
     fanout = Fanout(queue_limit=settings.subscriber_queue, newest=history.newest)
     signer = Signer.load_or_create(settings.hub_key_file)
     caller = Caller(broker)

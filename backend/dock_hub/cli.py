@@ -6,10 +6,11 @@ from typing import Any
 import click
 import orjson
 
-from dock_gateway.cli.options import TYPE, read_settings, settings_options
+from dock_gateway.cli.options import read_settings_of, settings_options
 from dock_gateway.cli.start import check_broker, check_exposure, check_port
 from dock_gateway.doctor.machine import find_database_fault
 from dock_gateway.settings import data_file
+from dock_hub.settings import HubSettings
 
 # What a hub reads of the settings besides those of the web server, by what their names begin with.
 OPTIONS = (
@@ -30,10 +31,14 @@ OPTIONS = (
 
 
 @click.command()
-@partial(settings_options, leave_out=[name for name in TYPE.model_fields if not name.startswith(OPTIONS)])
+@partial(
+    settings_options,
+    leave_out=[name for name in HubSettings.model_fields if not name.startswith(OPTIONS)],
+    settings=HubSettings,
+)
 def hub(**options: Any) -> None:
     """Run a hub: one dashboard, one API and one set of rights for many gateways, over NATS."""
-    settings = read_settings(options)
+    settings = read_settings_of(HubSettings, options)
     if not settings.nats:
         raise click.UsageError("a hub needs --nats, the NATS servers over which it reaches its sites")
     if settings.hub:
@@ -75,7 +80,7 @@ def hub_key(hub_key_path: str | None) -> None:
     from dock_gateway.sites.identity import KeyFault, Signer  # noqa: PLC0415 - takes long to import
 
     try:
-        signer = Signer.load_or_create(read_settings({"hub_key_path": hub_key_path}).hub_key_file)
+        signer = Signer.load_or_create(read_settings_of(HubSettings, {"hub_key_path": hub_key_path}).hub_key_file)
     except KeyFault as error:
         raise click.ClickException(str(error)) from None
     click.echo(orjson.dumps(signer.public_keys(), option=orjson.OPT_INDENT_2).decode())

@@ -146,9 +146,6 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("hub_role", "root"),
         ("hub_robots", "/robot1"),
         ("hub_robots", "robot1"),
-        ("nats", "nats://nats.example.com"),
-        ("nats_credentials", "hub.creds"),
-        ("nats_ca", "ca.pem"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
@@ -274,7 +271,6 @@ def test_a_site_and_its_hub() -> None:
     settings = read_settings({**SITE, "hub": "tls://ada:secret@nats.example.com, nats://[::1]:4222"})
     assert settings.hub == ("tls://ada:secret@nats.example.com", "nats://[::1]:4222")
     assert (settings.hub_role, settings.hub_robots) == ("operator", ())
-    assert read_settings({"nats": "nats://nats:4222", "nats_insecure": "true"}).hub_key_file.name == "hub.key"
 
 
 @pytest.mark.parametrize(

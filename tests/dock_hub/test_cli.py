@@ -25,6 +25,9 @@ def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
 
 def test_a_start_without_the_keys_of_the_hub(tmp_path: Path) -> None:
     check_hub(Settings())
+    for name in ("nats_credentials", "nats_ca"):
+        with pytest.raises(click.UsageError, match="need hub"):
+            check_hub(Settings(**{name: tmp_path}))  # type: ignore[arg-type]
     with pytest.raises(click.UsageError, match=r"hub_key: .* cannot be read: No such file"):
         check_hub(Settings(hub="nats://127.0.0.1", site="berlin", hub_key=tmp_path / "hub.json"))
 
@@ -39,7 +42,7 @@ def test_a_start_without_the_keys_of_the_hub(tmp_path: Path) -> None:
 def test_a_start_with_other_files(tmp_path: Path, setting: str, sentence: str) -> None:
     (path := tmp_path / "file").write_text("something else\n")
     with pytest.raises(click.UsageError, match=sentence):
-        check_broker(read_settings({"nats": "nats://127.0.0.1", setting: str(path)}))
+        check_broker(read_settings({setting: str(path)}))
     option = f"--{setting.replace('_', '-')}"
     result = CliRunner().invoke(main, ["hub", "--nats", "nats://127.0.0.1", "--port", "0", option, str(path)])
     assert result.exit_code == 2

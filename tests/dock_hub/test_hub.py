@@ -22,7 +22,6 @@ from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.settings import Settings
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Refusal, Welcome
@@ -32,6 +31,7 @@ from dock_hub import directory, forwarding, overview
 from dock_hub.app import create_hub_app
 from dock_hub.assembly import open_hub
 from dock_hub.directory import SiteState
+from dock_hub.settings import HubSettings
 from dock_hub.sites import Sites
 from tests.support.edge import serving
 from tests.support.nats import NatsServer, nats_server
@@ -64,7 +64,7 @@ class Hub:
 
 @asynccontextmanager
 async def hub_at(nats: str, folder: Path) -> AsyncIterator[Hub]:
-    settings = Settings(
+    settings = HubSettings(
         database_url=f"sqlite:///{folder}/hub.db",
         spool_path=folder / "spool",
         hub_key_path=folder / "hub.key",

@@ -8,7 +8,7 @@ import orjson
 
 from dock_gateway.settings import Settings
 
-# Applications of other programs, by name: each is a function that makes one of settings.
+# Applications of other programs, by name: each is a function that makes one.
 OTHERS = entry_points(group="dock_gateway.applications")
 
 
@@ -23,7 +23,7 @@ def _flags(command: Any) -> Any:
 @_flags
 def openapi(other: str | None = None) -> None:
     """Print the OpenAPI document: requests and answers."""
-    _print(_openapi() if other is None else OTHERS[other].load()(Settings()).openapi())
+    _print(_openapi() if other is None else OTHERS[other].load()().openapi())
 
 
 @click.command()

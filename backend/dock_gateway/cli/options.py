@@ -1,25 +1,32 @@
 """Command-line options for settings: one for each field of `Settings` and of the settings of extensions."""
 
 from collections.abc import Callable, Collection
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 
 from dock_gateway.extension_list import settings_type
 from dock_gateway.settings import Settings
 from dock_gateway.site_settings import SiteSettings
 
 TYPE = settings_type()
+S = TypeVar("S", bound=Settings)
 
 
 def _place(name: str) -> int:
-    """Return where a setting belongs: the gateway's own come first, those of sites and hubs last."""
+    """Return where a setting belongs: the gateway's own come first, those of a site last."""
     return 2 if name in SiteSettings.model_fields else name not in Settings.model_fields
 
 
-# All settings, in the order of the documentation.
-FIELDS = sorted(TYPE.model_fields.items(), key=lambda field: _place(field[0]))
+def fields_of(settings: type[Settings]) -> list[tuple[str, FieldInfo]]:
+    """Return all settings, in the order of the documentation."""
+    return sorted(settings.model_fields.items(), key=lambda field: _place(field[0]))
+
+
+# All settings of a gateway.
+FIELDS = fields_of(TYPE)
 
 Command = Callable[..., Any]
 
@@ -29,14 +36,15 @@ def option_name(field: str) -> str:
     return f"--{field.replace('_', '-')}"
 
 
-def settings_options(command: Command, leave_out: Collection[str] = ()) -> Command:
+def settings_options(command: Command, leave_out: Collection[str] = (), settings: type[Settings] = TYPE) -> Command:
     """Add an option for each setting. They arrive as keyword arguments; those that are not given are None.
 
     Args:
         command: The command.
         leave_out: Settings that only variables can set there.
+        settings: The settings; by default, those of a gateway.
     """
-    for name, field in reversed(FIELDS):
+    for name, field in reversed(fields_of(settings)):
         if name in leave_out:
             continue
         variable = f"DOCK_GATEWAY_{name.upper()}"
@@ -51,13 +59,22 @@ def settings_options(command: Command, leave_out: Collection[str] = ()) -> Comma
 
 
 def read_settings(options: dict[str, str | None]) -> Settings:
+    """Read the settings of a gateway from options, the environment and defaults, in this order.
+
+    Raises:
+        click.UsageError: A value is invalid. The message says which.
+    """
+    return read_settings_of(TYPE, options)
+
+
+def read_settings_of(settings: type[S], options: dict[str, str | None]) -> S:
     """Read settings from options, the environment and defaults, in this order.
 
     Raises:
         click.UsageError: A value is invalid. The message says which.
     """
     try:
-        return TYPE(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]
+        return settings(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]
     except ValidationError as error:
         lines = [
             f"{'.'.join(map(str, item['loc'])) or 'settings'}: {item['msg'].removeprefix('Value error, ')}"

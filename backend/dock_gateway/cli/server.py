@@ -9,7 +9,7 @@ import socket
 import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import uvicorn
 from starlette.types import ASGIApp
@@ -38,8 +38,9 @@ GRACE = 1
 FAREWELL = 0.5
 
 ConnectionFactory = Callable[..., Connection]
-OpenParts = Callable[[Settings], AbstractAsyncContextManager[Parts]]
-CreateApp = Callable[[Settings, Parts], ASGIApp]
+S = TypeVar("S", bound=Settings)
+OpenParts = Callable[[S], AbstractAsyncContextManager[Parts]]
+CreateApp = Callable[[S, Parts], ASGIApp]
 # Called with the parts and the port, once it is listened on.
 OnListening = Callable[[Parts, int], object]
 
@@ -146,9 +147,9 @@ class Server(uvicorn.Server):
 
 
 def run(
-    settings: Settings,
-    open_parts: OpenParts,
-    create_app: CreateApp,
+    settings: S,
+    open_parts: OpenParts[S],
+    create_app: CreateApp[S],
     on_listening: OnListening = lambda *_: None,
     make_uplink: MakeUplink = lambda *_: None,
 ) -> bool:
@@ -201,7 +202,7 @@ def _say_who_may_use(settings: Settings) -> None:
             )
 
 
-async def _serve(server: Server, settings: Settings, open_parts: OpenParts, create_app: CreateApp) -> bool:
+async def _serve(server: Server, settings: S, open_parts: OpenParts[S], create_app: CreateApp[S]) -> bool:
     with server.capture_signals():  # from now on, and until everything is closed
         if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal closed, which uvicorn does not handle

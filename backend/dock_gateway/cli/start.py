@@ -60,8 +60,10 @@ def check_hub(settings: Settings) -> None:
     """Refuse a site that cannot verify what its hub signs.
 
     Raises:
-        click.UsageError: The file of the hub's keys cannot be used.
+        click.UsageError: The file of the hub's keys cannot be used, or there are files without a hub.
     """
+    if not settings.hub and (settings.nats_credentials or settings.nats_ca):
+        raise click.UsageError("nats_credentials and nats_ca need hub")
     if not settings.hub or settings.hub_key is None:
         return
     from dock_gateway.sites.identity import KeyFault, Verifier  # noqa: PLC0415 - only sites with a hub need it

@@ -1,0 +1,29 @@
+"""The settings of a hub: those of a gateway that a hub reads, and its own."""
+
+from pathlib import Path
+
+from pydantic import Field
+
+from dock_gateway.setting_types import Brokers
+from dock_gateway.settings import Settings, data_file
+
+
+class HubSettings(Settings):
+    """The settings of a hub, fixed once it runs. docs/extensions/sites.md lists its own."""
+
+    nats: Brokers = Field((), description="NATS servers, separated by commas, over which the hub reaches its sites.")
+    hub_key_path: Path | None = Field(
+        None,
+        description="File of the private key with which the hub signs who asks, made at the first start. Empty: "
+        "`hub.key` in the user's data directory.",
+    )
+
+    @property
+    def brokers(self) -> dict[str, Brokers]:
+        """The NATS servers, by the name of the setting."""
+        return {**super().brokers, "nats": self.nats}
+
+    @property
+    def hub_key_file(self) -> Path:
+        """Where the private key is."""
+        return self.hub_key_path or data_file("hub.key")

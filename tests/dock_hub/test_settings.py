@@ -1,0 +1,34 @@
+"""The settings of a hub: each is documented, and a wrong one is refused with its name."""
+
+from pathlib import Path
+
+import click
+import pytest
+
+from dock_gateway.cli.options import option_name, read_settings_of
+from dock_gateway.settings import Settings, unknown_variables
+from dock_hub.settings import HubSettings
+
+PAGE = Path(__file__).parents[2] / "docs/extensions/sites.md"
+
+
+def test_every_setting_is_documented_as_it_is() -> None:
+    rows = [line for line in PAGE.read_text().splitlines() if line.startswith("| `DOCK_GATEWAY_")]
+    assert rows == [
+        f"| `DOCK_GATEWAY_{name.upper()}` | `{option_name(name)}` | empty | {field.description} |"
+        for name, field in HubSettings.model_fields.items()
+        if name not in Settings.model_fields
+    ]
+
+
+def test_they_are_read_and_known() -> None:
+    settings = read_settings_of(HubSettings, {"nats": "nats://nats:4222", "nats_insecure": "true"})
+    assert settings.nats == ("nats://nats:4222",)
+    assert settings.hub_key_file.name == "hub.key"
+    assert unknown_variables(["DOCK_GATEWAY_NATS"], HubSettings.model_fields) == []
+    assert unknown_variables(["DOCK_GATEWAY_NATS"], Settings.model_fields) != []
+
+
+def test_a_server_on_another_machine_needs_tls() -> None:
+    with pytest.raises(click.UsageError, match="nats names a NATS server on another machine without TLS"):
+        read_settings_of(HubSettings, {"nats": "nats://nats.example.com"})
