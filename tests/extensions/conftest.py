@@ -1,4 +1,4 @@
-"""The databases of the gateway's tests, for those of extensions."""
+"""The databases and the gateway of other tests, for those of extensions."""
 
 from tests.dock_gateway.conftest import (  # noqa: F401 - fixtures
     database_url,
@@ -10,3 +10,4 @@ from tests.dock_gateway.conftest import (  # noqa: F401 - fixtures
     sqlite_url,
     stopped_clock,
 )
+from tests.system.conftest import gateway, shared_domain  # noqa: F401 - fixtures

@@ -9,7 +9,7 @@ from pydantic import StringConstraints
 from starlette.responses import Response
 
 from dock_gateway.audit.schema import AuditPage, AuditRecord
-from dock_gateway.core.audit import AuditFilter, AuditRow, Outcome
+from dock_gateway.core.audit import AuditFilter, AuditRow, RequestOutcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
@@ -39,7 +39,7 @@ async def read_audit_filter(
         str | None,
         Query(description="Only about this goal", json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"}),
     ] = None,
-    outcome: Annotated[Outcome | None, Query(description="Only with this outcome")] = None,
+    outcome: Annotated[RequestOutcome | None, Query(description="Only with this outcome")] = None,
     since: SinceQuery = None,
     until: UntilQuery = None,
 ) -> AuditFilter:

@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from dock_gateway.core.audit import Outcome
+from dock_gateway.core.audit import RequestOutcome
 from dock_gateway.core.grant import Role
 from dock_gateway.http.schema import Schema
 
@@ -30,7 +30,7 @@ class AuditRecord(Schema):
     subject: str | None
     status: int
     code: str | None
-    outcome: Outcome
+    outcome: RequestOutcome
     digest: str
 
 

@@ -15,7 +15,7 @@ GENESIS = "0" * 64
 MAX_TEXT, MAX_ROBOTS = 300, 10_000
 
 
-class Outcome(StrEnum):
+class RequestOutcome(StrEnum):
     """The outcome of a request or a command."""
 
     DONE = "done"
@@ -23,11 +23,11 @@ class Outcome(StrEnum):
     FAILED = "failed"
 
 
-def outcome_of(status: int) -> Outcome:
+def outcome_of(status: int) -> RequestOutcome:
     """Return the outcome that a status code stands for."""
     if status < 400:
-        return Outcome.DONE
-    return Outcome.REFUSED if status < 500 else Outcome.FAILED
+        return RequestOutcome.DONE
+    return RequestOutcome.REFUSED if status < 500 else RequestOutcome.FAILED
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class AuditEntry:
                 object.__setattr__(self, name, _clean(value, MAX_ROBOTS if name == "robot" else MAX_TEXT))
 
     @property
-    def outcome(self) -> Outcome:
+    def outcome(self) -> RequestOutcome:
         """The outcome."""
         return outcome_of(self.status)
 
@@ -193,7 +193,7 @@ class AuditFilter:
     what: str | None = None
     robot: str | None = None
     goal_id: str | None = None
-    outcome: Outcome | None = None
+    outcome: RequestOutcome | None = None
     since: datetime | None = None
     until: datetime | None = None
 

@@ -13,7 +13,7 @@ class Mode(StrEnum):
     ON = "on"
 
 
-class Outcome(StrEnum):
+class DecisionOutcome(StrEnum):
     """The outcome of a decision.
 
     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
@@ -29,7 +29,7 @@ class Outcome(StrEnum):
 
 
 # The outcomes of attempts to dock a robot.
-ATTEMPTS = frozenset({Outcome.SENDING, Outcome.SENT, Outcome.REFUSED})
+ATTEMPTS = frozenset({DecisionOutcome.SENDING, DecisionOutcome.SENT, DecisionOutcome.REFUSED})
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Decision:
     rule_name: str
     robot: str
     at: datetime
-    outcome: Outcome
+    outcome: DecisionOutcome
     battery: float | None
     idle_since: datetime | None
     scheduled_for: datetime | None

@@ -12,7 +12,7 @@ from dock_gateway.core.audit import (
     AuditFilter,
     AuditRow,
     Link,
-    Outcome,
+    RequestOutcome,
     Verdict,
     extend,
     verify,
@@ -26,9 +26,9 @@ CHUNK = 1000  # rows deleted in a transaction, and read at a time
 
 _FAILED = 500
 _STATUSES = {
-    Outcome.DONE: audit.c.status < 400,
-    Outcome.REFUSED: audit.c.status.between(400, _FAILED - 1),
-    Outcome.FAILED: audit.c.status >= _FAILED,
+    RequestOutcome.DONE: audit.c.status < 400,
+    RequestOutcome.REFUSED: audit.c.status.between(400, _FAILED - 1),
+    RequestOutcome.FAILED: audit.c.status >= _FAILED,
 }
 
 # Built once: that takes longer than SQLite takes to run them.

@@ -2360,7 +2360,7 @@ export interface components {
             status: number;
             /** Code */
             code: string | null;
-            outcome: components["schemas"]["dock_gateway__core__audit__Outcome"];
+            outcome: components["schemas"]["RequestOutcome"];
             /** Digest */
             digest: string;
         };
@@ -2895,7 +2895,7 @@ export interface components {
              * Format: date-time
              */
             at: string;
-            outcome: components["schemas"]["Outcome"];
+            outcome: components["schemas"]["DecisionOutcome"];
             /** Battery */
             battery: number | null;
             /** Idle Since */
@@ -2917,6 +2917,14 @@ export interface components {
             /** Decisions */
             decisions: components["schemas"]["Decision"][];
         };
+        /**
+         * DecisionOutcome
+         * @description The outcome of a decision.
+         *
+         *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
+         * @enum {string}
+         */
+        DecisionOutcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
         /**
          * Delivery
          * @description One event for one webhook. `id` is the header `webhook-id`, the same at each attempt.
@@ -4046,20 +4054,6 @@ export interface components {
             groups: string[];
         };
         /**
-         * Outcome
-         * @description The outcome of a decision.
-         *
-         *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
-         * @enum {string}
-         */
-        Outcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
-        /**
-         * Outcome
-         * @description The outcome of a request or a command.
-         * @enum {string}
-         */
-        "Outcome-Input": "done" | "refused" | "failed";
-        /**
          * ParameterChange
          * @description The result for one parameter: `value` is its value now, `reason` is why the node refused it.
          */
@@ -4550,6 +4544,12 @@ export interface components {
             /** Angular */
             angular: number | null;
         };
+        /**
+         * RequestOutcome
+         * @description The outcome of a request or a command.
+         * @enum {string}
+         */
+        RequestOutcome: "done" | "refused" | "failed";
         /**
          * Requester
          * @description Who makes a request. `name` is null where requests need no login.
@@ -5961,20 +5961,6 @@ export interface components {
              */
             nanosec?: number;
         };
-        /**
-         * Outcome
-         * @description The outcome of a request or a command.
-         * @enum {string}
-         */
-        dock_gateway__core__audit__Outcome: "done" | "refused" | "failed";
-        /**
-         * Outcome
-         * @description The outcome of a decision.
-         *
-         *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
-         * @enum {string}
-         */
-        dock_gateway__core__automation__Outcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
         /**
          * Header
          * @description Standard metadata for higher-level stamped data types.
@@ -14834,7 +14820,7 @@ export interface operations {
                 /** @description Only about this goal */
                 goal_id?: string | null;
                 /** @description Only with this outcome */
-                outcome?: components["schemas"]["Outcome-Input"] | null;
+                outcome?: components["schemas"]["RequestOutcome"] | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
@@ -14907,7 +14893,7 @@ export interface operations {
                 /** @description Only about this goal */
                 goal_id?: string | null;
                 /** @description Only with this outcome */
-                outcome?: components["schemas"]["Outcome-Input"] | null;
+                outcome?: components["schemas"]["RequestOutcome"] | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.core.audit import AuditFilter, Outcome, Verdict
+from dock_gateway.core.audit import AuditFilter, RequestOutcome, Verdict
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.storage import History, audit, immediate, sqlite
@@ -98,12 +98,12 @@ async def test_a_write_that_is_repeated_stores_nothing_twice(database_url: str, 
         ({"robot": "/robot_"}, []),
         ({"robot": "/a_b"}, [2]),
         ({"goal_id": "g3"}, [3]),
-        ({"outcome": Outcome.DONE}, [1]),
-        ({"outcome": Outcome.REFUSED}, [2]),
-        ({"outcome": Outcome.FAILED}, [3]),
+        ({"outcome": RequestOutcome.DONE}, [1]),
+        ({"outcome": RequestOutcome.REFUSED}, [2]),
+        ({"outcome": RequestOutcome.FAILED}, [3]),
         ({"since": NOON + timedelta(seconds=2)}, [3, 2]),
         ({"until": NOON + timedelta(seconds=2)}, [1]),
-        ({"principal": "ada", "outcome": Outcome.DONE, "robot": "/robot2"}, []),
+        ({"principal": "ada", "outcome": RequestOutcome.DONE, "robot": "/robot2"}, []),
     ],
 )
 async def test_filters(place: str, tmp_path: Path, wanted: dict[str, Any], found: list[int]) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from dock_gateway.core.automation import Decision, Outcome
+from dock_gateway.core.automation import Decision, DecisionOutcome
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.fleet.alert import Acknowledgement
@@ -114,8 +114,10 @@ async def test_a_new_field_has_its_default_in_older_documents_and_older_gateways
 
 @pytest.mark.usefixtures("patient")
 async def test_decisions_and_deliveries_are_what_they_were(place: str, tmp_path: Path) -> None:
-    decided = Decision("low", "Low", "/robot1", AT, Outcome.SENT, 0.1, AT, AT, "a", "b", "c", open=True)
-    bare = Decision("low", "Low", "/robot1", AT, Outcome.GAVE_UP, None, None, None, None, None, None, open=False)
+    decided = Decision("low", "Low", "/robot1", AT, DecisionOutcome.SENT, 0.1, AT, AT, "a", "b", "c", open=True)
+    bare = Decision(
+        "low", "Low", "/robot1", AT, DecisionOutcome.GAVE_UP, None, None, None, None, None, None, open=False
+    )
     body = b'{"text":"\xc3\xbc","n":1.0}'
     sent = Delivery("a", EventType.RAISED, DeliveryState.DELIVERED, "id", AT, body, 2, AT, AT, 204, "why")
     new = Delivery("b", EventType.TEST, DeliveryState.PENDING, None, AT, b"{}", 0, None, None, None, None)
@@ -128,7 +130,7 @@ async def test_decisions_and_deliveries_are_what_they_were(place: str, tmp_path:
         decisions, deliveries = await decision_log.read(), await outbox.read()
         assert decisions == {"a": decided, "b": bare}
         assert deliveries == {"1": sent, "2": new}
-        assert isinstance(decisions["a"].outcome, Outcome)
+        assert isinstance(decisions["a"].outcome, DecisionOutcome)
         assert isinstance(deliveries["1"].event_type, EventType)
         assert isinstance(deliveries["1"].state, DeliveryState)
 

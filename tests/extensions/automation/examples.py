@@ -4,7 +4,7 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts, Verdict
 from dock_gateway.extensions.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
 from dock_gateway.http.schema import RobotSelection
@@ -38,17 +38,21 @@ class Site:
         self.decisions: dict[str, Decision] = {}
         self.verdict = Verdict()
 
-    def look(self, seconds: float, robot: RobotFacts = EMPTY, *, outcome: Outcome = Outcome.SENT) -> list[Outcome]:
+    def look(
+        self, seconds: float, robot: RobotFacts = EMPTY, *, outcome: DecisionOutcome = DecisionOutcome.SENT
+    ) -> list[DecisionOutcome]:
         """Return the outcomes of new decisions; those to dock a robot have this outcome."""
         return [decision.outcome for decision in self.decide(seconds, robot, outcome=outcome)]
 
-    def decide(self, seconds: float, *robots: RobotFacts, outcome: Outcome = Outcome.SENT) -> list[Decision]:
+    def decide(
+        self, seconds: float, *robots: RobotFacts, outcome: DecisionOutcome = DecisionOutcome.SENT
+    ) -> list[Decision]:
         now = NOON + timedelta(seconds=seconds)
         self.verdict = self.policy.decide(self.rules, robots, self.decisions, now, seconds)
         for identity in self.verdict.recovered:
             self.decisions[identity] = replace(self.decisions[identity], open=False)
         for decision in self.verdict.decisions:
-            final = replace(decision, outcome=outcome) if decision.outcome is Outcome.SENDING else decision
+            final = replace(decision, outcome=outcome) if decision.outcome is DecisionOutcome.SENDING else decision
             self.decisions[str(len(self.decisions))] = final
         return [*self.decisions.values()][len(self.decisions) - len(self.verdict.decisions) :]
 

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.automation import Decision, Mode, Outcome
+from dock_gateway.core.automation import Decision, DecisionOutcome, Mode
 from dock_gateway.core.battery import Reading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
@@ -122,7 +122,7 @@ class Site:
     async def decided(self, count: int = 1) -> list[Decision]:
         def all_final() -> list[Decision]:
             found = list(self.stored._known.values())
-            return [] if any(each.outcome is Outcome.SENDING for each in found) else found
+            return [] if any(each.outcome is DecisionOutcome.SENDING for each in found) else found
 
         await until(lambda: len(all_final()) >= count)
         return sorted(all_final(), key=lambda decision: decision.at)
@@ -160,7 +160,7 @@ async def test_a_robot_that_joins_before_the_goal_is_sent_to_its_server_prevents
     site.stored.write = claim  # type: ignore[method-assign]
     await gateway.replace("low", AT_ONCE)
     (decision,) = await site.decided()
-    assert (decision.outcome, decision.code) == (Outcome.SKIPPED, "shared_action")
+    assert (decision.outcome, decision.code) == (DecisionOutcome.SKIPPED, "shared_action")
     assert site.robot.sent == []
 
 
@@ -180,7 +180,7 @@ async def test_a_robot_that_has_slid_off_its_contacts_is_docked_again(
     assert site.robot.sent == [], "contacts bounce"
     if docks:
         (decision,) = await site.decided()
-        assert decision.outcome is Outcome.SENT
+        assert decision.outcome is DecisionOutcome.SENT
         assert len(site.robot.sent) == 1
         return
     await asyncio.sleep(0.6)
@@ -198,7 +198,7 @@ async def test_two_gateways_send_one_goal_and_both_publish_it_once(
     await asyncio.sleep(0.1)
     await first.replace("low", AT_ONCE)
     (decision,) = await site.decided()
-    assert (decision.outcome, decision.goal_id) == (Outcome.SENT, "a")
+    assert (decision.outcome, decision.goal_id) == (DecisionOutcome.SENT, "a")
     await until(lambda: list(second.decisions.all().values()) == [decision])
     assert len(site.robot.sent) == 1
     events, _ = await reader.take(1.0)
@@ -210,7 +210,7 @@ async def test_a_refused_goal_is_recorded_with_its_code(site: Site) -> None:
     site.robot.refusal = Conflict("busy", code="dock_busy", goal_id="b")
     await site.gateway().replace("low", AT_ONCE)
     (decision,) = await site.decided()
-    assert (decision.outcome, decision.code, decision.goal_id) == (Outcome.REFUSED, "dock_busy", "b")
+    assert (decision.outcome, decision.code, decision.goal_id) == (DecisionOutcome.REFUSED, "dock_busy", "b")
 
 
 @pytest.mark.parametrize("code", ["stop_latched", "stopped"])
@@ -220,7 +220,7 @@ async def test_a_stop_between_the_decision_and_the_goal_wins(site: Site, code: s
     site.robot.on_submit = lambda: gateway._activity.intervened(ROBOT)
     await gateway.replace("low", AT_ONCE)
     (decision,) = await site.decided()
-    assert (decision.outcome, decision.code) == (Outcome.HELD, code)
+    assert (decision.outcome, decision.code) == (DecisionOutcome.HELD, code)
 
 
 async def test_what_changes_while_the_decision_is_stored_counts(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -233,7 +233,7 @@ async def test_what_changes_while_the_decision_is_stored_counts(site: Site, monk
     monkeypatch.setattr(DecisionLog, "claim", stopped_meanwhile)
     await site.gateway().replace("low", AT_ONCE)
     (decision,) = await site.decided()
-    assert (decision.outcome, decision.code) == (Outcome.HELD, "stop_latched")
+    assert (decision.outcome, decision.code) == (DecisionOutcome.HELD, "stop_latched")
     assert site.robot.sent == []
 
 
@@ -269,7 +269,9 @@ async def test_a_decision_that_cannot_be_claimed_is_not_carried_out(site: Site) 
 @pytest.mark.parametrize("sent", [True, False])
 async def test_what_an_ended_gateway_left_is_found_out(site: Site, sent: bool) -> None:
     earlier = utc_now() - timedelta(minutes=2)
-    left = Decision("low", "Low", ROBOT, earlier, Outcome.SENDING, 0.1, earlier, None, None, None, None, open=True)
+    left = Decision(
+        "low", "Low", ROBOT, earlier, DecisionOutcome.SENDING, 0.1, earlier, None, None, None, None, open=True
+    )
     await site.stored.write("x", left)
     await site.rules.write("low", AT_ONCE)
     if sent:
@@ -278,7 +280,9 @@ async def test_what_an_ended_gateway_left_is_found_out(site: Site, sent: bool) -
         await site.history.add(goal, "automatic-docking-x")
     site.gateway()
     (decision,) = await site.decided()
-    assert (decision.outcome, decision.goal_id) == ((Outcome.SENT, "b") if sent else (Outcome.REFUSED, None))
+    assert (decision.outcome, decision.goal_id) == (
+        (DecisionOutcome.SENT, "b") if sent else (DecisionOutcome.REFUSED, None)
+    )
     assert decision.code == (None if sent else "interrupted")
     assert site.robot.sent == []
 
@@ -286,11 +290,11 @@ async def test_what_an_ended_gateway_left_is_found_out(site: Site, sent: bool) -
 async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> None:
     gateway = site.gateway()
     now = utc_now() - timedelta(hours=1)
-    gave_up = Decision("low", "Low", ROBOT, now, Outcome.GAVE_UP, 0.1, now, None, None, None, None, open=True)
+    gave_up = Decision("low", "Low", ROBOT, now, DecisionOutcome.GAVE_UP, 0.1, now, None, None, None, None, open=True)
     await site.stored.write("x", gave_up)
     await gateway.replace("low", AT_ONCE)
     assert gateway.decisions.given_up() == {}
-    assert [decision.outcome for decision in await site.decided(2)] == [Outcome.GAVE_UP, Outcome.SENT]
+    assert [decision.outcome for decision in await site.decided(2)] == [DecisionOutcome.GAVE_UP, DecisionOutcome.SENT]
 
 
 async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_the_old_rule(site: Site) -> None:
@@ -298,12 +302,12 @@ async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_t
     await first.replace("low", changed(AT_ONCE, mode=Mode.DRY_RUN))
     await site.decided()
     second = site.gateway(sync_every=1_000_000)  # it reads once, at its start
-    await until(lambda: [each.outcome for each in second.decisions.all().values()] == [Outcome.DRY_RUN])
+    await until(lambda: [each.outcome for each in second.decisions.all().values()] == [DecisionOutcome.DRY_RUN])
     await first.replace("low", AT_ONCE)
-    assert [decision.outcome for decision in await site.decided(2)] == [Outcome.DRY_RUN, Outcome.SENT]
+    assert [decision.outcome for decision in await site.decided(2)] == [DecisionOutcome.DRY_RUN, DecisionOutcome.SENT]
     second.decisions.close_rule("low")  # as if it had read the decisions, but not the rule
     await asyncio.sleep(0.2)
-    assert [decision.outcome for decision in await site.decided(2)] == [Outcome.DRY_RUN, Outcome.SENT]
+    assert [decision.outcome for decision in await site.decided(2)] == [DecisionOutcome.DRY_RUN, DecisionOutcome.SENT]
 
 
 async def test_the_oldest_decisions_are_deleted(site: Site) -> None:
@@ -311,7 +315,7 @@ async def test_the_oldest_decisions_are_deleted(site: Site) -> None:
     log = DecisionLog(site.fanout, site.stored, most=2)
     for minute in range(4):
         at = old + timedelta(minutes=minute)
-        log.finish(str(minute), Decision("low", "Low", ROBOT, at, Outcome.SENT, *[None] * 6, open=False))
+        log.finish(str(minute), Decision("low", "Low", ROBOT, at, DecisionOutcome.SENT, *[None] * 6, open=False))
     await log.save()
     assert sorted(await site.stored.read()) == ["2", "3"]
     found = await log.newest(robot=None, rule_id=None, goal_id=None, limit=1)
@@ -322,15 +326,15 @@ async def test_an_old_decision_that_counts_is_kept(site: Site) -> None:
     """Otherwise the rule would send a robot again that it has given up, and the alert about that would end."""
     old = utc_now() - timedelta(days=1)
     log = DecisionLog(site.fanout, site.stored, most=2)
-    log.finish("gave up", Decision("low", "Low", ROBOT, old, Outcome.GAVE_UP, *[None] * 6, open=True))
+    log.finish("gave up", Decision("low", "Low", ROBOT, old, DecisionOutcome.GAVE_UP, *[None] * 6, open=True))
     for day in range(3):
         at = old + timedelta(hours=1 + day)
-        log.finish(str(day), Decision("night", "Night", "/robot2", at, Outcome.SENT, *[None] * 6, open=False))
+        log.finish(str(day), Decision("night", "Night", "/robot2", at, DecisionOutcome.SENT, *[None] * 6, open=False))
     await log.save()
     assert sorted(await site.stored.read()) == ["1", "2", "gave up"]
     assert [*log.given_up()] == [ROBOT]
     log.close_series(["gave up"])
-    log.finish("3", Decision("night", "Night", "/robot2", utc_now(), Outcome.SENT, *[None] * 6, open=False))
+    log.finish("3", Decision("night", "Night", "/robot2", utc_now(), DecisionOutcome.SENT, *[None] * 6, open=False))
     await log.save()
     assert sorted(await site.stored.read()) == ["2", "3"]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.core.errors import Conflict
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, require_free
 from dock_gateway.extensions.automation.rule import BatteryCondition
@@ -27,7 +27,7 @@ def test_a_robot_docks_once_it_was_idle_with_a_low_battery(site: Site) -> None:
     assert (site.waits(), site.verdict.watched) == (Wait.NOT_IDLE, {"/robot1"})
     assert site.look(59.9) == []
     (decision,) = site.decide(60, EMPTY)
-    assert (decision.outcome, decision.robot, decision.rule_name) == (Outcome.SENT, "/robot1", "Low battery")
+    assert (decision.outcome, decision.robot, decision.rule_name) == (DecisionOutcome.SENT, "/robot1", "Low battery")
     assert (decision.battery, decision.idle_since, decision.open) == (0.1, NOON, True)
     assert site.look(61) == []
     assert site.waits() is Wait.RETRY_LATER
@@ -39,7 +39,7 @@ def test_both_conditions_hold_for_the_whole_time(site: Site) -> None:
     assert (site.waits(), site.verdict.watched) == (Wait.BATTERY_OK, set())
     assert site.look(60) == site.look(119) == []
     assert site.look(119.5, robot(still_since=100.0)) == []
-    assert site.look(120, robot(still_since=60.0)) == [Outcome.SENT]
+    assert site.look(120, robot(still_since=60.0)) == [DecisionOutcome.SENT]
 
 
 @pytest.mark.parametrize(
@@ -69,23 +69,23 @@ def test_a_latched_stop_holds_the_robot_and_is_recorded_once(site: Site) -> None
     stopped = robot(stopped="stopped by Ada", person_at=0.0)
     site.look(0, stopped)
     (held,) = site.decide(60, stopped)
-    assert (held.outcome, held.code, held.detail) == (Outcome.HELD, "stop_latched", "stopped by Ada")
+    assert (held.outcome, held.code, held.detail) == (DecisionOutcome.HELD, "stop_latched", "stopped by Ada")
     assert site.look(3600, stopped) == []
     assert site.waits() is Wait.STOP_LATCHED
     released = robot(person_at=3601.0, still_since=3601.0)
     assert site.look(3660, released) == []
-    assert site.look(3661, released) == [Outcome.SENT]
+    assert site.look(3661, released) == [DecisionOutcome.SENT]
 
 
 def test_a_dry_run_records_once_and_sends_nothing(site: Site) -> None:
     site.rules["low"] = changed(LOW_BATTERY, mode=Mode.DRY_RUN)
     site.look(0)
-    assert site.look(60) == [Outcome.DRY_RUN]
+    assert site.look(60) == [DecisionOutcome.DRY_RUN]
     assert site.look(7200) == []
     assert site.waits() is Wait.REPORTED
     site.look(7300, FULL)
     site.look(7301)
-    assert site.look(7361) == [Outcome.DRY_RUN]
+    assert site.look(7361) == [DecisionOutcome.DRY_RUN]
 
 
 def test_a_rule_that_is_off_does_nothing(site: Site) -> None:
@@ -102,14 +102,16 @@ def test_which_robots_a_rule_is_for(site: Site) -> None:
     assert [decision.robot for decision in site.decide(60, *robots)] == ["/robot1", "/robot2"]
 
 
-@pytest.mark.parametrize("outcome", [Outcome.SENT, Outcome.REFUSED])
-def test_it_tries_three_times_and_gives_up_until_the_battery_has_recovered(site: Site, outcome: Outcome) -> None:
+@pytest.mark.parametrize("outcome", [DecisionOutcome.SENT, DecisionOutcome.REFUSED])
+def test_it_tries_three_times_and_gives_up_until_the_battery_has_recovered(
+    site: Site, outcome: DecisionOutcome
+) -> None:
     site.look(0, outcome=outcome)
     for attempt in range(MAX_ATTEMPTS):
         at = 60 + attempt * 300.0
         assert site.look(at, outcome=outcome) == [outcome]
         assert site.look(at + 299) == []
-    assert site.look(960) == [Outcome.GAVE_UP]
+    assert site.look(960) == [DecisionOutcome.GAVE_UP]
     assert site.look(9000) == []
     assert site.waits() is Wait.GAVE_UP
     site.look(9001, robot(battery=0.21))  # around the limit is no recovery
@@ -117,7 +119,7 @@ def test_it_tries_three_times_and_gives_up_until_the_battery_has_recovered(site:
     assert site.look(9062) == []
     site.look(9100, robot(battery=0.25))
     site.look(9101)
-    assert site.look(9161) == [Outcome.SENT]
+    assert site.look(9161) == [DecisionOutcome.SENT]
 
 
 def test_a_person_who_docks_the_robot_lets_it_begin_anew(site: Site) -> None:
@@ -132,15 +134,15 @@ def test_a_failed_docking_is_retried_five_minutes_after_its_end(site: Site) -> N
     site.look(60)
     failed = robot(failed_at=NOON + timedelta(seconds=200))
     assert site.look(499, failed) == []
-    assert site.look(500, failed) == [Outcome.SENT]
+    assert site.look(500, failed) == [DecisionOutcome.SENT]
 
 
 def test_two_rules_do_not_dock_one_robot_twice(site: Site) -> None:
     site.rules["other"] = changed(LOW_BATTERY, name="Other", battery=BatteryCondition(below=0.5, idle_s=60))
     site.look(0)
-    assert site.look(60) == [Outcome.SENT]
+    assert site.look(60) == [DecisionOutcome.SENT]
     assert site.look(61) == []
-    assert site.look(360) == [Outcome.SENT]
+    assert site.look(360) == [DecisionOutcome.SENT]
     assert {decision.rule_id for decision in site.decisions.values()} == {"low"}
 
 
@@ -155,20 +157,20 @@ def test_a_time_of_day_docks_once() -> None:
     assert site.look(DUE - 30, rested) == []
     assert (site.waits("lunch"), site.verdict.watched) == (Wait.NOT_DUE, {"/robot1"})
     (decision,) = site.decide(DUE, rested)
-    assert (decision.outcome, decision.scheduled_for) == (Outcome.SENT, NOON + timedelta(minutes=10))
+    assert (decision.outcome, decision.scheduled_for) == (DecisionOutcome.SENT, NOON + timedelta(minutes=10))
     assert [site.look(DUE + later, rested) for later in (1, 60, 119, 150)] == [[]] * 4
-    assert site.look(DUE + 86_400, rested) == [Outcome.SENT]
+    assert site.look(DUE + 86_400, rested) == [DecisionOutcome.SENT]
 
 
 def test_a_robot_that_is_busy_at_that_time_has_two_minutes() -> None:
     site = Site(lunch=AT_ONE)
     busy = robot(goal_running=True)
     assert site.look(DUE, busy) == []
-    assert site.look(DUE + 119, robot(still_since=DUE + 105)) == [Outcome.SENT]
+    assert site.look(DUE + 119, robot(still_since=DUE + 105)) == [DecisionOutcome.SENT]
     site = Site(lunch=AT_ONE)
     assert site.look(DUE, busy) == site.look(DUE + 120, busy) == []
     (skipped,) = site.decide(DUE + 121, EMPTY)
-    assert (skipped.outcome, skipped.code) == (Outcome.SKIPPED, "goal_running")
+    assert (skipped.outcome, skipped.code) == (DecisionOutcome.SKIPPED, "goal_running")
     assert site.look(DUE + 122) == []
 
 
@@ -176,14 +178,14 @@ def test_a_time_of_day_is_not_made_up_for() -> None:
     site = Site(lunch=AT_ONE)
     assert site.look(DUE + 121) == []  # after a restart, say
     assert site.waits("lunch") is Wait.NOT_DUE
-    assert Site(lunch=AT_ONE).look(DUE + 120) == [Outcome.SENT]
+    assert Site(lunch=AT_ONE).look(DUE + 120) == [DecisionOutcome.SENT]
     later = changed(AT_ONE, changed_at=NOON + timedelta(seconds=DUE + 1))
     assert Site(lunch=later).look(DUE + 2) == []
 
 
 def test_a_stop_at_that_time_holds_the_robot() -> None:
     site = Site(lunch=AT_ONE)
-    assert site.look(DUE, robot(stopped="stopped by Ada")) == [Outcome.HELD]
+    assert site.look(DUE, robot(stopped="stopped by Ada")) == [DecisionOutcome.HELD]
     assert site.look(DUE + 100) == []
 
 
@@ -205,7 +207,7 @@ def test_what_was_never_seen_is_not_missed() -> None:
 
 def decision(**fields: Any) -> Decision:
     made = Decision(
-        "low", "Low battery", "/robot1", NOON, Outcome.SENDING, 0.1, NOON, None, None, None, None, open=True
+        "low", "Low battery", "/robot1", NOON, DecisionOutcome.SENDING, 0.1, NOON, None, None, None, None, open=True
     )
     return replace(made, **fields)
 
@@ -216,11 +218,11 @@ def decision(**fields: Any) -> Decision:
         ({"at": NOON - timedelta(seconds=299)}, {}),
         ({"at": NOON + timedelta(seconds=2)}, {}),  # by another gateway's clock
         ({"rule_id": "other", "open": False}, {}),
-        ({"outcome": Outcome.DRY_RUN}, {"outcome": Outcome.DRY_RUN}),
-        ({"outcome": Outcome.HELD}, {"outcome": Outcome.HELD}),
-        ({"outcome": Outcome.GAVE_UP}, {"outcome": Outcome.GAVE_UP}),
+        ({"outcome": DecisionOutcome.DRY_RUN}, {"outcome": DecisionOutcome.DRY_RUN}),
+        ({"outcome": DecisionOutcome.HELD}, {"outcome": DecisionOutcome.HELD}),
+        ({"outcome": DecisionOutcome.GAVE_UP}, {"outcome": DecisionOutcome.GAVE_UP}),
         (
-            {"scheduled_for": NOON, "at": NOON - timedelta(hours=1), "outcome": Outcome.SKIPPED},
+            {"scheduled_for": NOON, "at": NOON - timedelta(hours=1), "outcome": DecisionOutcome.SKIPPED},
             {"scheduled_for": NOON, "open": False},
         ),
     ],
@@ -236,8 +238,8 @@ def test_one_gateway_decides(stored: dict[str, Any], mine: dict[str, Any]) -> No
         {"at": NOON - timedelta(minutes=5)},
         {"at": NOON + timedelta(minutes=5)},  # a clock was wrong
         {"robot": "/robot2"},
-        {"outcome": Outcome.DRY_RUN},
-        {"outcome": Outcome.HELD},
+        {"outcome": DecisionOutcome.DRY_RUN},
+        {"outcome": DecisionOutcome.HELD},
     ],
 )
 def test_a_decision_that_is_free(stored: dict[str, Any]) -> None:
@@ -245,7 +247,7 @@ def test_a_decision_that_is_free(stored: dict[str, Any]) -> None:
 
 
 def test_the_fourth_attempt_is_not_free() -> None:
-    earlier = {str(n): decision(at=NOON - timedelta(hours=n), outcome=Outcome.SENT) for n in (1, 2, 3)}
+    earlier = {str(n): decision(at=NOON - timedelta(hours=n), outcome=DecisionOutcome.SENT) for n in (1, 2, 3)}
     with pytest.raises(Conflict):
         require_free(decision(), earlier)
     require_free(decision(), {name: replace(each, open=False) for name, each in earlier.items()})
@@ -267,7 +269,7 @@ def test_the_fourth_attempt_is_not_free() -> None:
 )
 def test_what_has_changed_since_the_decision(site: Site, facts: dict[str, Any], obstacle: Wait | None) -> None:
     site.look(0)
-    assert site.look(60) == [Outcome.SENT]
+    assert site.look(60) == [DecisionOutcome.SENT]
     assert site.policy.obstacle("low", LOW_BATTERY, robot(**facts), 60.5) is obstacle
 
 

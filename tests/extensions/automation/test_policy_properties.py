@@ -7,7 +7,7 @@ from datetime import datetime, timedelta
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dock_gateway.core.automation import Decision, Mode, Outcome
+from dock_gateway.core.automation import Decision, DecisionOutcome, Mode
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL
 from dock_gateway.extensions.automation.policy import QUIET_PERIOD, STILL_FOR, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
@@ -26,7 +26,7 @@ steps = st.tuples(
     likely,  # stopped
     ages,  # of stillness
     ages,  # of a person's doing
-    st.sampled_from([Outcome.SENT, Outcome.REFUSED]),
+    st.sampled_from([DecisionOutcome.SENT, DecisionOutcome.REFUSED]),
 )
 modes = st.sampled_from([Mode.ON, Mode.ON, Mode.DRY_RUN, Mode.OFF])
 
@@ -60,8 +60,8 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: Mode, lunch: 
         for decision in decisions:
             rule = rules[decision.rule_id]
             assert rule.mode is not Mode.OFF
-            assert decision.outcome is not Outcome.DRY_RUN or rule.mode is Mode.DRY_RUN
-            if decision.outcome in (Outcome.SENT, Outcome.REFUSED):
+            assert decision.outcome is not DecisionOutcome.DRY_RUN or rule.mode is Mode.DRY_RUN
+            if decision.outcome in (DecisionOutcome.SENT, DecisionOutcome.REFUSED):
                 since_recovery[decision.rule_id] += 1
                 sent.append((NOON + timedelta(seconds=seconds), decision))
                 check_facts(rule, facts, seconds)

@@ -8,7 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.core.automation import Decision, Outcome
+from dock_gateway.core.automation import Decision, DecisionOutcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.extensions.automation.activity import Activity
@@ -136,7 +136,7 @@ async def test_decisions_are_found_by_robot_rule_and_goal(client: Client) -> Non
     for identity, rule_id, robot in (("a", "low", "/robot1"), ("b", "night", "/robot1"), ("c", "night", "/")):
         sent = goal_id if identity == "b" else None
         facts = (0.1, now, None, sent, None, None)
-        decision = Decision(rule_id, rule_id, robot, now, Outcome.SENT, *facts, open=True)
+        decision = Decision(rule_id, rule_id, robot, now, DecisionOutcome.SENT, *facts, open=True)
         await client.history.documents("decision", Decision).write(identity, decision)
 
     def found(query: str = "") -> list[str]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
-from dock_gateway.core.automation import Decision, Outcome
+from dock_gateway.core.automation import Decision, DecisionOutcome
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED, Grant
@@ -39,7 +39,9 @@ class DecisionLog(SharedEntries[Decision]):
             Unavailable: The history does not answer (`history_unavailable`).
         """
         decisions = await super().read()
-        final = {identity for identity, decision in decisions.items() if decision.outcome is not Outcome.SENDING}
+        final = {
+            identity for identity, decision in decisions.items() if decision.outcome is not DecisionOutcome.SENDING
+        }
         if self._published is not None:
             for identity in final - self._published:
                 self._publish(identity)
@@ -78,7 +80,7 @@ class DecisionLog(SharedEntries[Decision]):
             [
                 identity
                 for identity, decision in self.all().items()
-                if decision.open and decision.rule_id == rule_id and decision.outcome is not Outcome.SENDING
+                if decision.open and decision.rule_id == rule_id and decision.outcome is not DecisionOutcome.SENDING
             ]
         )
 
@@ -87,7 +89,7 @@ class DecisionLog(SharedEntries[Decision]):
         return {
             decision.robot: decision
             for decision in self.all().values()
-            if decision.open and decision.outcome is Outcome.GAVE_UP
+            if decision.open and decision.outcome is DecisionOutcome.GAVE_UP
         }
 
     def interrupted(self, before: datetime) -> dict[str, Decision]:
@@ -95,7 +97,7 @@ class DecisionLog(SharedEntries[Decision]):
         return {
             identity: decision
             for identity, decision in self.all().items()
-            if decision.outcome is Outcome.SENDING and decision.at < before
+            if decision.outcome is DecisionOutcome.SENDING and decision.at < before
         }
 
     async def newest(
@@ -145,7 +147,7 @@ def _log(decision: Decision) -> None:
     )
     reason = ", ".join(filter(None, (decision.goal_id and f"goal {decision.goal_id}", decision.code, decision.detail)))
     log.log(
-        logging.WARNING if decision.outcome in (Outcome.GAVE_UP, Outcome.REFUSED) else logging.INFO,
+        logging.WARNING if decision.outcome in (DecisionOutcome.GAVE_UP, DecisionOutcome.REFUSED) else logging.INFO,
         "automatic docking of %s by the rule %r: %s (battery %s, %s)%s",
         decision.robot,
         decision.rule_name,

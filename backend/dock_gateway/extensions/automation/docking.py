@@ -10,7 +10,7 @@ from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
-from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
@@ -257,7 +257,7 @@ class AutomaticDocking:
             if self._rules.get(decision.rule_id) != rule:
                 return  # another gateway has changed it meanwhile, and the earlier decisions no longer count
             await self.decisions.claim(identity, decision)
-            if decision.outcome is Outcome.SENDING:
+            if decision.outcome is DecisionOutcome.SENDING:
                 decision = await self._send(identity, decision)
             self.decisions.finish(identity, decision)
             await self.decisions.save()
@@ -271,7 +271,7 @@ class AutomaticDocking:
     async def _send(self, identity: str, decision: Decision) -> Decision:
         """Send the goal of a claimed decision, unless something has changed since; return what came of it."""
         if not await self._rules.sync():
-            return replace(decision, outcome=Outcome.REFUSED, code="history_unavailable")
+            return replace(decision, outcome=DecisionOutcome.REFUSED, code="history_unavailable")
         # No wait from here to the submission, which notices every stop that comes later.
         facts = {robot.name: robot for robot in self._facts(self._fleet.states()) if robot.name == decision.robot}
         obstacle = self._obstacle(decision, facts)
@@ -279,7 +279,7 @@ class AutomaticDocking:
             held = obstacle is Wait.STOP_LATCHED
             return replace(
                 decision,
-                outcome=Outcome.HELD if held else Outcome.SKIPPED,
+                outcome=DecisionOutcome.HELD if held else DecisionOutcome.SKIPPED,
                 code=obstacle.value,
                 detail=facts[decision.robot].stopped if held else None,
             )
@@ -290,10 +290,10 @@ class AutomaticDocking:
             message = action.parse_request(action.default_request)
             goal = await action.submitter.submit(message, _key(identity), sender=None)
         except GatewayError as error:
-            outcome = Outcome.HELD if error.code in STOPS else Outcome.REFUSED
+            outcome = DecisionOutcome.HELD if error.code in STOPS else DecisionOutcome.REFUSED
             goal_id = error.extra.get("goal_id")
             return replace(decision, outcome=outcome, code=error.code, detail=error.detail, goal_id=goal_id)
-        return replace(decision, outcome=Outcome.SENT, goal_id=goal.goal_id)
+        return replace(decision, outcome=DecisionOutcome.SENT, goal_id=goal.goal_id)
 
     def _obstacle(self, decision: Decision, facts: Mapping[str, RobotFacts]) -> Wait | None:
         rule, robot = self._rules.all().get(decision.rule_id), facts.get(decision.robot)
@@ -306,10 +306,10 @@ class AutomaticDocking:
         try:
             goal = await self._history.by_key(_key(identity))
             if goal is not None and not goal.unsent:
-                decision = replace(decision, outcome=Outcome.SENT, goal_id=goal.goal_id)
+                decision = replace(decision, outcome=DecisionOutcome.SENT, goal_id=goal.goal_id)
             else:
                 detail = "the gateway ended before it sent the goal"
-                decision = replace(decision, outcome=Outcome.REFUSED, code="interrupted", detail=detail)
+                decision = replace(decision, outcome=DecisionOutcome.REFUSED, code="interrupted", detail=detail)
             self.decisions.finish(identity, decision)
         except Unavailable:
             return  # later

@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from datetime import datetime, timedelta
 
-from dock_gateway.core.automation import ATTEMPTS, Decision, Outcome
+from dock_gateway.core.automation import ATTEMPTS, Decision, DecisionOutcome
 from dock_gateway.core.errors import Conflict
 
 # How long after an attempt, or after a failed docking, the next one may follow.
@@ -31,7 +31,7 @@ class Past:
             if decision.outcome in ATTEMPTS:
                 self._attempted[decision.robot] = max(decision.at, self._attempted.get(decision.robot, decision.at))
 
-    def has(self, key: Key, outcome: Outcome) -> bool:
+    def has(self, key: Key, outcome: DecisionOutcome) -> bool:
         """Return whether there is an open decision with this outcome."""
         return any(decision.outcome is outcome for decision in self.open[key])
 
@@ -58,11 +58,11 @@ def require_free(decision: Decision, stored: Mapping[str, Decision]) -> None:
     past, key = Past(stored), (decision.rule_id, decision.robot)
     if decision.scheduled_for is not None:
         taken = past.decided(key, decision.scheduled_for)
-    elif decision.outcome is Outcome.SENDING:
+    elif decision.outcome is DecisionOutcome.SENDING:
         taken = past.attempts(key) >= MAX_ATTEMPTS
     else:
         taken = past.has(key, decision.outcome)
-    if decision.outcome is Outcome.SENDING:
+    if decision.outcome is DecisionOutcome.SENDING:
         taken = taken or past.is_recent(decision.robot, decision.at)
     if taken:
         raise Conflict("another gateway has decided already", code="already_decided")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
 
-from dock_gateway.core.automation import Decision, Mode, Outcome, Wait
+from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL, Key, Past
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schedule import last_due, next_due
@@ -130,7 +130,7 @@ class DockingPolicy:
             identity
             for identity, decision in decisions.items()
             if decision.open
-            and decision.outcome is not Outcome.SENDING
+            and decision.outcome is not DecisionOutcome.SENDING
             and _has_recovered(rules.get(decision.rule_id), known.get(decision.robot))
         ]
         looked_at: set[Key] = set()
@@ -177,7 +177,7 @@ class DockingPolicy:
         if outcome is None or any(decision.robot == robot.name for decision in verdict.decisions):
             return  # or another rule decides first
         since = None if robot.still_since is None else max(robot.still_since, low_since or robot.still_since)
-        held = outcome is Outcome.HELD
+        held = outcome is DecisionOutcome.HELD
         verdict.decisions.append(
             Decision(
                 rule_id=key[0],
@@ -225,8 +225,8 @@ class DockingPolicy:
         return due
 
     def _in_time(
-        self, case: Case, due: datetime, wait: Wait | None, outcome: Outcome | None
-    ) -> tuple[Wait | None, Outcome | None]:
+        self, case: Case, due: datetime, wait: Wait | None, outcome: DecisionOutcome | None
+    ) -> tuple[Wait | None, DecisionOutcome | None]:
         """Replace the decision on a time of day that has passed: the robot is not docked any more."""
         if case.now - due <= DUE_FOR:
             if wait is not None and case.robot.heard:
@@ -235,7 +235,7 @@ class DockingPolicy:
         late = self._late.pop(case.key, None)
         if late is None or late[0] != due or wait is Wait.DOCKED:
             return Wait.NOT_DUE, None
-        return late[1], Outcome.SKIPPED if case.robot.stopped is None else Outcome.HELD
+        return late[1], DecisionOutcome.SKIPPED if case.robot.stopped is None else DecisionOutcome.HELD
 
 
 def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, seconds: float) -> Wait | None:
@@ -256,21 +256,21 @@ def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, secon
     return next((wait for wait, applies in obstacles.items() if applies), None)
 
 
-def _next_step(past: Past, case: Case) -> tuple[Wait | None, Outcome | None]:
+def _next_step(past: Past, case: Case) -> tuple[Wait | None, DecisionOutcome | None]:
     """Return what to do with a robot that should dock, or what to wait for."""
     key, robot = case.key, case.robot
-    if past.has(key, Outcome.GAVE_UP):
+    if past.has(key, DecisionOutcome.GAVE_UP):
         return Wait.GAVE_UP, None
     if robot.stopped is not None:
-        return Wait.STOP_LATCHED, None if past.has(key, Outcome.HELD) else Outcome.HELD
+        return Wait.STOP_LATCHED, None if past.has(key, DecisionOutcome.HELD) else DecisionOutcome.HELD
     if case.rule.mode is Mode.DRY_RUN:
-        return (Wait.REPORTED, None) if past.has(key, Outcome.DRY_RUN) else (None, Outcome.DRY_RUN)
+        return (Wait.REPORTED, None) if past.has(key, DecisionOutcome.DRY_RUN) else (None, DecisionOutcome.DRY_RUN)
     failed = robot.failed_at is not None and abs(case.now - robot.failed_at) < RETRY_INTERVAL
     if failed or past.is_recent(robot.name, case.now):
         return Wait.RETRY_LATER, None
     if past.attempts(key) >= MAX_ATTEMPTS:
-        return Wait.GAVE_UP, Outcome.GAVE_UP
-    return None, Outcome.SENDING
+        return Wait.GAVE_UP, DecisionOutcome.GAVE_UP
+    return None, DecisionOutcome.SENDING
 
 
 def _has_recovered(rule: RuleEntry | None, robot: RobotFacts | None) -> bool:

@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.core.automation import Outcome, Wait
+from dock_gateway.core.automation import DecisionOutcome, Wait
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.schema import Schema
 
@@ -66,7 +66,7 @@ class Decision(Schema):
     rule_name: str
     robot: str
     at: datetime
-    outcome: Outcome
+    outcome: DecisionOutcome
     battery: float | None
     idle_since: datetime | None
     scheduled_for: datetime | None

@@ -1,0 +1,99 @@
+"""An extension can be taken out; one that fails is left out; each kind of thing that one adds is documented."""
+
+import re
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import fields
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from dock_gateway.app import create_app
+from dock_gateway.cli.options import TYPE
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.extension import Core, Extension, GatewayCore, extensions, open_extensions
+from dock_gateway.extension_list import OURS
+from dock_gateway.fleet import alert_kinds
+from dock_gateway.http.parts import Parts
+from dock_gateway.settings import ExtensionSettings, Settings
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs/write-an-extension.md"
+
+
+@pytest.mark.parametrize("extension", extensions(), ids=lambda extension: extension.name)
+def test_the_gateway_is_complete_without_each(extension: Extension[GatewayCore]) -> None:
+    """Its routes, events and alerts are gone, and all others are as they were."""
+    installed = [other for other in extensions() if other is not extension]
+    left, full = (create_app(Settings(), installed=each).openapi() for each in (installed, extensions()))
+    own = {route.path_format for router in extension.routes(Settings()) for route in router.routes}  # type: ignore[attr-defined]
+    assert left["paths"] == {path: item for path, item in full["paths"].items() if path not in own}
+    kinds = full["components"]["schemas"]["AlertKind"]["enum"]
+    expected = [kind for kind in kinds if kind not in {each.value for each in extension.alerts}]
+    assert left["components"]["schemas"]["AlertKind"]["enum"] == expected
+    assert not {event.__name__ for event in extension.events} & left["components"]["schemas"].keys()
+
+
+@pytest.mark.parametrize("name", OURS)
+def test_each_has_a_page_and_tests(name: str) -> None:
+    assert (ROOT / f"docs/extensions/{name}.md").exists()
+    assert list((ROOT / "tests/extensions" / name).rglob("test_*.py")) or list(ROOT.glob(f"tests/*/test_*{name}*.py"))
+
+
+@pytest.mark.parametrize("extension", extensions(), ids=lambda extension: extension.name)
+def test_its_settings_are_those_of_the_gateway(extension: Extension[GatewayCore]) -> None:
+    if extension.settings is not None:
+        assert issubclass(TYPE, extension.settings)
+
+
+def test_each_kind_of_thing_that_one_adds_has_a_heading() -> None:
+    headings = re.findall(r"^### (\w+)$", PAGE.read_text(), re.MULTILINE)
+    assert headings == [field.name for field in fields(Extension)]
+
+
+class Part:
+    """What an extension opens."""
+
+
+@asynccontextmanager
+async def works(_: Core) -> AsyncIterator[Part]:
+    yield Part()
+
+
+@asynccontextmanager
+async def fails(_: Core) -> AsyncIterator[object]:
+    raise OSError("the folder is not there")
+    yield
+
+
+def core() -> Core:
+    return cast("Core", SimpleNamespace(parts=Parts({})))
+
+
+async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
+    given = core()
+    async with AsyncExitStack() as stack:
+        opened = await open_extensions([Extension("bad", fails), Extension("good", works)], given, stack)
+    assert isinstance(given.parts[Part], Part)
+    (alert,) = opened.failed
+    assert alert.kind is alert_kinds.EXTENSION_FAILED
+    assert "bad could not be opened" in alert.detail
+    assert "the folder is not there" in alert.detail
+
+
+def test_what_belongs_to_one_that_failed_is_unavailable() -> None:
+    with pytest.raises(Unavailable, match="Part could not be opened") as caught:
+        core().parts[Part]
+    assert caught.value.code == "extension_failed"
+
+
+def test_settings_come_from_those_that_were_given_or_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Own(ExtensionSettings):
+        number: int = 1
+
+    both: Any = type("Both", (Own, Settings), {})
+    assert both(number=2).of(Own).number == 2
+    monkeypatch.setenv("DOCK_GATEWAY_NUMBER", "3")
+    assert Settings().of(Own).number == 3
