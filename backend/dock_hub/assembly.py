@@ -17,7 +17,6 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Core, open_extensions
-from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
@@ -112,7 +111,6 @@ async def _open(
             Present: overview,
             Goals: goals,
             RobotActions: robot_actions,
-            Approvals: Approvals(settings, fanout, lambda _: None, lambda _: False),
             RobotLabels: labels,
             Share: EVERYTHING,
             Includes: Includes(),
