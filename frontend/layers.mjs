@@ -15,7 +15,7 @@ const LAYERS = [
   ...["fleet", "access", "goal", "stop", "alerts"],
   // Features.
   ...["battery", "docking", "scene", "actions", "goals", "operations"],
-  ...["notifications", "graph", "sites"],
+  ...["notifications", "graph"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],
 ];

@@ -6,5 +6,6 @@ export { extension as cameras } from "./extensions/cameras/extension";
 export { extension as recordings } from "./extensions/recordings/extension";
 export { extension as simulator } from "./extensions/simulator/extension";
 export { extension as single_sign_on } from "./extensions/single_sign_on/extension";
+export { extension as sites } from "./extensions/sites/extension";
 export { extension as statistics } from "./extensions/statistics/extension";
 export { extension as webhooks } from "./extensions/webhooks/extension";

@@ -1,4 +1,4 @@
-import { placeOf } from "./api/hub";
+import { placeOf } from "./api/places";
 import { apiAddress, sitePrefix } from "./api/site";
 import "./layout/styles";
 import { MantineProvider } from "@mantine/core";
@@ -23,7 +23,7 @@ import { openStream, streamUrl } from "./stream/stream";
 
 const extensions: readonly Extension[] = Object.values(listed);
 for (const { start } of extensions) start?.();
-// Back and Forward between a hub and its sites: the page of each is one of its own.
+// Back and Forward between all sites and one: the page of each is one of its own.
 const prefix = sitePrefix();
 window.addEventListener("popstate", () => sitePrefix() !== prefix && window.location.reload());
 const { location } = window;

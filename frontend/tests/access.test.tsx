@@ -19,7 +19,6 @@ const OUT: SessionState = {
   open_to: null,
   principal: null,
   provider: null,
-  hub: false,
   share: [],
 };
 const as = (role: Role, name = "Ada", kind: "token" | "user" | "person" = "token"): SessionState => ({
@@ -27,7 +26,6 @@ const as = (role: Role, name = "Ada", kind: "token" | "user" | "person" = "token
   open_to: null,
   principal: { name, kind, role, robots: [], actions: [], topics: [] },
   provider: null,
-  hub: false,
   share: [],
 });
 

@@ -23,7 +23,9 @@ describe.each(EXTENSIONS.map((extension) => [extension.name, extension] as const
         expect(partsAt(rest, place).map(([name]) => name)).not.toContain(extension.name);
     });
 
-    it.each((extension.pages ?? []).map(({ path }) => path))("there is no page %s", async (path) => {
+    const paths = (extension.pages ?? []).flatMap(({ path, at }) => (at === "sites" ? [] : [path]));
+
+    it.each(paths)("there is no page %s", async (path) => {
       renderPage(fakeGateway(), {}, path, undefined, rest);
       expect(await screen.findByText("There is no such page")).toBeTruthy();
     });

@@ -9,7 +9,7 @@ import { MemoryRouter } from "react-router";
 import { vi } from "vitest";
 import type { Gateway } from "../src/api/client";
 import { createHttp } from "../src/api/http";
-import { placeOf } from "../src/api/hub";
+import { placeOf } from "../src/api/places";
 import { createQueryClient } from "../src/api/queryClient";
 import { ExtensionsProvider } from "../src/extension/context";
 import type { Extension } from "../src/extension/extension";
@@ -30,6 +30,8 @@ import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, un
 
 /** All that there are. */
 export const EXTENSIONS: readonly Extension[] = Object.values(listed);
+
+for (const { start } of EXTENSIONS) start?.();
 
 /** A gateway that does what it is told, and remembers. */
 export function fakeGateway(change: Partial<Gateway> = {}) {

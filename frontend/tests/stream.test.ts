@@ -146,7 +146,6 @@ describe("stream", () => {
         open_to: null,
         principal: null,
         provider: null,
-        hub: false,
         share: [],
       }),
     );

@@ -46,7 +46,7 @@ export function useAccountEntries(onPassword: () => void): AccountEntry[] {
   const logOut = useLogOut();
   const entries: AccountEntry[] = [];
   if (principal?.role === "admin") {
-    // On the page of a site people and tokens are those of the hub, whose pages have them.
+    // On the page of a site people and tokens are those of the server, whose own pages have them.
     if (pageSite() === null) {
       entries.push({ name: open_to === null ? "Users" : "What this means", to: "/ui/users" });
       entries.push({ name: "Tokens", to: "/ui/tokens" });

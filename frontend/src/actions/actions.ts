@@ -1,7 +1,7 @@
 import type { ActionInfo } from "@dock-gateway/client";
 import { useMemo } from "react";
 import { createActionsApi, goalsPath } from "../api/actions";
-import { ofHub } from "../api/hub";
+import { ofSites } from "../api/places";
 import { whyForbidden } from "../api/session";
 import { NOT_CONNECTED, useFleet } from "../fleet/context";
 import { isUnder } from "../fleet/names";
@@ -23,7 +23,7 @@ export function useActions() {
     queryKey: ["actions"],
     queryFn: () => api.list().then(byName),
     refetchInterval: LOOK_EVERY_MS,
-    enabled: !ofHub(), // the actions are those of its sites
+    enabled: !ofSites(), // the actions are those of its sites
   });
 }
 

@@ -3,9 +3,10 @@ import { useSyncExternalStore } from "react";
 import { OPERATIONS } from "./operations.gen";
 import { apiPath, pageSite } from "./site";
 
-/** On the page of a site: who is logged in at the hub, and what the site lets them do. `hub` is true on the hub's own pages only. */
-export interface SessionState extends Schema<"Session"> {
-  /** Why the hub does not let this page reach its site; null where it does. */
+/** On the page of a site: who is logged in at the server, and what the site lets them do. */
+export interface SessionState
+  extends Pick<Schema<"Session">, "required" | "open_to" | "principal" | "provider" | "share"> {
+  /** Why this page does not reach its site; null where it does. */
   trouble?: Schema<"Problem"> | null;
 }
 
@@ -22,7 +23,6 @@ export const ANYBODY: SessionState = {
   open_to: null,
   principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
   provider: null,
-  hub: false,
   share: [],
 };
 
@@ -99,10 +99,10 @@ async function askServer(): Promise<SessionState | null> {
   const answer = await fetch("/session", { signal });
   if (!answer.ok) return null;
   const state = (await answer.json()) as SessionState;
-  return pageSite() === null ? state : atSite({ ...state, hub: false }, signal);
+  return pageSite() === null ? state : atSite(state, signal);
 }
 
-/** The login at a hub with what the site lets them do; where it does not answer, as the hub has it. */
+/** The login at the server with what the site lets them do; where it does not answer, as the server has it. */
 async function atSite(state: SessionState, signal: AbortSignal): Promise<SessionState> {
   if (state.principal === null) return state;
   const answer = await fetch(apiPath("/session"), { signal }).catch(() => null);

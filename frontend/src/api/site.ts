@@ -1,17 +1,17 @@
 /**
- * Where a page is: a hub serves the dashboard of each site below `/sites/{site}`, and there the site's own API, too. The
+ * Where a page is: a server of several sites has the dashboard of each below `/sites/{site}`, and there the site's own API, too. The
  * login, its users and the files of the dashboard are always those of the server.
  */
 
 const PREFIX = /^\/sites\/([a-z][a-z0-9_]{0,39})(?=\/)/;
 
-/** The site whose page this is; null at a gateway, and on the pages of a hub itself. */
+/** The site whose page this is; null at a gateway, and on the pages about all sites. */
 export function pageSite(): string | null {
   // Tests without a page have no location.
   return PREFIX.exec(globalThis.location?.pathname ?? "/")?.[1] ?? null;
 }
 
-/** What the paths of pages and of the API begin with: `/sites/berlin`; empty at a gateway, and on the pages of a hub itself. */
+/** What the paths of pages and of the API begin with: `/sites/berlin`; empty at a gateway, and on the pages about all sites. */
 export function sitePrefix(): string {
   const site = pageSite();
   return site === null ? "" : `/sites/${site}`;

@@ -69,6 +69,8 @@ export function partsAt<Place extends keyof Places>(
 
 /** The places for parts of extensions, and what a part there is given. */
 export interface Places {
+  /** On every page, below the stops that hold: those that need somebody. */
+  stops: object;
   /** On every page, above its content: what has to be answered. */
   banners: object;
   /** Below the list of users. */

@@ -2,7 +2,7 @@ import { Badge, VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
 import type { Freshness } from "../store/context";
 import classes from "./fleet.module.css";
-import { LINK_HINTS, LINK_WORDS, type Link } from "./words";
+import { LINK_WORDS, type Link, linkHint } from "./words";
 
 const LOOKS: Record<Exclude<Freshness, "live">, { words: string; color: string }> = {
   stale: { words: "Stale", color: "orange" },
@@ -23,7 +23,7 @@ export const LinkState = memo(function LinkState({ link, live }: { link: Link; l
     <span
       className={classes.link}
       data-link={live ? link : "unknown"}
-      title={live ? LINK_HINTS[link] : undefined}
+      title={live ? linkHint(link) : undefined}
     >
       {live ? LINK_WORDS[link] : "Not live"}
     </span>

@@ -10,7 +10,7 @@ import type { FleetStore, FleetTopic, FleetTopics } from "./store";
 /** What every page has. */
 export interface FleetServices {
   http: Http;
-  /** The API of the gateway that a robot or an action is of: that of its site, on a page of a hub about all sites. */
+  /** The API of the gateway that a robot or an action is of: that of its site, on a page about several sites. */
   httpOf(name: string): Http;
   /** Commands for the robot that the gateway is configured for; its Stop stops those in namespaces below, too. */
   gateway: Gateway;

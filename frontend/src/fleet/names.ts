@@ -1,5 +1,5 @@
 import type { Robot } from "@dock-gateway/client";
-import { placeOf } from "../api/hub";
+import { placeOf } from "../api/places";
 
 /** What a robot is called, and the groups that it is in. */
 export type Label = Pick<Robot, "name" | "display_name" | "groups">;
@@ -154,7 +154,7 @@ export function withTab(query: URLSearchParams, tab: Tab): URLSearchParams {
   return changed;
 }
 
-/** Where a robot's page is; at a hub that of its site. */
+/** Where a robot's page is; on a page about several sites that of its site. */
 export function robotPath(robot: string, tab: Tab = OPERATE): string {
   const { prefix, name } = placeOf(robot);
   const path = `${prefix}/ui/robot?robot=${encodeURIComponent(name).replaceAll("%2F", "/")}`;
@@ -162,9 +162,9 @@ export function robotPath(robot: string, tab: Tab = OPERATE): string {
 }
 
 /**
- * Where a goal's page is; at a hub that of its site.
+ * Where a goal's page is; on a page about several sites that of its site.
  *
- * @param name Of its robot or its action; where it is not known, a hub looks the goal up.
+ * @param name Of its robot or its action; where it is not known, the goal is looked up.
  */
 export function goalPath(goalId: string, name: string | null): string {
   const prefix = name === null ? "" : placeOf(name).prefix;

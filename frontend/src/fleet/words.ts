@@ -1,4 +1,5 @@
 import type { Robot } from "@dock-gateway/client";
+import { serverName } from "../api/places";
 import { formatDuration } from "../ui/time";
 
 /** Whether anything of a robot was ever heard: the configured one is listed from the start. */
@@ -20,8 +21,8 @@ export function placeWords(docked: boolean | null): string {
 
 /**
  * How a robot can be reached. `unreachable`: nothing of it answers, neither a docking server nor a battery that was heard
- * before. `gone`: its battery is heard, but its docking servers have left the graph. `away`: its site is not connected to the
- * hub, and what is known of the robot is as it was then.
+ * before. `gone`: its battery is heard, but its docking servers have left the graph. `away`: its site is not
+ * connected, and what is known of the robot is as it was then.
  */
 export type Link = "away" | "connected" | "silent" | "duplicate" | "gone" | "battery" | "unreachable";
 
@@ -40,7 +41,7 @@ export function linkOf({ dock, undock, battery, site_state = "connected" }: Link
 }
 
 interface Linked extends Pick<Robot, "dock" | "undock" | "battery"> {
-  /** At a hub: whether the robot's site is connected. */
+  /** Of several sites: whether the robot's site is connected. */
   site_state?: string;
 }
 
@@ -60,8 +61,8 @@ export const LINK_WORDS: Record<Link, string> = {
   away: "Site unreachable",
 };
 
-export const LINK_HINTS: Record<Link, string> = {
-  away: "The hub does not reach its site. What is shown is what was last known; the robot may have moved since.",
+const LINK_HINTS: Record<Link, string> = {
+  away: "The server does not reach its site. What is shown is what was last known; the robot may have moved since.",
   connected: "Its action servers answer.",
   silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
   duplicate: "More than one action server serves its docking action: shut down all but one.",
@@ -70,6 +71,11 @@ export const LINK_HINTS: Record<Link, string> = {
   unreachable:
     "Neither its docking server nor its battery is heard. Check that the robot is switched on and on the network.",
 };
+
+/** What a link means, and what to do about it. */
+export function linkHint(link: Link): string {
+  return link === "away" ? LINK_HINTS.away.replace("server", serverName()) : LINK_HINTS[link];
+}
 
 /** `now`, `12 s ago`, `3 min 05 s ago`; for ages that are looked at once a second. */
 export function ageWords(ms: number): string {

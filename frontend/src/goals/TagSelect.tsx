@@ -1,7 +1,7 @@
 import { NativeSelect, type NativeSelectProps } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { listTags } from "../api/goals";
-import { ofHub } from "../api/hub";
+import { ofSites } from "../api/places";
 import { useFleet } from "../fleet/context";
 
 interface TagSelectProps extends Pick<NativeSelectProps, "label" | "aria-label"> {
@@ -34,6 +34,6 @@ export const TAGS_KEY = ["tags"] as const;
 /** The tags that goals have; none while they are not known. */
 export function useTags(): readonly string[] {
   const { http } = useFleet();
-  const { data } = useQuery({ queryKey: TAGS_KEY, queryFn: () => listTags(http), enabled: !ofHub() });
+  const { data } = useQuery({ queryKey: TAGS_KEY, queryFn: () => listTags(http), enabled: !ofSites() });
   return data ?? [];
 }

@@ -1,8 +1,7 @@
 import { Anchor, Text, Title } from "@mantine/core";
-import { Suspense, useEffect } from "react";
+import { Suspense } from "react";
 import { Link, Route, Routes } from "react-router";
 import { Entrance } from "../access/Entrance";
-import { useSession } from "../api/session";
 import { Announcements } from "../notifications/Announcements";
 import { usePages } from "../pages/pages";
 import { Guarded } from "../ui/Guarded";
@@ -25,7 +24,6 @@ function Wall() {
 
 /** The pages, in what they have in common. */
 export function App() {
-  const { hub } = useSession();
   return (
     <Entrance>
       <Announcements />
@@ -35,18 +33,11 @@ export function App() {
           {usePages().map(({ path, Page }) => (
             <Route key={path} path={path} element={<Page />} />
           ))}
-          {hub && <Route path="sites/:site/*" element={<ToSite />} />}
           <Route path="*" element={<NotFoundPage />} />
         </Route>
       </Routes>
     </Entrance>
   );
-}
-
-/** The page of a site is loaded as a page of its own: it shares nothing with those about all sites. */
-function ToSite(): null {
-  useEffect(() => window.location.replace(window.location.href), []);
-  return null;
 }
 
 /** For an address that is no page. */

@@ -1,5 +1,5 @@
 import { Alert, Badge, Text, Tooltip } from "@mantine/core";
-import { ofHub } from "../api/hub";
+import { ofSites, serverName } from "../api/places";
 import { useSession } from "../api/session";
 import { pageSite } from "../api/site";
 import { useFleetTopic } from "../fleet/context";
@@ -28,7 +28,7 @@ const PHASES: Record<
   "site away": {
     label: "site away",
     color: "red",
-    hint: "The hub does not reach the site, or does not let you see it; still trying.",
+    hint: "The server does not reach the site, or does not let you see it; still trying.",
   },
   gone: {
     label: "gateway gone",
@@ -42,7 +42,8 @@ export function ConnectionStatus() {
   const { principal, trouble } = useSession();
   const away = trouble != null && phase !== "live";
   const { label, color, hint } = PHASES[principal === null ? "logged out" : away ? "site away" : phase];
-  const words = (text: string) => (ofHub() ? text.replace("gateway", "hub") : text);
+  const words = (text: string) =>
+    (ofSites() ? text.replace("gateway", serverName()) : text).replace("server", serverName());
   return (
     <Tooltip label={words(hint)} multiline maw={280}>
       <Badge
@@ -73,13 +74,13 @@ export function ConnectionBanner() {
               What you see below is what was known at <Time value={since} />.{" "}
             </>
           )}
-          This page reconnects by itself. A Stop is repeated by the hub until the site confirms it.
+          This page reconnects by itself. A Stop is repeated by the {serverName()} until the site confirms it.
         </Text>
       </Alert>
     );
   if (phase === "live" || phase === "connecting") return null;
   const gone = phase === "gone";
-  const server = ofHub() ? "hub" : "gateway";
+  const server = ofSites() ? serverName() : "gateway";
   return (
     <Alert
       color={gone ? "red" : "orange"}

@@ -10,20 +10,17 @@ import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
 import { Guarded } from "../ui/Guarded";
-import { lazyPart } from "../ui/lazyPart";
 import { TitlePrefixProvider } from "../ui/Section";
 import { ConnectionBanner } from "./ConnectionStatus";
 import { Header } from "./Header";
 import classes from "./layout.module.css";
-
-const PendingStops = lazyPart(() => import("../sites/PendingStops"));
 
 /** What all pages have: the header with Stop, and what has to be known everywhere. */
 export function Shell() {
   const main = useRef<HTMLDivElement>(null);
   const { pathname } = useLocation();
   useFocusOnNavigation(main, pathname);
-  const { principal, hub } = useSession();
+  const { principal } = useSession();
   const loggedOut = principal === null;
   const alerts = openAlerts(useFleetTopic("alerts")).length;
   return (
@@ -45,11 +42,7 @@ export function Shell() {
           <Stack gap="md">
             {loggedOut ? <LoginEnded /> : <ConnectionBanner />}
             <StopBanner />
-            {hub && (
-              <Suspense fallback={null}>
-                <PendingStops />
-              </Suspense>
-            )}
+            <Parts at="stops" />
             <Parts at="banners" />
             <OpenBanner />
             <Guarded of={pathname}>

@@ -1,5 +1,5 @@
 import type { GoalSummary, Robot, Verb } from "@dock-gateway/client";
-import { ofHub } from "../api/hub";
+import { ofSites } from "../api/places";
 import { whyNotSend } from "../docking/families";
 import { whyNotCancel } from "../goal/words";
 
@@ -7,9 +7,9 @@ import { whyNotCancel } from "../goal/words";
 export const OPERATIONS = ["dock", "undock", "cancel", "stop"] as const;
 export type Operation = (typeof OPERATIONS)[number];
 
-/** What can be done from this page: on those of a hub robots can be stopped, and the rest is done at their sites. */
+/** What can be done from this page: on those about several sites robots can be stopped, and the rest is done at their sites. */
 export function operationsHere(): readonly Operation[] {
-  return ofHub() ? ["stop"] : OPERATIONS;
+  return ofSites() ? ["stop"] : OPERATIONS;
 }
 
 export const OPERATION_NAMES: Record<Operation, string> = {

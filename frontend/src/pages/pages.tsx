@@ -1,5 +1,6 @@
 import type { ComponentType } from "react";
-import { ofHub } from "../api/hub";
+import { ofSites } from "../api/places";
+import { useSession } from "../api/session";
 import { pageSite } from "../api/site";
 import { useExtensions } from "../extension/context";
 import { type Page, pagesOf } from "../extension/extension";
@@ -19,7 +20,7 @@ const lazy = (
 
 /** The pages of the core. */
 const CORE: readonly Page[] = [
-  { path: "/", Page: OverviewPage, menu: { name: "Overview", letter: "o", order: 0 } },
+  { path: "/", Page: OverviewPage, at: "gateway", menu: { name: "Overview", letter: "o", order: 0 } },
   { path: "/ui/robot", Page: RobotPage, at: "gateway" },
   lazy("/ui/map", () => import("./map/MapPage"), {
     at: "gateway",
@@ -39,16 +40,6 @@ const CORE: readonly Page[] = [
   lazy("/ui/notifications", () => import("../notifications/NotificationsPage"), {
     menu: { name: "Notifications", letter: "n", order: 80, button: true },
   }),
-  // At a hub.
-  lazy("/ui/sites", () => import("../sites/SitesPage"), {
-    at: "sites",
-    menu: { name: "Sites", letter: "i", order: 10 },
-  }),
-  lazy("/ui/map", () => import("./map/SiteMapsPage"), {
-    at: "sites",
-    menu: { name: "Map", letter: "m", order: 20 },
-  }),
-  lazy("/ui/goals/:goalId", () => import("../goals/GoalAtSite"), { at: "sites" }),
 ];
 
 /** The login is that of the server: the page of a site has none of its own. */
@@ -59,8 +50,9 @@ const OF_SERVER: readonly Page[] = [
 
 /** The pages that there are here. */
 export function usePages(): Page[] {
+  useSession();
   const all = [...CORE, ...(pageSite() === null ? OF_SERVER : []), ...pagesOf(useExtensions())];
-  const here = ofHub() ? "sites" : "gateway";
+  const here = ofSites() ? "sites" : "gateway";
   return all.filter(({ at = here }) => at === here);
 }
 

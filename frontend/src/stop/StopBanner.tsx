@@ -1,8 +1,7 @@
 import { Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo, useState } from "react";
-import { ofHub } from "../api/hub";
-import { releaseSites } from "../api/sites";
+import { releasesElsewhere } from "../api/places";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { Dialog, QuestionBar } from "../ui/Dialog";
@@ -139,9 +138,10 @@ export function Release({ held, small = false }: { held: readonly HeldStop[]; sm
   const [asking, ask] = useDisclosure(false);
   const [asked, setAsked] = useState(held); // a stop that comes while the question is open is not released
   const release = useCommand(async (stops: readonly HeldStop[]) => {
+    const server = releasesElsewhere();
     for (const { robot } of stops)
-      if (ofHub())
-        await releaseSites(http, robot); // what holds then, the stream tells
+      if (server !== null)
+        await server.release(http, robot); // what holds then, the stream tells
       else store.setStop(await gateway.release(robot), robot);
   });
   const several = asked.length > 1;

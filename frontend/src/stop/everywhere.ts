@@ -2,11 +2,9 @@ import type { StopReport } from "@dock-gateway/client";
 import { useCallback } from "react";
 import { whoStops } from "../access/who";
 import { toClientError } from "../api/errors";
-import { hubName, ofHub } from "../api/hub";
-import { pageSite } from "../api/site";
-import { stopSites } from "../api/sites";
+import { stopsElsewhere } from "../api/places";
 import { useFleet } from "../fleet/context";
-import { announceStop, showSitesStopped, showStopped } from "./notices";
+import { announceStop, showNotice, showStopped } from "./notices";
 
 /** Stops robots and those in namespaces below them. */
 type StopRobots = (robots: readonly string[]) => Promise<StopReport>;
@@ -72,12 +70,9 @@ export function useStopping(): (robots: readonly string[] | null) => Promise<voi
   return useCallback(
     async (robots) => {
       const naming = () => store.get("naming");
-      // A hub repeats it to a site that it does not reach, also from the page of that site.
-      const site = pageSite();
-      if (ofHub() || site !== null) {
-        const names = site === null ? (robots ?? []) : (robots ?? ["/"]).map((name) => hubName(site, name));
-        return announceStop(naming, robots, () => stopSites(http, whoStops(), names), showSitesStopped);
-      }
+      const server = stopsElsewhere();
+      if (server !== null)
+        return announceStop(naming, robots, () => server.stop(http, whoStops(), robots), showNotice);
       const stop = async (some: readonly string[]) => {
         const report = await gateway.stop(whoStops(), some);
         const [first = "/", ...others] = some;

@@ -1,16 +1,12 @@
 import type { ClientError, StopReport } from "@dock-gateway/client";
 import { notifications, notificationsStore } from "@mantine/notifications";
 import { titleOf, toClientError } from "../api/errors";
-import type { SiteStops } from "../api/sites";
+import type { StopNotice } from "../api/places";
 import type { Naming } from "../fleet/names";
 
 const NOTICE = "stop ";
 
-interface Notice {
-  color: string;
-  title: string;
-  message: string;
-  autoClose: number | false;
+interface Notice extends StopNotice {
   loading?: boolean;
   /** It is replaced once the gateway has said again what is stopped. */
   "data-undelivered"?: true;
@@ -38,6 +34,11 @@ function show(robots: Stopped, notice: Notice): void {
     closeButtonProps: { "aria-label": "Dismiss" },
     ...notice,
   });
+}
+
+/** Shows what came of a Stop that this page's own gateway did not carry out. */
+export function showNotice(notice: StopNotice, _naming: Naming, robots: Stopped): void {
+  show(robots, notice);
 }
 
 /** `Left forklift (/robot1)`, `12 robots`; null for all of them. */
@@ -113,33 +114,6 @@ export function showStopped(
     title: warning === null ? stopped : `${stopped}, with a warning`,
     message: `Zero velocity was sent. ${waiting}${wordsOfOthers(others)}${warned}`,
     autoClose: warning === null ? 8000 : false,
-  });
-}
-
-/** What each site of a hub has answered to a stop. */
-export function showSitesStopped(sites: SiteStops, _naming: Naming, robots: Stopped = null): void {
-  const names = Object.keys(sites);
-  const missed = names.filter((name) => sites[name]?.stopped === false);
-  const reached = names.filter((name) => !missed.includes(name));
-  const warnings = names.flatMap((name) => sites[name]?.warning ?? []);
-  const confirmed = reached.length === 0 ? "" : `Stopped: ${reached.join(", ")}. `;
-  const warned = warnings.length === 0 ? "" : ` Warning: ${warnings.join("; ")}.`;
-  if (missed.length > 0) {
-    const repeated = missed.every((name) => sites[name]?.repeated);
-    const why = missed.map((name) => sites[name]?.detail ?? name).join("; ");
-    show(robots, {
-      color: "red",
-      title: `Stop has NOT reached ${reached.length === 0 ? "any site" : missed.join(", ")}`,
-      message: `${confirmed}Not reached: ${why}. ${repeated ? "The hub repeats it until it arrives or is released. " : ""}Use the robots' own emergency stops if they move.${warned}`,
-      autoClose: false,
-    });
-    return;
-  }
-  show(robots, {
-    color: warnings.length > 0 ? "orange" : "green",
-    title: "Stopped",
-    message: `${confirmed}Each site has confirmed it.${warned}`,
-    autoClose: warnings.length > 0 ? false : 8000,
   });
 }
 

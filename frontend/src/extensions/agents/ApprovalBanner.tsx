@@ -2,7 +2,7 @@ import type { Approval } from "@dock-gateway/client";
 import { Anchor, Code, Group, Paper, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
-import { ownId } from "../../api/hub";
+import { ownId } from "../../api/places";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
 import { robotPath } from "../../fleet/names";
 import { dockOf } from "../../goal/words";

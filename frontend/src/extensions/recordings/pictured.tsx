@@ -1,7 +1,7 @@
 import { type GoalStatus, isTerminal } from "@dock-gateway/client";
 import { keepPreviousData } from "@tanstack/react-query";
 import { type ReactNode, useMemo } from "react";
-import { ofHub } from "../../api/hub";
+import { ofSites } from "../../api/places";
 import { useFleet } from "../../fleet/context";
 import { useAnswer } from "../../ui/requests";
 import { GoalPicture } from "./GoalPicture";
@@ -23,7 +23,7 @@ export function useGoalPictures(
     queryKey: ["pictured", ...ids],
     queryFn: () => picturedGoals(http, ids),
     // Recordings are at the sites.
-    enabled: ids.length > 0 && !ofHub(),
+    enabled: ids.length > 0 && !ofSites(),
     placeholderData: keepPreviousData,
   });
   return useMemo(

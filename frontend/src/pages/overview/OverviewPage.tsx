@@ -1,9 +1,8 @@
 import type { Robot } from "@dock-gateway/client";
 import { Anchor, Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
-import { Suspense, useMemo, useState } from "react";
+import { type ComponentType, Suspense, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { AlertList } from "../../alerts/AlertList";
-import { ofHub } from "../../api/hub";
 import { apiAddress } from "../../api/site";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
@@ -16,37 +15,28 @@ import { overviewView } from "./list";
 import classes from "./overview.module.css";
 import { Shares } from "./Shares";
 
-const SiteStrip = lazyPart(() => import("../../sites/SiteStrip"));
 const RobotTable = lazyPart(() => import("./RobotTable"));
 
 /** All robots; where there is a single one, the page of that. */
 export default function OverviewPage() {
+  return <WhenKnown of={Known} />;
+}
+
+interface OfRobots {
+  robots: ReadonlyMap<string, Robot>;
+}
+
+/** An overview, once it is known which robots there are. */
+export function WhenKnown({ of: Overview }: { of: ComponentType<OfRobots> }) {
   usePageTitle("Overview");
   const robots = useFleetTopic("robots");
   const live = useFleetLive();
   const [told, setTold] = useState(false);
   if (!told && (live || robots.size > 0)) setTold(true);
-  if (!told) return <OverviewSkeleton />;
-  return ofHub() ? <OfSites robots={robots} /> : <Known robots={robots} />;
+  return told ? <Overview robots={robots} /> : <OverviewSkeleton />;
 }
 
-/** The robots of all sites of a hub. */
-function OfSites({ robots }: { robots: ReadonlyMap<string, Robot> }) {
-  const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
-  const [{ group }] = useAddress(overviewView);
-  return (
-    <>
-      <Heading />
-      <AlertList group={group} />
-      <Suspense fallback={<Skeleton height={360} />}>
-        <SiteStrip />
-        {there.length > 0 && <RobotTable robots={there} />}
-      </Suspense>
-    </>
-  );
-}
-
-function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
+function Known({ robots }: OfRobots) {
   const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
   const [{ group }] = useAddress(overviewView);
   const [view, setView] = useState<"one" | "all">(there.length > 1 ? "all" : "one");
@@ -100,7 +90,7 @@ function MoreRobots({ count, onShow }: { count: number; onShow: () => void }) {
   );
 }
 
-function Heading() {
+export function Heading() {
   return (
     <VisuallyHidden>
       <h1>Overview</h1>

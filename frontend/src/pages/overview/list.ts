@@ -1,6 +1,6 @@
 import type { Robot } from "@dock-gateway/client";
 import type { Attention } from "../../alerts/order";
-import { placeOf } from "../../api/hub";
+import { placeOf } from "../../api/places";
 import { byName, isFound, robotName } from "../../fleet/names";
 import { isUnreachable, linkOf } from "../../fleet/words";
 import { Address, oneOf, optional, text } from "../../ui/address";
@@ -30,7 +30,7 @@ export interface View {
   text: string;
   /** Robots in this group alone; null for all. */
   group: string | null;
-  /** At a hub: robots of this site alone; null for all. */
+  /** Of several sites: robots of this site alone; null for all. */
   site: string | null;
   sort: Sort;
   descending: boolean;
@@ -108,7 +108,7 @@ const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => numb
   link: (a, b) => LINK_RANK[linkOf(a)] - LINK_RANK[linkOf(b)],
 };
 
-/** The site of a robot; empty but at a hub. */
+/** The site of a robot; empty where there is one gateway. */
 export function siteOf({ name }: Pick<Robot, "name">): string {
   return placeOf(name).site ?? "";
 }

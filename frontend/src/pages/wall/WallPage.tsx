@@ -2,7 +2,7 @@ import { useElementSize } from "@mantine/hooks";
 import { useCallback, useEffect, useMemo, useState } from "react";
 import { Link, useNavigate, useSearchParams } from "react-router";
 import { attentionOf } from "../../alerts/order";
-import { ofHub } from "../../api/hub";
+import { ofSites } from "../../api/places";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
 import { useStopping } from "../../stop/everywhere";
@@ -79,7 +79,7 @@ export default function WallPage() {
             <li className={classes.none}>{group === null ? "No robot yet" : `No robot is in ${group}`}</li>
           )}
         </ul>
-        {only !== undefined && shown.length === 1 && !ofHub() && <WallMap robot={only.name} />}
+        {only !== undefined && shown.length === 1 && !ofSites() && <WallMap robot={only.name} />}
       </div>
     </main>
   );

@@ -107,7 +107,6 @@ describe("the page", () => {
       open_to: null,
       principal: { name: "Ada", kind: "token", role: "viewer", robots: [], actions: [], topics: [] },
       provider: null,
-      hub: false,
       share: [],
     });
     renderPage(fakeGateway(), {}, "/ui/audit");

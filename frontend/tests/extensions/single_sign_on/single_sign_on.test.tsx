@@ -14,7 +14,6 @@ const ADMIN: SessionState = {
   open_to: null,
   principal: { name: "root", kind: "user", role: "admin", robots: [], actions: [], topics: [] },
   provider: null,
-  hub: false,
   share: [],
 };
 

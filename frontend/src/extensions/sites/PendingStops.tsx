@@ -1,6 +1,6 @@
 import { Group, Paper, Text } from "@mantine/core";
-import { Release } from "../stop/StopBanner";
-import { Time } from "../ui/Time";
+import { Release } from "../../stop/StopBanner";
+import { Time } from "../../ui/Time";
 import { useSites } from "./sites";
 
 /** On every page of a hub: the stops that a site has not confirmed, which the hub sends again until it is released. */

@@ -1,6 +1,6 @@
 import { deadline, type Http, settle } from "@dock-gateway/client";
 import type { Client } from "openapi-fetch";
-import { atServer } from "./site";
+import { atServer } from "../../api/site";
 
 /** A site as its hub knows it. */
 export interface Site {

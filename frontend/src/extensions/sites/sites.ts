@@ -1,7 +1,7 @@
-import { listSites, type Site } from "../api/sites";
-import { useFleet } from "../fleet/context";
-import { byName } from "../fleet/names";
-import { useAnswer } from "../ui/requests";
+import { useFleet } from "../../fleet/context";
+import { byName } from "../../fleet/names";
+import { useAnswer } from "../../ui/requests";
+import { listSites, type Site } from "./requests";
 
 const EVERY_MS = 2000;
 

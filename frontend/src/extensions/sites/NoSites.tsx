@@ -1,6 +1,6 @@
 import { Code, Stack, Text } from "@mantine/core";
-import { Command } from "../ui/CopyButton";
-import { Section } from "../ui/Section";
+import { Command } from "../../ui/CopyButton";
+import { Section } from "../../ui/Section";
 
 const KEY = "dock-gateway hub-key > hub-key.json";
 const SERVE =

@@ -4,13 +4,13 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { useFleetTopic } from "../../fleet/context";
 import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
+import { ASKED, RobotsMap } from "../../pages/map/MapPage";
+import { FleetScenes } from "../../pages/map/stage";
+import { siteOf } from "../../pages/overview/list";
 import { openStream, streamUrl } from "../../stream/stream";
 import { PageTitle, Section } from "../../ui/Section";
 import { watchSight } from "../../ui/sight";
-import { siteOf } from "../overview/list";
-import { ASKED, RobotsMap } from "./MapPage";
 import { atHub } from "./siteEvents";
-import { FleetScenes } from "./stage";
 
 /** At a hub: a map for each site. */
 export default function SiteMapsPage() {

@@ -1,11 +1,11 @@
 import { Skeleton } from "@mantine/core";
 import { Navigate, useParams } from "react-router";
-import { createGoalsApi } from "../api/goals";
-import { useFleet } from "../fleet/context";
-import { goalPath } from "../fleet/names";
-import { Trouble } from "../ui/errors";
-import { useAnswer } from "../ui/requests";
-import { PageTitle } from "../ui/Section";
+import { createGoalsApi } from "../../api/goals";
+import { useFleet } from "../../fleet/context";
+import { goalPath } from "../../fleet/names";
+import { Trouble } from "../../ui/errors";
+import { useAnswer } from "../../ui/requests";
+import { PageTitle } from "../../ui/Section";
 
 /** At a hub: leads to the goal's page at its site. */
 export default function GoalAtSite() {

