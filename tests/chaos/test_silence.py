@@ -10,7 +10,7 @@ import pytest
 
 from tests.chaos.report import report
 
-MOMENTS = int(os.environ.get("CHAOS_MOMENTS", "6"))
+MOMENTS = int(os.environ.get("CHAOS_MOMENTS", "4"))
 SEED = int(os.environ.get("CHAOS_SEED", "1"))
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(7200)]
 

@@ -12,7 +12,7 @@ from tests.support.waiting import wait_until
 pytestmark = pytest.mark.ros
 
 SIMULATOR = ("-p", FAST)
-SERVER = ("-p", "controller:=dock_pose", "-p", UNMEASURED, "-p", "wait_charge_timeout:=1.5")
+SERVER = ("-p", "controller:=dock_pose", "-p", UNMEASURED, "-p", "wait_charge_timeout:=1.5", "-p", "max_retries:=1")
 CHARGING, NOT_CHARGING = 1, (2, 3)
 
 
@@ -71,7 +71,7 @@ def test_a_dead_charger_is_the_goals_error(gateway: RunningGateway) -> None:
     assert (result["status"], result["error"]["code"]) == ("aborted", "failed_to_charge")
     goal = gateway.goal(goal_id)
     assert goal["error"] == result["error"]
-    assert goal["retries"] == 3
+    assert goal["retries"] == 1
     stages = [event["stage"] for event in stream.seen if event["type"] == "status" and event["goal_id"] == goal_id]
     way = {"NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE", "CORRECTING", "RETRY", "RETURN_TO_STAGING"}
     assert way <= set(stages)
