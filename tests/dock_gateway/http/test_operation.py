@@ -8,13 +8,15 @@ from fastapi import APIRouter
 from dock_gateway import app as app_module
 from dock_gateway.app import api_routers, create_app
 from dock_gateway.core.grant import Role
+from dock_gateway.extension import Extension, GatewayCore, extensions
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
 from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import OPERATIONS
 
-# Who may do what, in one page: a change of a role, a scope or the audit log is a change of this file.
+# Who may do what, in one page and one of each extension: a change of a role, a scope or the audit log changes it.
 AGREED = Path(__file__).with_name("operations.txt")
+OF_EXTENSIONS = Path(__file__).parents[2] / "extensions"
 
 
 async def change() -> None:
@@ -36,7 +38,19 @@ def test_every_operation_needs_what_is_agreed() -> None:
         for route in router.routes
     ]
     found += [described(f"/ws {name}", needed) for name, needed in OPERATIONS.items()]
-    assert sorted(found) == AGREED.read_text().splitlines()
+    pages = [AGREED, *OF_EXTENSIONS.glob("*/operations.txt")]
+    assert sorted(found) == sorted(line for page in pages for line in page.read_text().splitlines())
+
+
+@pytest.mark.parametrize("extension", extensions(), ids=lambda extension: extension.name)
+def test_the_operations_of_an_extension_are_in_its_folder(extension: Extension[GatewayCore]) -> None:
+    paths = [route.path for router in extension.routes(Settings()) for route in router.routes]  # type: ignore[attr-defined]
+    page = OF_EXTENSIONS / extension.name / "operations.txt"
+    assert (
+        sorted(paths) == sorted(line.split()[1] for line in page.read_text().splitlines())
+        if paths
+        else not page.exists()
+    )
 
 
 def test_every_command_is_declared() -> None:

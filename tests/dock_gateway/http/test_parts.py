@@ -1,7 +1,10 @@
 """Each part that a route or another part asks for by its type is one that the gateway has, or the hub."""
 
 import ast
+from collections.abc import Sequence
 from pathlib import Path
+
+import pytest
 
 import dock_gateway
 import dock_hub
@@ -10,14 +13,16 @@ from dock_gateway.observability.metrics import Metrics
 from dock_gateway.streams.present import Present
 
 BACKEND = Path(dock_gateway.__file__).parent
+EXTENSIONS = [path for path in sorted((BACKEND / "extensions").iterdir()) if (path / "extension.py").exists()]
 HUB = Path(dock_hub.__file__).parent
 
 
-def asked_for(root: Path) -> set[str]:
+def asked_for(root: Path, without: Sequence[Path] = ()) -> set[str]:
     """The types in `Part[Labels]`, `parts[Labels]` and `self._parts[Labels]`."""
     return {
         node.slice.id
         for path in sorted(root.rglob("*.py"))
+        if not any(path.is_relative_to(folder) for folder in without)
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Name) and node.slice.id[0].isupper()
         if ast.unparse(node.value).split(".")[-1].lstrip("_") in {"Part", "parts"}
@@ -36,11 +41,21 @@ def made(assembly: Path) -> set[str]:
 
 
 def test_the_gateway_has_each_part_that_is_asked_for() -> None:
-    wanted = asked_for(BACKEND)
+    wanted = asked_for(BACKEND, without=EXTENSIONS)
     assert {"Goals", "Stopper", "RobotRegistry"} <= wanted, f"nothing was found that reads as {Part.__name__}[...]"
-    # Added last: one measures the others, one reads them, one is an option, and those of extensions.
-    extensions = {"AgentServer", "AutomaticDocking", "Cameras", "Maps", "Notifier", "Recordings"}
-    assert wanted - made(BACKEND / "assembly.py") == {Metrics.__name__, Present.__name__, "HubLink", *extensions}
+    # Added last: one measures the others, one reads them, one is an option.
+    assert wanted - made(BACKEND / "assembly.py") == {Metrics.__name__, Present.__name__, "HubLink"}
+
+
+@pytest.mark.parametrize("folder", EXTENSIONS, ids=lambda folder: folder.name)
+def test_an_extension_asks_for_what_the_gateway_has_or_for_its_own_part(folder: Path) -> None:
+    own = {
+        node.name
+        for path in folder.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ClassDef)
+    }
+    assert asked_for(folder) - made(BACKEND / "assembly.py") <= {*own, Present.__name__}
 
 
 def test_the_hub_has_each_part_that_its_own_modules_ask_for() -> None:
