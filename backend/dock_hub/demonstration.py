@@ -194,7 +194,7 @@ def run_sites(  # noqa: PLR0917 - called by its entry point
 
 
 def all_connected(count: int, document: Any) -> bool:
-    """Return whether the hub hears all sites, by its answer; a hub that asks for a login only says that it is there."""
+    """Return whether all sites are connected, by the answer of the hub; if that asks for a login, it runs at least."""
     if document.get("code") == "not_authenticated":
         return True
     connected = [site for site in document["sites"] if site["state"] == "connected"]

@@ -1,7 +1,7 @@
 """Which sites there are, and which process of each is welcome. Pure: hellos in, answers out; the caller has the clocks.
 
 A site's name belongs to the installation that came first, until an admin forgets the site. One process of it is welcome
-at a time: another one is, as soon as the first has left or was not heard of for `SILENT_AFTER` seconds.
+at a time: another one is, as soon as the first has left or was silent for `SILENT_AFTER` seconds.
 """
 
 from collections import Counter, deque
@@ -35,7 +35,7 @@ class Site:
         instance: The process that is welcome, or was last.
         version: Its release.
         machine: The name of its machine.
-        heard_at: When that process was heard of last, on the hub's monotonic clock; None: it has left, or never came.
+        heard_at: Time of that process's last hello, on the hub's monotonic clock; None: it has left or never came.
         clock_offset: Seconds that its clock is ahead of the hub's, as the fastest of the last hellos shows it.
         offsets: The same, as each of the last hellos shows it: less by what the hello took.
         refused: How many hellos were refused, by code.

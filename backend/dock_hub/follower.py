@@ -283,7 +283,7 @@ class Follower:
         return found
 
     async def _find_unfinished(self, found: set[str]) -> None:
-        """Ask for the goals that run as far as the hub knows, and that the site has not named."""
+        """Ask for the goals that the hub has as running and that the site has not named."""
         running = GoalFilter(statuses=RUNNING, namespace=f"/{self._site}")
         for known in await self._history.page(running, limit=MAX_GOALS):
             if known.goal_id in found:

@@ -72,7 +72,7 @@ class Overview:
 
     Attributes:
         default_namespace: Every robot: a hub is set up for none.
-        own_robot: Likewise.
+        own_robot: False: a hub has no robot of its own.
         on_change: Called when an alert begins or ends.
     """
 
@@ -248,8 +248,8 @@ class Overview:
         ids = {alert["id"] for view in views for alert in view.alerts} | self._own.keys()
         if ids != self._ids:
             self._ids = ids
-            for heard in self.on_change:
-                heard()
+            for callback in self.on_change:
+                callback()
         if not self._fanout.watched(TOPIC):
             self._published.clear()
             for view in views:

@@ -106,10 +106,10 @@ async def acknowledge_alert(alert_id: str, request: Request, parts: Parts, by: s
         media_type = "application/problem+json"
         return Response(answer.body, answer.status, media_type=media_type)
     try:
-        (told,) = read_alerts(site, [answer.json()])
+        (changed,) = read_alerts(site, [answer.json()])
     except ForeignDocumentError as error:
         raise SiteFailed(f"the site {site} has answered with something that is no alert: {error}", site=site) from None
-    return json_response(alert | {"acknowledged": told["acknowledged"]})
+    return json_response(alert | {"acknowledged": changed["acknowledged"]})
 
 
 @router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)

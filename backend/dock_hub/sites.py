@@ -62,7 +62,7 @@ class Sites:
         caller: Sends requests to sites.
         signer: Signs who makes them.
         history: Stores which sites there are, and their goals.
-        store: Takes what they tell.
+        store: Takes what they report.
 
     Attributes:
         on_connect: Called with the name of a site that is welcome from now on.
@@ -164,7 +164,7 @@ class Sites:
             await self._follow(name)
 
     def _agree(self, name: str, hello: Hello, welcome: Welcome) -> Welcome:
-        """Agree on a key for the requests to a process of a site; return the welcome that tells it."""
+        """Agree on a key for the requests to a process of a site; return the welcome that contains it."""
         address = Address(name, hello.instance)
         if self._agreed.get(name) != (address, hello.public):
             try:
@@ -229,8 +229,8 @@ class Sites:
         client = self._client_of(name, instance)
         follower = Follower(client, self.view(name), self._store, self._history, self._store.mirror)
         self._followers[name] = instance, follower
-        for heard in self.on_connect:
-            heard(name)
+        for callback in self.on_connect:
+            callback(name)
 
     async def _leave(self, name: str) -> None:
         _, follower = self._followers.pop(name, (None, None))
@@ -257,7 +257,7 @@ class Sites:
     # ------------------------------------------------------------------ what is known
 
     def names(self, grant: Grant = UNLIMITED) -> list[str]:
-        """Return the names of all sites of which a grant covers any robot, sorted."""
+        """Return the names of all sites with a robot that a grant covers, sorted."""
         return sorted(name for name in self._directory.sites if site_grant(grant, name) is not None)
 
     def find(self, name: str, grant: Grant = UNLIMITED) -> Site:
@@ -297,7 +297,7 @@ class Sites:
         return {state.value: states.count(state) for state in SiteState}
 
     def silent_for(self, name: str) -> float:
-        """Return the seconds since a site was heard of; since the hub's start, if it was not."""
+        """Return the seconds since the last hello of a site, or since the hub's start if there was none."""
         return time.monotonic() - self._quiet_since.get(name, time.monotonic())
 
     def refused(self) -> dict[str, int]:

@@ -14,7 +14,7 @@ HARMLESS = frozenset({"robot_not_found", "latch_not_published"})
 
 
 class SiteProblem(BaseModel):
-    """A problem of a site, as far as the hub reads it."""
+    """The part of a problem of a site that the hub reads."""
 
     code: str
     detail: str
@@ -40,7 +40,7 @@ class SiteLatch(BaseModel):
 
 
 class SiteReport(BaseModel):
-    """What a site says of a stop, as far as the hub reads it."""
+    """The part of a stop report that the hub reads. Names are not checked: none keeps a stop unconfirmed."""
 
     canceling: list[str]
     failed: list[SiteFailure]
@@ -84,7 +84,7 @@ class StopOutcome:
 
 @dataclass(frozen=True)
 class ReleaseOutcome:
-    """What became of a release at one site: `stopped_again` says that a stop was asked for meanwhile."""
+    """What became of a release at one site: `stopped_again`: a stop came while it waited."""
 
     released: bool
     code: str | None = None

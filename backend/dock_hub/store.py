@@ -1,4 +1,4 @@
-"""Stores what sites tell, and publishes what is new: each event is stored once and published once.
+"""Stores what sites report, and publishes what is new: each event is stored once and published once.
 
 One task writes for all sites: what arrives during a transaction is the next one. So the ids of events, which this hub's
 clock gives them, are published in their order.
@@ -72,11 +72,11 @@ class HubStore:
         self.mirror = mirror
         self._fanout = fanout
         self._waiting: asyncio.Queue[tuple[News, asyncio.Future[None]]] = asyncio.Queue()
-        self._tasks = Tasks("storing what sites tell")
+        self._tasks = Tasks("storing the news of sites")
         self._tasks.spawn(self._run())
 
     async def keep(self, news: News) -> None:
-        """Store the news of a site and publish its events, as far as they are new. Waits for a database that is away.
+        """Store the news of a site and publish its events that are new. Waits for a database that is away.
 
         Raises:
             ForeignDocumentError: A goal has the id of a goal of another site. All but that one is kept.
@@ -110,13 +110,13 @@ class HubStore:
             await self._keep_the_rest(news)
             _settle(done, ForeignDocumentError(str(error)))
         except Exception as error:
-            log.exception("while storing what %s tells", news.site)
+            log.exception("while storing the news of %s", news.site)
             _settle(done, error)
         else:
             _settle(done)
 
     async def _keep_the_rest(self, news: News) -> None:
-        """Keep what can be kept, goal by goal, and then the cursor: else the site would send the same for ever."""
+        """Keep what can be kept, goal by goal, and then the cursor: else the site would send it again and again."""
         for part in news.parts():
             with contextlib.suppress(RefusedError):
                 await self._keep([part])
@@ -129,7 +129,7 @@ class HubStore:
                     batch = await self._prepare(every)
                 new = await self.mirror.take(batch)
             except Unavailable as error:
-                log.warning("%s; what sites tell waits", error.detail)
+                log.warning("%s; the news of sites waits", error.detail)
                 await asyncio.sleep(RETRY_INTERVAL)
             else:
                 break
@@ -163,7 +163,7 @@ class HubStore:
 
 
 def arrived(goal: Goal, now: datetime) -> Goal:
-    """Return a copy of a goal of which no time is later than that of its arrival: the clock of a site may be wrong.
+    """Return a copy of a goal with no time later than its arrival: the clock of a site may be wrong.
 
     Else goals of a site with a later clock would be above all others in lists, and outlive them.
     """
