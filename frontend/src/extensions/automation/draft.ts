@@ -1,13 +1,13 @@
+import { LIMITS } from "../../api/limits.gen";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
 import { zoneName } from "../../ui/zone";
 import type { Rule, RuleBody, RuleMode } from "./requests";
 import { WEEKDAYS } from "./words";
 
-/** As the gateway allows. */
-export const MAX_NAME = 60;
-export const MIN_IDLE_S = 10;
-export const MAX_IDLE_S = 86_400;
-export const MAX_TIMES = 24;
+const LIMITS_OF_RULE = LIMITS["PUT /automation/rules/{rule_id}"];
+export const { maxLength: MAX_NAME } = LIMITS_OF_RULE.name;
+export const { minimum: MIN_IDLE_S, maximum: MAX_IDLE_S } = LIMITS_OF_RULE["battery.idle_s"];
+export const { maxItems: MAX_TIMES } = LIMITS_OF_RULE["schedule.times"];
 const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
 
 /** A rule as it is typed. */

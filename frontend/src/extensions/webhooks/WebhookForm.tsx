@@ -1,6 +1,7 @@
 import { SegmentedControl, Stack, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import { NameInput, ownName, setOwnName } from "../../access/who";
+import { LIMITS } from "../../api/limits.gen";
 import { RobotFields } from "../../fleet/RobotFields";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
 import { SEVERITY_OPTIONS } from "../../notifications/severities";
@@ -45,7 +46,7 @@ export function WebhookForm({ webhook, example, webhooks, onDone }: WebhookFormP
         <TextInput
           label="Name"
           placeholder="Control room"
-          maxLength={MAX_NAME}
+          maxLength={NAME.maxLength}
           value={draft.name}
           error={shown.name}
           onChange={(event) => change({ name: event.currentTarget.value })}
@@ -55,7 +56,7 @@ export function WebhookForm({ webhook, example, webhooks, onDone }: WebhookFormP
           label="Address"
           type="url"
           placeholder="https://hooks.example.com/robots"
-          maxLength={MAX_URL}
+          maxLength={URL_FIELD.maxLength}
           value={draft.url}
           error={shown.url}
           onChange={(event) => change({ url: event.currentTarget.value })}
@@ -74,8 +75,7 @@ export function WebhookForm({ webhook, example, webhooks, onDone }: WebhookFormP
   );
 }
 
-const MAX_NAME = 60;
-const MAX_URL = 2000;
+const { name: NAME, url: URL_FIELD } = LIMITS["PUT /webhooks/{webhook_id}"];
 
 /** A webhook as it is typed. */
 export interface Draft extends RobotChoice {

@@ -1,14 +1,13 @@
 import { Stack, TagsInput, TextInput } from "@mantine/core";
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { putLabel } from "../../api/client";
+import { LIMITS } from "../../api/limits.gen";
 import { useFleet, useNaming } from "../../fleet/context";
 import { namespaceWords } from "../../fleet/names";
 import { SaveBar } from "../../ui/Dialog";
 import { useCommand } from "../../ui/requests";
 
-/** As the gateway allows. */
-const MAX_NAME = 60;
-const MAX_GROUPS = 20;
+const { display_name: NAME, groups: GROUPS } = LIMITS["PUT /robots/label"];
 
 /** The display name and the groups of a robot, for everybody. */
 export default function LabelForm({ robot, onDone }: { robot: string; onDone: () => void }) {
@@ -32,7 +31,7 @@ export default function LabelForm({ robot, onDone }: { robot: string; onDone: ()
           label="Name"
           description={`Shown instead of ${robot} on every page, for everybody.`}
           placeholder={namespaceWords(robot)}
-          maxLength={MAX_NAME}
+          maxLength={NAME.maxLength}
           value={name}
           onChange={(event) => setName(event.currentTarget.value)}
         />
@@ -40,7 +39,7 @@ export default function LabelForm({ robot, onDone }: { robot: string; onDone: ()
           label="Groups"
           description="Enter adds one."
           data={naming.groups()}
-          maxTags={MAX_GROUPS}
+          maxTags={GROUPS.maxItems}
           value={groups}
           onChange={setGroups}
           acceptValueOnBlur
