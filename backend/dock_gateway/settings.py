@@ -95,20 +95,6 @@ class Settings(SiteSettings):
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")
-    rosbridge_port: int | None = Field(
-        None,
-        ge=1,
-        le=65535,
-        description="A further port, on which WebSockets of `/` are `/rosbridge`, such as 9090: "
-        "[rosbridge.md](extensions/rosbridge.md).",
-    )
-    foxglove_port: int | None = Field(
-        None,
-        ge=1,
-        le=65535,
-        description="A further port, on which WebSockets of `/` are `/foxglove`, such as 8765: "
-        "[foxglove.md](extensions/foxglove.md).",
-    )
     allowed_hosts: HostNames = Field(
         (),
         description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "
@@ -273,13 +259,6 @@ class Settings(SiteSettings):
         description="More topics of `std_msgs/Bool`, separated by commas, such as that of an emergency stop: `true` on "
         "one of them stops the robot.",
     )
-    map_topic: Topic = Field(
-        "map",
-        description="Topic of `nav_msgs/OccupancyGrid`, the robot's map; if its robot has none, the one of this name "
-        "that all robots share ([maps.md](extensions/maps.md)).",
-    )
-    scan_topic: Topic = Field("scan", description="Topic of `sensor_msgs/LaserScan`, shown on maps.")
-    path_topic: Topic = Field("plan", description="Topic of `nav_msgs/Path`, shown on maps.")
     diagnostics_topic: Topic = Field(
         "/diagnostics",
         description="Topic of `diagnostic_msgs/DiagnosticArray`, on which action servers report why a goal ended.",
@@ -594,8 +573,8 @@ class Settings(SiteSettings):
     @property
     def ports(self) -> dict[str, int]:
         """The ports to listen on, by the names of their settings."""
-        ports = {"port": self.port, "rosbridge_port": self.rosbridge_port, "foxglove_port": self.foxglove_port}
-        return {name: port for name, port in ports.items() if port is not None}
+        names = [name for name in type(self).model_fields if name == "port" or name.endswith("_port")]
+        return {name: port for name in names if (port := getattr(self, name)) is not None}
 
     @property
     def open_to(self) -> Literal["machine", "network"] | None:

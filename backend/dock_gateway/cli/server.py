@@ -61,10 +61,6 @@ class Uplink(Protocol):
 MakeUplink = Callable[[Settings, Parts, ASGIApp], Uplink | None]
 
 
-# The paths of WebSockets that have a port of their own, by its setting.
-OWN_PORTS = {"rosbridge_port": "/rosbridge", "foxglove_port": "/foxglove"}
-
-
 class Server(uvicorn.Server):
     """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
@@ -90,7 +86,9 @@ class Server(uvicorn.Server):
             return
         self._parts = parts
         app = RequestId(SecurityHeaders(app, tls=settings.tls))
-        self._own_ports = {settings.ports[name]: path for name, path in OWN_PORTS.items() if name in settings.ports}
+        # The WebSockets of an extension may have a port of their own: `rosbridge_port` is that of `/rosbridge`.
+        own = {name.removesuffix("_port"): port for name, port in settings.ports.items() if name != "port"}
+        self._own_ports = {port: f"/{name}" for name, port in own.items()}
         self._uplink = self._make_uplink(settings, parts, app)
         self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then

@@ -2,5 +2,6 @@
 
 from dock_gateway.extension import Core, Extension
 from dock_gateway.extensions.foxglove.routes import router
+from dock_gateway.extensions.foxglove.settings import FoxgloveSettings
 
-extension: Extension[Core] = Extension("foxglove", routes=lambda _: (router,))
+extension: Extension[Core] = Extension("foxglove", settings=FoxgloveSettings, routes=lambda _: (router,))

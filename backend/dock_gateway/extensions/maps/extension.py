@@ -8,6 +8,7 @@ from dock_gateway.extension import Extension, GatewayCore
 from dock_gateway.extensions.maps.routes import router
 from dock_gateway.extensions.maps.schema import MapEvent, MapsEvent, PathEvent, ScanEvent
 from dock_gateway.extensions.maps.service import Maps
+from dock_gateway.extensions.maps.settings import MapSettings
 
 
 @asynccontextmanager
@@ -20,6 +21,7 @@ async def open_maps(core: GatewayCore) -> AsyncIterator[Maps]:
 extension = Extension(
     "maps",
     open_maps,
+    settings=MapSettings,
     routes=lambda _: (router,),
     includes=("map", "maps", "scan", "path"),
     events=(MapEvent, MapsEvent, ScanEvent, PathEvent),

@@ -12,6 +12,7 @@ from dock_gateway.extensions.maps.feed import GRID_TYPE, MapFeed
 from dock_gateway.extensions.maps.frames import STATIC, Frames
 from dock_gateway.extensions.maps.pool import Pool
 from dock_gateway.extensions.maps.reader import MOST_BYTES, TopicReader, find_topic
+from dock_gateway.extensions.maps.settings import MapSettings
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
@@ -78,15 +79,16 @@ class Surroundings:
         self._spare: MapFeed | None = None
         self._graph = graph
         self._robot = robot
-        self._map_names = _names(settings, settings.map_topic, robot)
+        topics = settings.of(MapSettings)
+        self._map_names = _names(settings, topics.map_topic, robot)
         self._frame_names = _names(settings, "tf", robot)
         self._feeds = feeds
         self._pool = frames
         self._frames: Frames | None = None
         self._taken: dict[str, str] = {}  # by purpose, the topic that is in use
         self._odometry, self._odometry_reader = topic("odom", "nav_msgs/msg/Odometry")
-        self._scan, self.scan_reader = topic(settings.scan_topic, "sensor_msgs/msg/LaserScan", SCAN_BYTES)
-        self._path, self.path_reader = topic(settings.path_topic, "nav_msgs/msg/Path")
+        self._scan, self.scan_reader = topic(topics.scan_topic, "sensor_msgs/msg/LaserScan", SCAN_BYTES)
+        self._path, self.path_reader = topic(topics.path_topic, "nav_msgs/msg/Path")
         self._odom, self._base = ODOM, BASE
         self._frames_known = False
         self._path_until = 0.0

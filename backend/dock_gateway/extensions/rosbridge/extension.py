@@ -2,5 +2,6 @@
 
 from dock_gateway.extension import Core, Extension
 from dock_gateway.extensions.rosbridge.routes import router
+from dock_gateway.extensions.rosbridge.settings import RosbridgeSettings
 
-extension: Extension[Core] = Extension("rosbridge", routes=lambda _: (router,))
+extension: Extension[Core] = Extension("rosbridge", settings=RosbridgeSettings, routes=lambda _: (router,))

@@ -1,0 +1,17 @@
+"""The settings of Foxglove's door."""
+
+from pydantic import Field
+
+from dock_gateway.settings import ExtensionSettings
+
+
+class FoxgloveSettings(ExtensionSettings):
+    """A port of its own, as clients expect it."""
+
+    foxglove_port: int | None = Field(
+        None,
+        ge=1,
+        le=65535,
+        description="A further port, on which WebSockets of `/` are `/foxglove`, such as 8765: "
+        "[foxglove.md](extensions/foxglove.md).",
+    )

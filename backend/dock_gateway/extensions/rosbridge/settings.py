@@ -1,0 +1,17 @@
+"""The settings of rosbridge's door."""
+
+from pydantic import Field
+
+from dock_gateway.settings import ExtensionSettings
+
+
+class RosbridgeSettings(ExtensionSettings):
+    """A port of its own, as clients expect it."""
+
+    rosbridge_port: int | None = Field(
+        None,
+        ge=1,
+        le=65535,
+        description="A further port, on which WebSockets of `/` are `/rosbridge`, such as 9090: "
+        "[rosbridge.md](extensions/rosbridge.md).",
+    )
