@@ -10,24 +10,16 @@ import re
 from collections import defaultdict
 from contextlib import ExitStack
 from pathlib import Path
-from unittest.mock import AsyncMock
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from dock_gateway.core.access import FORWARDER, Principal
-from dock_gateway.core.errors import NotFound, TooManyRequests
+from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Role
 from dock_gateway.core.request import PERMIT, hold, turn
-from dock_gateway.core.work import Work
 from dock_gateway.extension import extensions
-from dock_gateway.extensions.foxglove.channels import Channel
-from dock_gateway.extensions.foxglove.subscriptions import FoxgloveSubscriptions
-from dock_gateway.extensions.rosbridge.protocol import Subscribe
-from dock_gateway.extensions.rosbridge.subscriptions import RosbridgeSubscriptions
-from dock_gateway.graph.relays import Relays
-from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import TURNS, Quotas, limits
 from dock_gateway.settings import Settings
 from tests.support.bounds import OF_HUB, ROOT, bounds
@@ -275,20 +267,3 @@ def test_what_the_gateway_does_by_itself_needs_no_place() -> None:
             assert sum(1 for _ in range(75) if stack.enter_context(hold("topics")) is None) == 75
             with pytest.raises(TooManyRequests):
                 stack.enter_context(hold("topics"))
-
-
-async def test_a_subscription_that_fails_keeps_no_place() -> None:
-    """Such as one of a type that is not installed, again and again."""
-    relays = AsyncMock(Relays)
-    relays.join.side_effect = NotFound("its package is not installed", code="interface_not_found")
-    parts = Parts({Relays: relays, Work: AsyncMock(Work)})
-    rosbridge, foxglove = RosbridgeSubscriptions(parts, VIEWER, None), FoxgloveSubscriptions(parts, VIEWER, None)
-    quotas = Quotas(Settings(), FURTHER)
-    with acting(quotas, VIEWER):
-        for number in range(100):
-            topic = f"/topic{number}"
-            with pytest.raises(NotFound):
-                await rosbridge.subscribe(topic, "bad_package/msg/Bad", number, Subscribe(topic=topic))
-            with pytest.raises(NotFound):
-                await foxglove.subscribe(number, Channel(number, topic, "bad_package/msg/Bad", ""))
-    assert not quotas._places

@@ -7,7 +7,6 @@ import orjson
 from dock_gateway.core.event import Event, fleet_event, message_event, overview_event, surroundings_event, utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.narrowing import by_robot, narrow, narrow_alerts, narrow_robots
-from dock_gateway.extensions.automation.decisions import narrow_decision
 
 
 def robots(*patterns: str) -> Grant:
@@ -59,15 +58,12 @@ def test_events_about_robots_leave_out_the_goals_of_other_actions() -> None:
 def test_events_about_other_robots_alone_are_left_out() -> None:
     grant = robots("/robot1")
     assert narrow(robots_event([{"name": "/robot2"}], ["/robot3"]), grant) is None
-    assert narrow(fleet_event("automation", NOW, narrow_decision, automation={"robot": "/robot2"}), grant) is None
 
 
 def test_other_events_are_the_same_for_all_readers() -> None:
     grant = robots("/robot1")
     battery = message_event("battery", b"{}", 1, robot="/robot1")
     assert narrow(battery, grant) is battery
-    decision = fleet_event("automation", NOW, narrow_decision, automation={"robot": "/robot1"})
-    assert shown(decision, grant) == orjson.loads(decision.data)
 
 
 def test_what_comes_with_a_robot_is_limited_to_topics() -> None:
