@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from dock_gateway.cli.options import FIELDS, option_name
+from dock_gateway.cli.options import FIELDS, ONLY_A_VARIABLE, option_name
 
 PAGE = Path(__file__).parents[1] / "docs/configuration.md"
 ROW = "| `DOCK_GATEWAY_"
@@ -11,9 +11,13 @@ ROW = "| `DOCK_GATEWAY_"
 def rows() -> list[str]:
     """Return the rows of the table: variable, option, default, description."""
     return [
-        f"{ROW}{name.upper()}` | `{option_name(name)}` | {_default(field.default)} | {field.description} |"
+        f"{ROW}{name.upper()}` | {_option(name)} | {_default(field.default)} | {field.description} |"
         for name, field in FIELDS
     ]
+
+
+def _option(name: str) -> str:
+    return "\N{EN DASH}" if name == ONLY_A_VARIABLE else f"`{option_name(name)}`"
 
 
 def _default(default: object) -> str:

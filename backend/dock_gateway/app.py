@@ -6,6 +6,7 @@ from functools import partial
 
 from fastapi import APIRouter, FastAPI
 
+from dock_gateway import extension_routes
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.assembly import open_gateway
@@ -105,6 +106,7 @@ def api_routers(settings: Settings | None = None, installed: Installed | None = 
         audit_routes.router,
         health_routes.router,
         metrics_routes.router,
+        extension_routes.router,
         socket.router,
         topics.router,
     ]

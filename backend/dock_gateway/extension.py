@@ -10,6 +10,7 @@ from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import dataclass, field
 from functools import cache, partial
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from fastapi import APIRouter
@@ -19,7 +20,7 @@ from pydantic import BaseModel
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.extension_list import OURS, PACKAGE
+from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further_names
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
@@ -98,6 +99,8 @@ class Extension(Generic[Core_contra]):
         alerts: The kinds of alerts that it adds.
         limits: Returns what users share of it, by name.
         metrics: Returns the metrics of its part.
+        card: A file with an ES module that defines the custom element `NAME-card`, which a robot's page shows. For an
+            extension of another distribution: ours are built into the dashboard.
     """
 
     name: str
@@ -109,6 +112,7 @@ class Extension(Generic[Core_contra]):
     alerts: Sequence[AlertKind] = ()
     limits: Callable[[Settings], Mapping[str, Limit]] = field(default=lambda _: {})
     metrics: Callable[[Any], Iterable[Metric]] = field(default=lambda _: ())
+    card: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -121,19 +125,23 @@ class Opened:
 
 @cache
 def extensions() -> tuple[Extension[GatewayCore], ...]:
-    """Return the extensions of a gateway."""
-    return tuple(map(find_extension, OURS))
+    """Return the extensions of a gateway: ours, and those that `DOCK_GATEWAY_EXTENSIONS` names."""
+    return tuple(map(find_extension, (*OURS, *further_names())))
 
 
 def find_extension(name: str) -> Extension[Any]:
-    """Return an extension of ours.
+    """Return an extension of ours, or of another distribution.
 
     Raises:
-        TypeError: Its module has none of this name.
+        TypeError: There is none of this name.
     """
-    extension = import_module(f"{PACKAGE}.{name}.extension").extension
+    if name in OURS:
+        extension = import_module(f"{PACKAGE}.{name}.extension").extension
+    else:
+        found = find_entry_point(name)
+        extension = None if found is None else found.load()
     if not isinstance(extension, Extension) or extension.name != name:
-        raise TypeError(f"{PACKAGE}.{name}.extension has no extension of this name")
+        raise TypeError(f"there is no extension {name}")
     return extension
 
 

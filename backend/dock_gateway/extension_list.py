@@ -1,13 +1,17 @@
 """The one list of extensions: nothing else names them.
 
-A command that only reads settings imports no more than those: an extension takes its time to import.
+A command that only reads settings imports no more than those: an extension takes its time to import. Besides ours there
+are those of other distributions, which `DOCK_GATEWAY_EXTENSIONS` names and an entry point of theirs leads to.
 """
 
+import os
+from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 
-from dock_gateway.settings import ExtensionSettings, Settings
+from dock_gateway.settings import PREFIX, ExtensionSettings, Settings
 
 OURS = (
     "recordings",
@@ -21,15 +25,47 @@ OURS = (
     "agents",
 )
 PACKAGE = "dock_gateway.extensions"
+# The group of the entry points of other distributions.
+GROUP = "dock_gateway.extensions"
+
+
+def further_names() -> tuple[str, ...]:
+    """Return the names of the extensions of other distributions that are wanted."""
+    names = (name.strip() for name in os.environ.get(f"{PREFIX}EXTENSIONS", "").split(","))
+    return tuple(dict.fromkeys(name for name in names if name))
+
+
+def find_entry_point(name: str) -> EntryPoint | None:
+    """Return the entry point of an extension of another distribution; None if no distribution has it."""
+    return next(iter(entry_points(group=GROUP, name=name)), None)
+
+
+def missing_extension() -> str | None:
+    """Return a sentence about an extension that is wanted and cannot be loaded; None if there is none."""
+    for name in further_names():
+        if name in OURS:
+            return f"extensions: {name} is one of the gateway's own, which are always there"
+        if find_entry_point(name) is None:
+            return f"extensions: no installed distribution has an extension {name} (entry points of {GROUP})"
+    return None
 
 
 @cache
 def settings_type() -> type[Settings]:
     """Return the settings of a gateway with those of its extensions."""
+    return type("GatewaySettings", (*_ours(), *_further(), Settings), {"__doc__": Settings.__doc__})
+
+
+def _ours() -> Iterator[type[ExtensionSettings]]:
     names = [f"{PACKAGE}.{name}.settings" for name in OURS]
     modules = [import_module(name) for name in names if find_spec(name) is not None]
-    further = [kind for module in modules for kind in vars(module).values() if _is_settings(kind)]
-    return type("GatewaySettings", (*further, Settings), {"__doc__": Settings.__doc__})
+    return (kind for module in modules for kind in vars(module).values() if _is_settings(kind))
+
+
+def _further() -> Iterator[type[ExtensionSettings]]:
+    for name in further_names():
+        if (found := find_entry_point(name)) is not None and (settings := found.load().settings) is not None:
+            yield settings
 
 
 def _is_settings(kind: object) -> bool:

@@ -212,6 +212,9 @@ Texts = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_split)]
 LowerTexts = Annotated[Texts, AfterValidator(_each(str.lower))]
 Origins = Annotated[Texts, AfterValidator(_each(_origin))]
 HostNames = Annotated[Texts, AfterValidator(_each(_host_name))]
+ExtensionNames = Annotated[
+    Texts, AfterValidator(_each(_matching(re.compile("[a-z][a-z0-9_]{0,59}"), "the name of an extension")))
+]
 Networks = Annotated[LowerTexts, AfterValidator(_check_proxies)]
 Topics = Annotated[Texts, AfterValidator(_each(_matching(TOPIC, _TOPIC)))]
 Robots = Annotated[

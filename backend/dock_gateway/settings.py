@@ -17,6 +17,7 @@ from dock_gateway.setting_types import (
     ActionType,
     Algorithms,
     Days,
+    ExtensionNames,
     HostNames,
     Issuer,
     Megabytes,
@@ -104,6 +105,11 @@ class Settings(SiteSettings):
         (),
         description="Origins of web pages that may use the gateway besides its own dashboard, "
         "separated by commas (`https://ops.example.com`); `*` for any.",
+    )
+    extensions: ExtensionNames = Field(
+        (),
+        description="Extensions of other distributions that are loaded, separated by commas; only as a variable: "
+        "[write-an-extension.md](write-an-extension.md).",
     )
     log_level: str = Field(
         "info",

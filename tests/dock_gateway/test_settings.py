@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from scripts import settings_table
 
 from dock_gateway.cli import main
-from dock_gateway.cli.options import TYPE, option_name, read_settings
+from dock_gateway.cli.options import ONLY_A_VARIABLE, TYPE, option_name, read_settings
 from dock_gateway.settings import Settings, unknown_variables
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
@@ -193,7 +193,7 @@ def test_names_are_resolved_as_ros_does() -> None:
 
 def test_help_names_every_setting() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
-    assert all(option_name(name) in text for name in TYPE.model_fields)
+    assert [name for name in TYPE.model_fields if option_name(name) not in text] == [ONLY_A_VARIABLE]
 
 
 def test_what_is_kept_of_one_robot_is_kept_apart_from_another(monkeypatch: pytest.MonkeyPatch) -> None:

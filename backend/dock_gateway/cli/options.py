@@ -12,6 +12,8 @@ from dock_gateway.settings import Settings
 from dock_gateway.site_settings import SiteSettings
 
 TYPE = settings_type()
+# It says which options there are.
+ONLY_A_VARIABLE = "extensions"
 S = TypeVar("S", bound=Settings)
 
 
@@ -45,7 +47,7 @@ def settings_options(command: Command, leave_out: Collection[str] = (), settings
         settings: The settings; by default, those of a gateway.
     """
     for name, field in reversed(fields_of(settings)):
-        if name in leave_out:
+        if name in leave_out or name == ONLY_A_VARIABLE:
             continue
         variable = f"DOCK_GATEWAY_{name.upper()}"
         default = ",".join(field.default) if isinstance(field.default, tuple) else field.default

@@ -10,6 +10,7 @@ import click
 from dock_gateway.doctor.check import Level
 from dock_gateway.doctor.environment import check_docking, find_exposure_fault, find_twin_fault
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
+from dock_gateway.extension_list import missing_extension
 from dock_gateway.settings import Settings
 from robot_io.startup import find_docking_fault, find_load_fault, find_start_fault
 
@@ -25,6 +26,8 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
     Raises:
         click.ClickException: The message says why, and what to do.
     """
+    if (fault := missing_extension()) is not None:
+        raise click.UsageError(fault)
     check_exposure(settings)
     check_hub(settings)
     _refuse(find_twin_fault())

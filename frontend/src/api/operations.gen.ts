@@ -32,6 +32,8 @@ export const OPERATIONS = {
   "GET /dock/{goal_id}": { role: "viewer", everyRobot: false },
   "GET /dock/{goal_id}/events": { role: "viewer", everyRobot: false },
   "GET /docks": { role: "viewer", everyRobot: false },
+  "GET /extensions": { role: "viewer", everyRobot: false },
+  "GET /extensions/{name}/card.js": { role: "viewer", everyRobot: false },
   "GET /gateways": { role: "viewer", everyRobot: true },
   "GET /goals": { role: "viewer", everyRobot: false },
   "GET /goals/export": { role: "viewer", everyRobot: false },

@@ -7,10 +7,10 @@ from collections import deque
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.maps.grid import MAX_CELLS, Grid, read_grid
 from dock_gateway.extensions.maps.image import encode
-from dock_gateway.extensions.maps.reader import TopicReader
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.graph.topic_reader import TopicReader
 
 log = logging.getLogger(__name__)
 

@@ -6,10 +6,10 @@ from typing import Any
 
 from dock_gateway.core.frames import frame_name, transform_of
 from dock_gateway.core.graph import TRANSFORMS
-from dock_gateway.extensions.maps.reader import TopicReader
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
+from dock_gateway.graph.topic_reader import TopicReader
 from robot_io.transform import Transform
 from robot_io.transform_tree import TransformError, TransformTree
 

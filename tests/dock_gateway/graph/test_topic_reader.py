@@ -9,7 +9,7 @@ import pytest
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.graph import Topic
 from dock_gateway.extensions.maps.pool import Pool
-from dock_gateway.extensions.maps.reader import TopicReader, find_topic
+from dock_gateway.graph.topic_reader import TopicReader, find_topic
 
 GRID, TEXT = "nav_msgs/msg/OccupancyGrid", "std_msgs/msg/String"
 

@@ -1,0 +1,32 @@
+"""What the odometer adds to the gateway."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway_odometer.odometers import SERVICE_DUE, Odometers
+from dock_gateway_odometer.routes import router
+from dock_gateway_odometer.settings import OdometerSettings
+
+
+@asynccontextmanager
+async def open_odometers(core: GatewayCore) -> AsyncIterator[Odometers]:
+    """Count until the gateway closes."""
+    odometers = Odometers(core)
+    await odometers.open()
+    core.alerts.sources.append(odometers.alerts)
+    try:
+        yield odometers
+    finally:
+        await odometers.close()
+
+
+extension = Extension(
+    "odometer",
+    open_odometers,
+    settings=OdometerSettings,
+    routes=lambda _: (router,),
+    alerts=(SERVICE_DUE,),
+    card=Path(__file__).with_name("card.js"),
+)
