@@ -9,10 +9,10 @@ import ts from "typescript";
 const LAYERS = [
   // Transport: time, requests, events, and the state that they add up to.
   ...["clock", "api", "stream", "store"],
-  // Components that know no robot, and what extensions can add.
-  ...["ui", "extension"],
-  // What features share: all robots, who uses the page, one goal in words.
-  ...["fleet", "access", "goal", "stop", "alerts"],
+  // Components that know no robot.
+  "ui",
+  // What features share: all robots, what extensions can add, who uses the page, one goal in words.
+  ...["fleet", "extension", "access", "goal", "stop", "alerts"],
   // Features.
   ...["battery", "docking", "scene", "actions", "goals", "operations"],
   ...["notifications", "graph"],

@@ -18,6 +18,7 @@ const apiPaths = [
   "/actions",
   "/interfaces",
   "/graph",
+  "/extensions",
   "/simulator",
   "/session",
   "/tokens",

@@ -5,6 +5,7 @@ import { createGoalsApi } from "../../api/goals";
 import { BatteryCard, BatteryPlotsCard } from "../../battery/BatteryCard";
 import { DockingCard } from "../../docking/DockingCard";
 import { Parts } from "../../extension/context";
+import { ForeignCards } from "../../extension/ForeignCards";
 import { useFleet, useFleetPart } from "../../fleet/context";
 import { DEVELOPER, defaultRobot, OPERATE } from "../../fleet/names";
 import { GoalsCard } from "../../goals/GoalsTable";
@@ -44,6 +45,7 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
           <BatteryCard />
           <BatteryPlotsCard />
           <Parts at="robotPanels" robot={name} />
+          <ForeignCards robot={name} />
           <GoalsCard />
         </Stack>
       </Tabs.Panel>

@@ -1,0 +1,97 @@
+import { Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useLayoutEffect, useRef, useState } from "react";
+import { listExtensions } from "../api/extensions";
+import { apiPath } from "../api/site";
+import { useFleet, useFleetLive } from "../fleet/context";
+import { Section } from "../ui/Section";
+import { sentence } from "../ui/text";
+
+/*
+ * What the card of an extension of another distribution may rely on. Its ES module is imported once for a page load, and
+ * by the end of that has defined the custom element `NAME-card`, with `-` for each `_`. The page gives the frame and the
+ * title.
+ * - The attribute `robot` is the robot's namespace: `/robot1`; `/` for the root namespace. It is set before the element is
+ *   connected. It may change later: observe it. The element is removed when the page of the robot is left.
+ * - The element is in the light DOM and inherits the page's font and colours. Mantine's CSS variables follow the colour
+ *   scheme: `--mantine-color-text`, `--mantine-color-dimmed`, `--mantine-color-error`, `--mantine-spacing-md`.
+ * - `fetch(new URL("../../robots", import.meta.url))` asks the gateway that the module is from, with the cookie of the
+ *   login. The page's policy allows no other origin, no inline scripts and no `eval`.
+ */
+
+/** For what stays the same until the page is loaded again, whether there was an answer or not. */
+const ONCE = { staleTime: Number.POSITIVE_INFINITY, gcTime: Number.POSITIVE_INFINITY, retryOnMount: false };
+
+interface ForeignCardsProps {
+  /** The robot's namespace. */
+  robot: string;
+  /** Imports a module: other than the browser does in tests. */
+  load?: (path: string) => Promise<unknown>;
+}
+
+/** The cards of extensions that are not built into the dashboard; nothing where the gateway has none. */
+export function ForeignCards({ robot, load = importModule }: ForeignCardsProps) {
+  const { http } = useFleet();
+  const live = useFleetLive();
+  const { data } = useQuery({
+    queryKey: ["extensions"],
+    queryFn: () => listExtensions(http),
+    enabled: live,
+    ...ONCE,
+  });
+  return (data?.extensions ?? []).map(
+    ({ name, card }) => card !== null && <ForeignCard key={name} {...{ name, card, robot, load }} />,
+  );
+}
+
+interface ForeignCardProps extends Required<ForeignCardsProps> {
+  name: string;
+  card: string;
+}
+
+/** One card; nothing until its module is there. */
+function ForeignCard({ name, card, robot, load }: ForeignCardProps) {
+  const tag = `${name.replaceAll("_", "-")}-card`;
+  const path = apiPath(card);
+  const { data: defined } = useQuery({
+    queryKey: ["card", path],
+    queryFn: () =>
+      load(path).then(
+        () => customElements.get(tag) !== undefined,
+        () => false,
+      ),
+    ...ONCE,
+  });
+  if (defined === undefined) return null;
+  return (
+    <Section title={sentence(name.replaceAll("_", " "))}>
+      {defined ? <Element name={name} tag={tag} robot={robot} /> : <NotLoaded name={name} />}
+    </Section>
+  );
+}
+
+function NotLoaded({ name }: { name: string }) {
+  return (
+    <Text size="sm" role="status">
+      The card of the extension {name} could not be loaded.
+    </Text>
+  );
+}
+
+/** A custom element. React would set a property of that name instead of the attribute, and only after it is connected. */
+function Element({ name, tag, robot }: { name: string; tag: string; robot: string }) {
+  const frame = useRef<HTMLDivElement>(null);
+  // What the element itself throws is reported on the console: the page goes on.
+  const [element] = useState(() => document.createElement(tag));
+  useLayoutEffect(() => {
+    element.setAttribute("robot", robot);
+    if (element.parentNode !== frame.current) frame.current?.append(element);
+  }, [element, robot]);
+  // Its constructor has failed.
+  if (element instanceof HTMLUnknownElement) return <NotLoaded name={name} />;
+  return <div ref={frame} />;
+}
+
+function importModule(path: string): Promise<unknown> {
+  return import(/* @vite-ignore */ path);
+}
