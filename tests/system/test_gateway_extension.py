@@ -1,7 +1,5 @@
 """An extension of another distribution, examples/extension, installed from its wheel: all that it adds works."""
 
-import shutil
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,6 +7,7 @@ import httpx2
 import pytest
 from nav_msgs.msg import Odometry
 
+from tests.support.distribution import install_example
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
@@ -16,19 +15,11 @@ from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
-ROOT = Path(__file__).parents[2]
-UV = shutil.which("uv") or str(ROOT / ".tools/uv/bin/uv")
-
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where the wheel is installed."""
-    folder = tmp_path_factory.mktemp("extension")
-    build = (UV, "build", "--wheel", "--build-constraints", "build-requirements.lock", "--out-dir", str(folder))
-    subprocess.run([*build, "examples/extension"], cwd=ROOT, check=True, capture_output=True)
-    (wheel,) = folder.glob("*.whl")
-    subprocess.run([UV, "pip", "install", "--target", str(folder / "site"), "--no-deps", str(wheel)], check=True)
-    return folder / "site"
+    return install_example(tmp_path_factory.mktemp("extension"))
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ class OdometerCard extends HTMLElement {
     const answer = await fetch(url).catch(() => null);
     if (robot !== this.getAttribute("robot")) return; // it shows another robot by now
     const metres = answer?.ok ? (await answer.json()).metres : null;
-    this.textContent = metres === null ? "Odometer: not available" : `Odometer: ${(metres / 1000).toFixed(3)} km`;
+    this.textContent = metres === null ? "Not available" : `${(metres / 1000).toFixed(3)} km`;
   }
 }
 

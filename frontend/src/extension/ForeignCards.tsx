@@ -2,7 +2,7 @@ import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useLayoutEffect, useRef, useState } from "react";
 import { listExtensions } from "../api/extensions";
-import { apiPath } from "../api/site";
+import { apiPath, pageSite } from "../api/site";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { Section } from "../ui/Section";
 import { sentence } from "../ui/text";
@@ -36,7 +36,8 @@ export function ForeignCards({ robot, load = importModule }: ForeignCardsProps) 
   const { data } = useQuery({
     queryKey: ["extensions"],
     queryFn: () => listExtensions(http),
-    enabled: live,
+    // A page about a site of many runs no scripts of the site, which somebody else may be in charge of.
+    enabled: live && pageSite() === null,
     ...ONCE,
   });
   return (data?.extensions ?? []).map(
