@@ -8,6 +8,7 @@ from typing import NamedTuple
 import httpx2
 import pytest
 from mcp_types import ElicitRequestFormParams, ElicitResult
+
 from tests.support.access import Site, bearer
 from tests.support.agents import agent, answer, refusal
 from tests.support.gateway import RunningGateway, running_gateway, running_program
