@@ -47,7 +47,7 @@ async def read(subscriber: Subscriber, into: list[dict[str, Any]]) -> None:
 
 
 async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(settings: Settings) -> None:
-    async with open_gateway(settings, LIMITS) as parts:
+    async with open_gateway(settings, limits=LIMITS) as parts:
         bridge = parts[Bridge]
         action = await parts[ActionRegistry].find("/fibonacci")
         events: list[dict[str, Any]] = []
