@@ -266,7 +266,6 @@ async def _open(  # noqa: PLR0917 - one after another
                     interlock,
                     last_goals,
                     forget_after=settings.forget_robot_after,
-                    leave=robots.leave,
                 )
             ),
         )

@@ -31,7 +31,7 @@ async def authorize(connection: HTTPConnection) -> None:
     """Identify the user of a request, and refuse what the user's grant does not allow. A dependency of every route.
 
     A body is read here, so that no route can act on one that was held back until the login had ended: a request is
-    authorized before it, as nobody reads the bodies of strangers, and again once it is there. A stop does not wait for
+    authorized before it, as no body of a stranger is read, and again once it is there. A stop does not wait for
     its body: it is authorized by its head alone.
 
     Raises:

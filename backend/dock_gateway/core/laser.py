@@ -68,7 +68,7 @@ def path_points(message: Any, lies: Transform) -> Line:
 
 
 def spread(count: int, most: int) -> npt.NDArray[np.intp]:
-    """Return at most so many evenly distributed indices of a sequence, in order, with the first and the last one."""
+    """Return at most `most` indices of a sequence, evenly distributed, in order, with the first and the last one."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 

@@ -1,7 +1,6 @@
 """Tracks which robots have left the ROS graph, and removes those that have been away for long."""
 
 import logging
-from collections.abc import Awaitable, Callable
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.goals.registry import ActionRegistry
@@ -31,8 +30,6 @@ class Departures:
         interlock: The latched stops.
         last_goals: How the robots' goals ended.
         forget_after: Seconds of absence before a robot is removed; 0 means never.
-        leave: Called with each robot before it is removed, to leave its topics: afterwards this gateway is not known as
-            one there, and its subscriptions would count as the robot's.
     """
 
     def __init__(
@@ -44,9 +41,7 @@ class Departures:
         last_goals: LastGoals,
         *,
         forget_after: float,
-        leave: Callable[[str], Awaitable[None]],
     ) -> None:
-        self._leave = leave
         self._robots = robots
         self._actions = actions
         self._robot_actions = robot_actions
@@ -79,7 +74,7 @@ class Departures:
                     log.info("robot %s left the ROS graph", robot.namespace)
                     self._seen.pop(robot.namespace, None)
                     self._bases.discard(robot.namespace)
-                    await self._leave(robot.namespace)
+                    await self._robots.leave(robot.namespace)
                     self._robots.forget(robot.namespace)
                     self._robot_actions.forget(robot.namespace)
             except GatewayError:  # the others would fail too

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 else:
 
     class Part:
-        """`Part[Labels]` is `Labels` to whoever reads it, and tells FastAPI to look that part up."""
+        """`Part[Labels]` is `Labels` to readers, and tells FastAPI to look that part up."""
 
         def __class_getitem__(cls, kind: type) -> Any:
             return Annotated[kind, Depends(_finder(kind))]

@@ -94,7 +94,10 @@ class RobotRegistry:
             follow(found)
 
     async def leave(self, namespace: str) -> None:
-        """Let all leave the topics of a robot that is about to be removed."""
+        """Let all leave the topics of a robot that is about to be removed.
+
+        Afterwards this gateway is not known as a node there, and its subscriptions would count as the robot's.
+        """
         for leave in self.before_removal:
             await leave(namespace)
 

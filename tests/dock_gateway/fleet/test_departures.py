@@ -24,6 +24,7 @@ class Parts:
         self.goals = ["/robot1/dock"]
         self.robots = {name: self.robot(name) for name in ("/", "/robot1")}
         self.there: set[str] = set()
+        self.leave = AsyncMock()
         self.looks = 0
         self.held = False
         self.running_on: list[str] = []
@@ -69,7 +70,7 @@ def parts() -> Parts:
 
 
 def departures_of(parts: Any, forget_after: float = AFTER) -> Departures:
-    return Departures(parts, parts, parts.picks, parts, parts, forget_after=forget_after, leave=AsyncMock())
+    return Departures(parts, parts, parts.picks, parts, parts, forget_after=forget_after)
 
 
 async def test_a_robot_that_is_away_for_long_is_forgotten_and_the_configured_one_never(parts: Parts) -> None:

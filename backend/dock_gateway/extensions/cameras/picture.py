@@ -15,7 +15,7 @@ from dock_gateway.graph.received import Received
 
 # The largest message that is read, in bytes, and the most pixels of a picture: 4K in colour fits.
 MOST_BYTES, MOST_PIXELS = 32_000_000, 33_000_000
-# A JPEG can be decoded at so many eighths of its size, which takes less time than at its whole size.
+# A JPEG can be decoded at one to eight eighths of its size, which takes less time than at its whole size.
 WHOLE = 8
 JPEG, PNG = "image/jpeg", "image/png"
 # Between the pictures of a stream.
@@ -58,7 +58,7 @@ class Picture:
         return WHOLE if self.media_type != JPEG else min(WHOLE, max(1, WHOLE * max_width // self.width))
 
     def scaled(self, eighths: int, quality: int) -> "Picture":
-        """Return a JPEG at so many eighths of its size.
+        """Return a JPEG at `eighths` eighths of its size.
 
         Raises:
             Unreadable: It is damaged.

@@ -29,7 +29,7 @@ class Grid:
         origin: The lower left corner, in the map's frame.
         frame: The name of that frame.
         stamp: When it was made, as the message says; None if it does not.
-        revision: The same for the same map, whoever reads it.
+        revision: The same for the same map and for all readers.
     """
 
     cells: Cells

@@ -1,4 +1,4 @@
-"""A map as a PNG image with a palette: encoded once, and coloured as whoever asks for it likes."""
+"""A map as a PNG image with a palette: encoded once, in the colours of each request."""
 
 import struct
 import zlib
@@ -31,7 +31,7 @@ def encode(cells: Cells) -> bytes:
 def image(pixels: bytes, width: int, height: int, colors: tuple[Color, Color, Color]) -> tuple[bytes, bytes, bytes]:
     """Return the image of a map in these colours, in three pieces; what is between free and occupied is between them.
 
-    The second piece is `pixels` itself: whoever sends many images needs no copy of it for each.
+    The second piece is `pixels` itself: many images need no copy of it for each.
 
     Args:
         pixels: As `encode` returned them.
