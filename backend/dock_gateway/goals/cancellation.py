@@ -119,8 +119,11 @@ class Canceler:
     def stop(self) -> None:
         """Mark every goal that has not ended: a stop was requested. `cancel_all` asks the server."""
         for goal in self._tracker.live.values():
-            self.mark_unwanted(goal, self._stopped(goal))
-            self._tracker.apply(GoalMachine.explain, goal, self._why_unwanted(goal))
+            self._stop(goal)
+
+    def _stop(self, goal: Goal) -> None:
+        self.mark_unwanted(goal, self._stopped(goal))
+        self._tracker.apply(GoalMachine.explain, goal, self._why_unwanted(goal))
 
     async def cancel_all(self) -> list[str]:
         """Ask the server to cancel every goal; return the ids of those that it will cancel.
@@ -151,7 +154,8 @@ class Canceler:
             raise ServerTimeout(detail) from None
         self._tracker.heard()
         for goal_id in answer.goal_ids & self._tracker.live.keys():
-            self._tracker.apply(GoalMachine.move, self._tracker.live[goal_id], GoalStatus.CANCELING)
+            self._stop(goal := self._tracker.live[goal_id])  # a request that is late reaches newer goals, too
+            self._tracker.apply(GoalMachine.move, goal, GoalStatus.CANCELING)
         left = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
         refuses = await asyncio.gather(*map(self._refuses, left))
         canceling = sorted(answer.goal_ids | {goal.goal_id for goal in left if goal.status is GoalStatus.CANCELING})

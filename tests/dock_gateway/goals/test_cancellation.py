@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -36,7 +37,7 @@ class FakePort:
     def __init__(self) -> None:
         self.asked: list[str | None] = []
         self.timeouts: list[float] = []
-        self.while_asked: Callable[[], None] = lambda: None
+        self.while_asked: Callable[[], object] = lambda: None
         self.script: list[CancelAnswer | Exception] = [CancelAnswer(frozenset({A}), 0)]
 
     async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
@@ -428,6 +429,14 @@ async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
     assert await scene.stop() == [A]
     assert goal.error == STOPPED
     assert not scene.canceler.uncanceled
+
+
+async def test_a_goal_that_is_sent_while_the_server_is_asked_to_cancel_all_says_why(scene: Scene) -> None:
+    scene.canceler.stop()
+    scene.port.while_asked = partial(scene.goal, S.EXECUTING)
+    assert await scene.canceler.cancel_all() == [A]
+    goal = scene.tracker.live[A]
+    assert (goal.status, goal.error) == (S.CANCELING, STOPPED)
 
 
 # ------------------------------------------------------------------ on their way when a stop comes

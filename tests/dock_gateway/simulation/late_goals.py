@@ -255,6 +255,7 @@ class LateGoals:
 
     Attributes:
         before, after: The goals sent before a stop, and after the release.
+        stopped: Those that had not ended when a stop came.
         stopped_at: When the last stop came.
         thawed_at: When the server was last frozen no longer.
         server: The action server.
@@ -265,6 +266,7 @@ class LateGoals:
         self._troubles = troubles
         self.before: set[str] = set()
         self.after: set[str] = set()
+        self.stopped: set[str] = set()
         self.stopped_at = self.thawed_at = 0.0
         self._ended: list[Goal] = []
         self.server = Server(draw, replace(troubles, latency=draw.choice([0.1, 0.3, 1.0]) * troubles.latency))
@@ -340,6 +342,7 @@ class LateGoals:
 
     async def _stop(self) -> None:
         self.before.update(self._port.sent)
+        self.stopped.update(self.action.tracker.live)
         self.stopped_at = time.monotonic()
         if self._troubles.by_another:
             self.server.request(lambda: self.server.cancel([*self.server.goals], every=True))
@@ -357,8 +360,8 @@ class LateGoals:
         ended = {goal for goal in self.after & states.keys() if not self._runs(goal)}
         found += [f"{goal} was sent after the release, and is {states[goal].value}" for goal in ended]
         if not self._troubles.by_another:  # whose gateway knows why
-            canceled = [goal for goal in self._ended if goal.status is S.CANCELED and goal.error is None]
-            found += [f"{goal.goal_id} was canceled and does not say why" for goal in canceled]
+            canceled = {goal.goal_id for goal in self._ended if goal.status is S.CANCELED and goal.error is None}
+            found += [f"{goal} was canceled and does not say why" for goal in canceled & self.stopped]
         tracked = [goal for goal in self.action.tracker.running() if not self._runs(goal.goal_id)]
         return found + [f"{goal.goal_id} counts as {goal.status.value}" for goal in tracked]
 
