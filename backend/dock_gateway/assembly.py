@@ -57,7 +57,6 @@ from dock_gateway.observability.collector import Further
 from dock_gateway.observability.gateway_collector import GatewayCollector
 from dock_gateway.observability.goal_metrics import GoalMetrics
 from dock_gateway.observability.metrics import Metrics
-from dock_gateway.observability.traces import open_traces
 from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.robots.last_goals import LastGoals
@@ -392,9 +391,7 @@ def _follow_docking(
 
 
 def _observe(parts: Parts, further: Further, stack: AsyncExitStack) -> None:
-    """Measure the parts, and trace their goals if that is configured."""
-    if traces := open_traces(parts):
-        closed_by(stack, traces)
+    """Measure the parts."""
     registry = CollectorRegistry()
     GoalMetrics(registry, parts)
     parts.add(Metrics, closed_by(stack, Metrics(GatewayCollector(parts, further), registry)))

@@ -91,7 +91,7 @@ class Extension(Generic[Core_contra]):
 
     Attributes:
         name: Its name, which is that of its folder and of its page in docs/extensions.
-        open: Opens its part, which its routes find by its type, until the gateway closes.
+        open: Opens its part, which its routes find by its type, until the gateway closes; None if it is switched off.
         settings: Its settings: options of the command line, variables of the environment.
         routes: Returns its routers: a function, so that what is off is not imported.
         includes: Topics of events that streams can ask for with `include`.
@@ -163,8 +163,9 @@ async def open_extensions(installed: Iterable[Extension[C]], core: C, stack: Asy
             log.exception("the extension %s could not be opened", extension.name)
             failed.append(_failure(extension.name, error))
         else:
-            core.parts.add(type(part), part)
-            metrics.append(partial(extension.metrics, part))
+            if part is not None:
+                core.parts.add(type(part), part)
+                metrics.append(partial(extension.metrics, part))
     return Opened(metrics, failed)
 
 

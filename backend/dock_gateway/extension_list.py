@@ -23,6 +23,7 @@ OURS = (
     "rosbridge",
     "foxglove",
     "agents",
+    "traces",
 )
 PACKAGE = "dock_gateway.extensions"
 # The group of the entry points of other distributions.

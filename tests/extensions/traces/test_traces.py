@@ -8,48 +8,49 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.http.parts import Parts
-from dock_gateway.observability.traces import open_traces
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.extensions.traces.extension import open_traces
 
 ENDPOINT = "OTEL_EXPORTER_OTLP_ENDPOINT"
 
 
 @pytest.fixture
-def parts() -> Parts:
-    return Parts({ActionRegistry: SimpleNamespace(on_sent=[], on_change=[], on_end=[]), RobotRegistry: None})
+def core() -> Any:
+    return SimpleNamespace(goals=SimpleNamespace(on_sent=[], on_change=[], on_end=[]), robots=None)
 
 
 def test_without_an_endpoint_nothing_is_imported() -> None:
     # FastAPI imports `opentelemetry.trace`, which is small.
-    program = "import sys, dock_gateway.cli.gateway; print({'opentelemetry.sdk', 'nats'} & sys.modules.keys())"
+    program = (
+        "import sys; from dock_gateway.extension import extensions; extensions(); "
+        "print({'opentelemetry.sdk'} & sys.modules.keys())"
+    )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
 
 
-def test_without_an_endpoint_there_are_none(parts: Parts) -> None:
-    assert open_traces(parts) is None
-    assert not parts[ActionRegistry].on_sent
+async def test_without_an_endpoint_there_are_none(core: Any) -> None:
+    async with open_traces(core) as traces:
+        assert traces is None
+        assert not core.goals.on_sent
 
 
-def test_they_can_be_disabled(parts: Parts, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_they_can_be_disabled(core: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setenv("OTEL_SDK_DISABLED", "true")
-    assert open_traces(parts) is None
+    async with open_traces(core) as traces:
+        assert traces is None
 
 
 @pytest.mark.parametrize("variable", [ENDPOINT, "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"])
-async def test_with_an_endpoint(parts: Parts, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
+async def test_with_an_endpoint(core: Any, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
     monkeypatch.setenv(variable, "http://127.0.0.1:9")
-    traces = open_traces(parts)
-    assert traces is not None
-    assert parts[ActionRegistry].on_sent
-    await traces.close()
+    async with open_traces(core) as traces:
+        assert traces is not None
+        assert core.goals.on_sent
 
 
-def test_a_package_that_is_missing(
-    parts: Parts, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+async def test_a_package_that_is_missing(
+    core: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     importing = builtins.__import__
 
@@ -60,12 +61,14 @@ def test_a_package_that_is_missing(
 
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setattr(builtins, "__import__", fails)
-    assert open_traces(parts) is None
+    async with open_traces(core) as traces:
+        assert traces is None
     assert "dock-gateway[traces] is not installed" in caplog.text
 
 
-def test_a_wrong_variable(parts: Parts, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_wrong_variable(core: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setenv("OTEL_BSP_SCHEDULE_DELAY", "-1")
-    assert open_traces(parts) is None
+    async with open_traces(core) as traces:
+        assert traces is None
     assert "check the variables OTEL_" in caplog.text

@@ -1,6 +1,6 @@
 """Goals as OpenTelemetry traces: a span for each goal that this gateway sends, from its request to its end.
 
-Only `traces` imports this, and only if traces are exported.
+Only `extension` imports this, and only if traces are exported.
 """
 
 import asyncio
@@ -19,7 +19,6 @@ from dock_gateway.core.event import nanoseconds
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.request import CURRENT
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.http.parts import Parts
 from dock_gateway.robots.registry import RobotRegistry
 
 # Seconds at shutdown for the spans that have not been sent yet. The process has to end within 3 s.
@@ -45,18 +44,18 @@ class GoalTraces:
 
     Args:
         provider: Exports the spans that have ended.
-        parts: Where the goals are.
+        goals: Says when one is sent, changes or ends.
+        robots: Says whose an action is.
     """
 
-    def __init__(self, provider: TracerProvider, parts: Parts) -> None:
+    def __init__(self, provider: TracerProvider, goals: ActionRegistry, robots: RobotRegistry) -> None:
         self._provider = provider
         self._tracer = provider.get_tracer("dock_gateway", __version__)
-        self._robots = parts[RobotRegistry]
+        self._robots = robots
         self._traces: dict[str, GoalTrace] = {}
-        actions = parts[ActionRegistry]
-        actions.on_sent.append(self._on_sent)
-        actions.on_change.append(self._on_change)
-        actions.on_end.append(self._on_end)
+        goals.on_sent.append(self._on_sent)
+        goals.on_change.append(self._on_change)
+        goals.on_end.append(self._on_end)
 
     def _on_sent(self, goal: Goal) -> None:
         if goal.goal_id not in self._traces:  # otherwise it is sent again

@@ -15,10 +15,7 @@ from opentelemetry.trace import StatusCode
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.request import CURRENT, RequestContext
-from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.http.parts import Parts
-from dock_gateway.observability.goal_traces import FLUSH_WITHIN, GoalTraces
-from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.extensions.traces.goal_traces import FLUSH_WITHIN, GoalTraces
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
 DOCK = "/robot1/connect_to_charging_dock"
@@ -38,8 +35,7 @@ class Scene:
         robot = SimpleNamespace(namespace="/robot1")
         self.actions = SimpleNamespace(on_sent=[], on_change=[], on_end=[])
         robots = SimpleNamespace(owner=lambda name: robot if name.startswith("/robot1/") else None)
-        parts = Parts({ActionRegistry: self.actions, RobotRegistry: robots})
-        self.traces = GoalTraces(provider, parts)
+        self.traces = GoalTraces(provider, self.actions, robots)  # type: ignore[arg-type]
 
     def send(self, action: str = DOCK, origin: Origin = "gateway") -> Goal:
         goal = Goal("g-1", action, "pkg/action/Any", NOON, origin, "dock" if action == DOCK else None)
