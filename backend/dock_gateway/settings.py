@@ -330,39 +330,6 @@ class Settings(SiteSettings):
         description="Whether to store where a robot is while a goal on one of its actions runs, for the map of the "
         "goal's replay.",
     )
-    record: Literal["all", "failed", "none"] = Field(
-        "failed",
-        description="Which goals leave a [recording](extensions/recordings.md): `all`, those that did not succeed "
-        "(`failed`), or `none`.",
-    )
-    record_topics: Topics = Field(
-        (),
-        description="More topics that are recorded, relative to the namespace of each robot or absolute, separated by "
-        "commas: `imu,/map`.",
-    )
-    record_seconds: float = Field(
-        30.0, ge=10, le=600, description="Seconds of each robot's messages that are kept in memory."
-    )
-    record_ring_mb: Megabytes = Field(
-        8, description="Maximum size of those messages, in megabytes for each robot. The oldest are dropped first."
-    )
-    record_robots: int = Field(
-        20,
-        ge=0,
-        description="Number of robots whose messages are kept in memory all the time. The goals of others are recorded "
-        "from their beginning.",
-    )
-    recordings_path: Path | None = Field(
-        None,
-        description="Folder of the recordings. Empty: `recordings-<ROS_DOMAIN_ID>` in the user's data directory, or "
-        "`recordings-<ROS_DOMAIN_ID>-localhost` if discovery is limited to this machine.",
-    )
-    recordings_mb: Megabytes = Field(
-        2000,
-        description="Maximum size of all recordings, in megabytes. Those of goals that succeeded are deleted first, "
-        "the oldest first.",
-    )
-    recordings_days: Days = Field(30.0, description="Days for which recordings are kept.")
     low_battery: float = Field(
         0.2,
         ge=0,
@@ -594,31 +561,25 @@ class Settings(SiteSettings):
         """Whether the gateway speaks TLS."""
         return self.tls_cert is not None
 
-    @property
-    def _scope(self) -> str:
-        """What the names of files have in them: gateways with a share each may run on one machine."""
+    def own_file(self, name: str, suffix: str = "") -> Path:
+        """A path of this gateway in the user's data directory: gateways with a share each may run on one machine."""
         share = re.sub(r"\W+", "-", ",".join(self.robots)).strip("-")[:60]
-        return f"{scope()}-{share}" if share else scope()
+        return data_file(f"{name}-{scope()}{share and f'-{share}'}{suffix}")
 
     @property
     def stop_file(self) -> Path:
         """Where latched stops are kept."""
-        return self.stop_path or data_file(f"stops-{self._scope}.json")
+        return self.stop_path or self.own_file("stops", ".json")
 
     @property
     def database(self) -> str:
         """The URL of the history."""
-        return self.database_url or f"sqlite:///{data_file(f'history-{self._scope}.db')}"
+        return self.database_url or f"sqlite:///{self.own_file('history', '.db')}"
 
     @property
     def spool_folder(self) -> Path:
         """Where goals go that the database does not take at once."""
-        return self.spool_path or data_file(f"spool-{self._scope}")
-
-    @property
-    def recordings_folder(self) -> Path:
-        """Where recordings are."""
-        return self.recordings_path or data_file(f"recordings-{self._scope}")
+        return self.spool_path or self.own_file("spool")
 
     def counts_to_100(self, namespace: str) -> bool:
         """Whether the battery driver of a robot counts percentage to 100."""

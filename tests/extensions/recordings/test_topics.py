@@ -1,7 +1,5 @@
 """Which topics of a robot are recorded."""
 
-import pytest
-
 from dock_gateway.extensions.recordings.topics import CAMERA, MAX_TOPICS, Wanted, recorded_topics
 from dock_gateway.settings import Settings
 
@@ -21,18 +19,13 @@ TOPICS = {
 }
 
 
-@pytest.fixture(autouse=True)
-def clean_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("DOCK_GATEWAY_RECORD_TOPICS", raising=False)
-
-
-def recorded(topics: dict[str, list[str]], **settings: object) -> dict[str, Wanted]:
+def recorded(topics: dict[str, list[str]], *more: str) -> dict[str, Wanted]:
     actions = {"/robot1/dock": ["pkg/action/Dock"], "/robot2/dock": ["pkg/action/Dock"]}
-    return recorded_topics("/robot1", Settings(**settings), topics, actions, lambda name: f"/{name.split('/')[1]}")
+    return recorded_topics("/robot1", Settings(), topics, actions, lambda name: f"/{name.split('/')[1]}", more=more)
 
 
 def test_by_name_by_type_and_by_setting() -> None:
-    found = recorded(TOPICS, record_topics="imu,/rosout")
+    found = recorded(TOPICS, "imu", "/rosout")
     assert found == {
         "/tf": Wanted(TRANSFORMS),
         "/tf_static": Wanted(TRANSFORMS, lasting=True),

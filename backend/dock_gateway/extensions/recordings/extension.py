@@ -9,6 +9,7 @@ from dock_gateway.extension import Extension, GatewayCore
 from dock_gateway.extensions.recordings.recorder import Recorder
 from dock_gateway.extensions.recordings.recordings import Recordings
 from dock_gateway.extensions.recordings.routes import router
+from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import RecordingStore
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
@@ -20,13 +21,14 @@ RECORDINGS_FAILED = AlertKind("recordings_failed", critical=False)
 @asynccontextmanager
 async def open_recordings(core: GatewayCore) -> AsyncIterator[Recordings]:
     """Record goals, from their first sign until they have ended or are lost."""
-    settings = core.settings
-    store = RecordingStore(settings.recordings_folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
+    settings = core.settings.of(RecordingSettings)
+    folder = settings.recordings_path or core.settings.own_file("recordings")
+    store = RecordingStore(folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
     core.alerts.sources.append(lambda: _trouble(store))
     if settings.record == "none":
         yield Recordings(store, None)
         return
-    async with closing(Recorder(settings, core.parts[Bridge], core.topics, core.robots, store)) as recorder:
+    async with closing(Recorder(core.settings, core.parts[Bridge], core.topics, core.robots, store)) as recorder:
         _follow(core, recorder)
         yield Recordings(store, recorder)
 
@@ -48,4 +50,10 @@ def _trouble(store: RecordingStore) -> Iterator[Alert]:
         yield Alert(RECORDINGS_FAILED, None, trouble.since, "No recordings", trouble.detail)
 
 
-extension = Extension("recordings", open_recordings, routes=lambda _: (router,), alerts=(RECORDINGS_FAILED,))
+extension = Extension(
+    "recordings",
+    open_recordings,
+    settings=RecordingSettings,
+    routes=lambda _: (router,),
+    alerts=(RECORDINGS_FAILED,),
+)

@@ -12,6 +12,7 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.recordings.collector import RobotCollector
 from dock_gateway.extensions.recordings.ring import Ring
 from dock_gateway.extensions.recordings.server_parameters import read_parameters
+from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import OpenRecording, RecordingStore
 from dock_gateway.extensions.recordings.topics import CAMERA, Wanted, recorded_topics
 from dock_gateway.graph.relays import Relays
@@ -73,7 +74,7 @@ class Recorder:
     """Records the goals of all robots.
 
     Args:
-        settings: What is recorded, and how much of it is kept.
+        settings: Name topics; those of recordings say what is recorded, and how much of it is kept.
         bridge: The bridge to the ROS thread.
         relays: The topics.
         robots: The robots.
@@ -83,7 +84,7 @@ class Recorder:
     def __init__(
         self, settings: Settings, bridge: Bridge, relays: Relays, robots: RobotRegistry, store: RecordingStore
     ) -> None:
-        self._settings = settings
+        self._names, self._settings = settings, settings.of(RecordingSettings)
         self._bridge = bridge
         self._relays = relays
         self._robots = robots
@@ -133,7 +134,8 @@ class Recorder:
 
     def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
         """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
-        found = recorded_topics(robot, self._settings, self._scan.topics, self._scan.actions, self._owner)
+        scan, more = self._scan, self._settings.record_topics
+        found = recorded_topics(robot, self._names, scan.topics, scan.actions, self._owner, more=more)
         return {topic: wanted for topic, wanted in found.items() if pictures or wanted.kind != CAMERA}
 
     def _owner(self, name: str) -> str | None:

@@ -49,6 +49,8 @@ def recorded_topics(
     topics: Mapping[str, list[str]],
     actions: Mapping[str, list[str]],
     owner: Callable[[str], str | None],
+    *,
+    more: Iterable[str] = (),
 ) -> dict[str, Wanted]:
     """Return the topics to record of a robot, with their types.
 
@@ -58,6 +60,7 @@ def recorded_topics(
         topics: All topics on the graph, with their types.
         actions: All actions on the graph, with their types.
         owner: Returns the robot that a topic or an action belongs to, None if to none.
+        more: Further topics that are recorded.
     """
 
     def resolved(names: Iterable[str]) -> set[str]:
@@ -66,20 +69,20 @@ def recorded_topics(
     stops = resolved((settings.stop_topic, *settings.stop_topics))
     named = {settings.battery_of(robot), settings.resolve(settings.diagnostics_topic, robot), *SHARED}
     named |= resolved((settings.cmd_vel_topic,))
-    more = resolved(settings.record_topics)
+    further = resolved(more)
     found = {}
     for name, types in topics.items():
         if len(types) != 1:  # a mistake, of which we shall be no part
             continue
         kind = types[0]
         by_type = kind in TYPES and (name in named or owner(name) == robot)
-        if by_type or name in more or (name in stops and kind == STOP):
+        if by_type or name in further or (name in stops and kind == STOP):
             found[name] = Wanted(kind, lasting=name in stops or name.endswith("/tf_static"))
     for name, types in actions.items():
         if len(types) == 1 and owner(name) == robot:
             prefix = f"{name}{ACTION_PART}"
             found[f"{prefix}{FEEDBACK}"] = Wanted(f"{types[0]}{FEEDBACK_TYPE}")
             found[f"{prefix}{STATUS}"] = Wanted(GOAL_STATES)
-    named |= stops | more
+    named |= stops | further
     first = sorted(found, key=lambda name: (name not in named and ACTION_PART not in name, name))[:MAX_TOPICS]
     return {name: found[name] for name in first}
