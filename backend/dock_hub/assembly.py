@@ -6,9 +6,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 
 from prometheus_client import CollectorRegistry
 
-from dock_gateway.access.logins import Logins
-from dock_gateway.access.single_sign_on import open_single_sign_on
-from dock_gateway.access.tickets import Tickets
+from dock_gateway.access.opening import open_access
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.alerts import Alerts
@@ -29,7 +27,6 @@ from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
 from dock_gateway.storage import AuditSpool, History, open_history
-from dock_gateway.storage.database import display
 from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
@@ -92,9 +89,6 @@ async def _open(
     robot_actions = RobotActions(settings, sites, labels, history)
     goals = Goals(NoLiveGoals(), robot_actions, history)
     overview = closed_by(stack, Overview(fanout, sites, goals, history))
-    logins = closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
-    if settings.authentication:
-        await logins.open()
     history.on_loss = sites.read_again
     history.retention.goals_by_size = BY_SITE
     parts = Parts(
@@ -114,13 +108,12 @@ async def _open(
             RobotLabels: labels,
             Share: EVERYTHING,
             Includes: Includes(),
-            Logins: logins,
-            Tickets: Tickets(),
             Quotas: Quotas(settings),
             AuditLog: audit,
             Subjects: Subjects(settings, lambda _: None, overview.namespaces),
         }
     )
+    await open_access(parts, stack)
     opened = await open_extensions(hub_extensions(), Core(settings, history, fanout, overview, parts), stack)
     parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, opened.metrics), CollectorRegistry())))
     stops.open()

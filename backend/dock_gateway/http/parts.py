@@ -22,9 +22,10 @@ class Parts:
     def __init__(self, parts: Mapping[type, Any]) -> None:
         self._parts = dict(parts)
 
-    def add(self, kind: type[T], part: T) -> None:
-        """Add a part."""
+    def add(self, kind: type[T], part: T) -> T:
+        """Add a part, and return it."""
         self._parts[kind] = part
+        return part
 
     def __getitem__(self, kind: type[T]) -> T:
         """Return a part.
