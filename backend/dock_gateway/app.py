@@ -1,6 +1,5 @@
 """The ASGI application of a gateway."""
 
-from collections.abc import Sequence
 from contextlib import AbstractAsyncContextManager, nullcontext
 from functools import partial
 
@@ -22,7 +21,7 @@ from dock_gateway.doors.rest import (
     service_routes,
     stop_routes,
 )
-from dock_gateway.extension import Extension, GatewayCore, extensions
+from dock_gateway.extension import Installed, extensions
 from dock_gateway.gateways import routes as gateway_routes
 from dock_gateway.goals import approval_routes, export_routes, note_routes
 from dock_gateway.goals import routes as history_routes
@@ -43,12 +42,10 @@ from dock_gateway.streams.command_schema import ANSWERS, COMMAND_SCHEMAS
 from dock_gateway.streams.schema import EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
 
-Installed = Sequence[Extension[GatewayCore]]
-
 
 def _contents(installed: Installed) -> Contents:
     """Return what the documents say besides the routes: what streams and `/ws` send, and what `/ws` reads."""
-    further = tuple(event for extension in installed for event in extension.events)
+    further = installed.events
     return Contents(
         description="Drive ROS 2 actions from a browser, curl or a WebSocket.",
         unions=(
@@ -60,28 +57,25 @@ def _contents(installed: Installed) -> Contents:
         ),
         models=(StopProblem,),
         messages=battery_schemas,
-        values={"AlertKind": [kind.value for extension in installed for kind in extension.alerts]},
+        values={"AlertKind": [kind.value for kind in installed.kinds]},
         asyncapi=partial(asyncapi_document, further=further),
     )
 
 
-def api_routers(settings: Settings | None = None, installed: Installed | None = None) -> list[APIRouter]:
+def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
     """Return the routers of the API, in the order in which they are asked. No extension comes before a stop.
 
     Args:
-        settings: Say which extensions serve; default: those of the environment.
-        installed: The extensions; default: all.
+        settings: Say which extensions serve.
+        installed: The extensions.
     """
-    settings = settings or Settings()
-    installed = extensions() if installed is None else installed
-    further = [router for extension in installed for router in extension.routes(settings)]
     return [
         goal_routes.dock,
         goal_routes.undock,
         dock_routes.router,
         stop_routes.router,
         events.router,
-        *further,
+        *installed.routers(settings),
         export_routes.router,  # before goals: `export` and `tags` are not goal ids
         note_routes.router,
         history_routes.router,
@@ -119,9 +113,10 @@ def create_app(settings: Settings, parts: Parts | None = None, installed: Instal
         settings: The settings.
         parts: Those of an open gateway. Without them, the application joins the ROS graph at startup and leaves it at
             shutdown.
-        installed: The extensions; default: all.
+        installed: The extensions; default: those of the parts, else all.
     """
-    installed = extensions() if installed is None else installed
+    if installed is None:
+        installed = extensions() if parts is None else parts[Installed]
 
     def opened() -> AbstractAsyncContextManager[Parts]:
         return open_gateway(settings, installed) if parts is None else nullcontext(parts)

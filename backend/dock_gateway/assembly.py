@@ -1,7 +1,7 @@
 """Assembles the gateway: opens its rooms in order and closes them in reverse order."""
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 
 from prometheus_client import CollectorRegistry
@@ -14,7 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import Tasks, closed_by
-from dock_gateway.extension import Extension, GatewayCore, extensions, open_extensions
+from dock_gateway.extension import GatewayCore, Installed
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.graph_scan import scan_graph
 from dock_gateway.fleet.opening import open_fleet
@@ -48,17 +48,15 @@ from dock_gateway.streams.queries import Includes
 
 
 @asynccontextmanager
-async def open_gateway(
-    settings: Settings, installed: Sequence[Extension[GatewayCore]] | None = None, limits: GoalLimits = LIMITS
-) -> AsyncIterator[Parts]:
+async def open_gateway(settings: Settings, installed: Installed, limits: GoalLimits = LIMITS) -> AsyncIterator[Parts]:
     """Open the history, join the ROS graph and run the gateway until the block ends.
 
     Args:
         settings: The settings.
-        installed: The extensions; default: all.
+        installed: The extensions.
         limits: How long goals wait.
     """
-    parts = Parts({Settings: settings, GoalLimits: limits})
+    parts = Parts({Settings: settings, Installed: installed, GoalLimits: limits})
     async with AsyncExitStack() as stack:
         await _open_storage(parts, stack)
         await _claim_robots(parts, stack)  # before anything of a robot is touched
@@ -72,7 +70,7 @@ async def open_gateway(
         await open_access(parts, stack)
         parts.add(Subjects, Subjects(settings, parts[ActionRegistry].action_of, parts[RobotRegistry].namespaces))
         parts.add(Present, GatewayPresent(parts))
-        await _extend(parts, extensions() if installed is None else installed, stack)
+        await _open_extensions(parts, stack)
         await _begin(parts, stack)
         yield parts
 
@@ -108,12 +106,11 @@ def _join_ros(parts: Parts, stack: AsyncExitStack) -> None:
     parts.add(Interlock, closed_by(stack, interlock))
 
 
-async def _extend(parts: Parts, installed: Sequence[Extension[GatewayCore]], stack: AsyncExitStack) -> None:
+async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     """Open the extensions, with what users share of them and what measures them."""
-    settings, alerts = parts[Settings], parts[AlertBoard]
-    limits = {name: limit for extension in installed for name, limit in extension.limits(settings).items()}
-    parts.add(Quotas, Quotas(settings, limits))
-    parts.add(Includes, Includes(topic for extension in installed for topic in extension.includes))
+    settings, installed, alerts = parts[Settings], parts[Installed], parts[AlertBoard]
+    parts.add(Quotas, Quotas(settings, installed.limits(settings)))
+    parts.add(Includes, Includes(installed.includes))
     core = GatewayCore(
         settings,
         parts[History],
@@ -126,12 +123,12 @@ async def _extend(parts: Parts, installed: Sequence[Extension[GatewayCore]], sta
         parts[Relays],
         parts[Stopper],
     )
-    opened = await open_extensions(installed, core, stack)
-    alerts.sources.append(lambda: opened.failed)
-    alerts.kinds.update(kind for extension in installed for kind in extension.alerts)
+    await installed.open(core, stack)
+    alerts.sources.append(installed.alerts)
+    alerts.kinds.update(installed.kinds)
     registry = CollectorRegistry()
     GoalMetrics(registry, parts)
-    parts.add(Metrics, closed_by(stack, Metrics(GatewayCollector(parts, opened.metrics), registry)))
+    parts.add(Metrics, closed_by(stack, Metrics(GatewayCollector(parts, installed.metrics), registry)))
 
 
 async def _begin(parts: Parts, stack: AsyncExitStack) -> None:

@@ -5,10 +5,10 @@ imports another one.
 """
 
 import logging
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
 from dataclasses import dataclass, field
-from functools import cache, partial
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -24,9 +24,9 @@ from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.http.operation import Undeclared
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Limit
-from dock_gateway.observability.collector import Further
 from dock_gateway.settings import ExtensionSettings, Settings
 from dock_gateway.storage import History
 
@@ -39,6 +39,8 @@ if TYPE_CHECKING:  # an extension that a hub has, too, needs no ROS
     from dock_gateway.stop.stopper import Stopper
 
 log = logging.getLogger(__name__)
+
+NO_FAILURE: Mapping[str, Exception] = {}
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,6 @@ class GatewayCore(Core):
 
 
 Core_contra = TypeVar("Core_contra", bound=Core, contravariant=True)
-C = TypeVar("C", bound=Core)
 
 
 @dataclass(frozen=True)
@@ -115,18 +116,113 @@ class Extension(Generic[Core_contra]):
     card: Path | None = None
 
 
-@dataclass(frozen=True)
-class Opened:
-    """The extensions that are open: what measures them, and an alert for each that could not be opened."""
+class Installed:
+    """The extensions of a gateway or a hub.
 
-    metrics: Further
-    failed: Sequence[Alert]
+    Args:
+        extensions: Those that could be imported.
+        failed: Why each of the others could not, by name.
+
+    Attributes:
+        failed: An alert for each that could not be imported or opened, by name.
+        metrics: What measures those that are open.
+    """
+
+    def __init__(self, extensions: Iterable[Extension[Any]], failed: Mapping[str, Exception] = NO_FAILURE) -> None:
+        self._extensions = tuple(extensions)
+        self.failed: dict[str, Alert] = {}
+        self.metrics: list[Callable[[], Iterable[Metric]]] = []
+        for name, error in failed.items():
+            self._fail(name, error)
+
+    @classmethod
+    def load(cls, names: Iterable[str]) -> "Installed":
+        """Import extensions.
+
+        Raises:
+            Undeclared: A route of one does not say which role it needs.
+        """
+        found: list[Extension[Any]] = []
+        failed: dict[str, Exception] = {}
+        for name in names:
+            try:
+                found.append(find_extension(name))
+            except Undeclared:
+                raise
+            except Exception as error:  # noqa: BLE001 - logged by `_fail`
+                failed[name] = error
+        return cls(found, failed)
+
+    def __iter__(self) -> Iterator[Extension[Any]]:
+        return iter(self._extensions)
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all, also of those that failed."""
+        return list(dict.fromkeys((*(each.name for each in self), *self.failed)))
+
+    @property
+    def events(self) -> tuple[type[BaseModel], ...]:
+        """The models of their events."""
+        return tuple(event for each in self for event in each.events)
+
+    @property
+    def includes(self) -> list[str]:
+        """The topics of events that streams can ask for."""
+        return [topic for each in self for topic in each.includes]
+
+    @property
+    def kinds(self) -> list[AlertKind]:
+        """The kinds of alerts that they add."""
+        return [kind for each in self for kind in each.alerts]
+
+    def limits(self, settings: Settings) -> dict[str, Limit]:
+        """Return what users share of them, by name."""
+        return {name: limit for each in self for name, limit in each.limits(settings).items()}
+
+    def routers(self, settings: Settings) -> list[APIRouter]:
+        """Return their routers, without those that cannot be imported.
+
+        Raises:
+            Undeclared: A route does not say which role it needs.
+        """
+        routers: list[APIRouter] = []
+        for each in self:
+            try:
+                routers += each.routes(settings)
+            except Undeclared:
+                raise
+            except Exception as error:  # noqa: BLE001 - logged by `_fail`
+                self._fail(each.name, error)
+        return routers
+
+    async def open(self, core: Core, stack: AsyncExitStack) -> None:
+        """Open them, in order, and register them with the stack for closing. One that fails is left out."""
+        for each in self:
+            if each.open is None or each.name in self.failed:
+                continue
+            try:
+                part = await stack.enter_async_context(each.open(core))
+            except Exception as error:  # noqa: BLE001 - logged by `_fail`
+                self._fail(each.name, error)
+            else:
+                if part is not None:
+                    core.parts.add(type(part), part)
+                    self.metrics.append(partial(each.metrics, part))
+
+    def alerts(self) -> list[Alert]:
+        """Return an alert for each that could not be imported or opened."""
+        return list(self.failed.values())
+
+    def _fail(self, name: str, error: Exception) -> None:
+        log.error("the extension %s could not be opened", name, exc_info=error)
+        detail = f"{name} could not be opened, and is missing until the gateway starts again: {error}"
+        self.failed.setdefault(name, Alert(alert_kinds.EXTENSION_FAILED, None, utc_now(), f"No {name}", detail))
 
 
-@cache
-def extensions() -> tuple[Extension[GatewayCore], ...]:
-    """Return the extensions of a gateway: ours, and those that `DOCK_GATEWAY_EXTENSIONS` names."""
-    return tuple(map(find_extension, (*OURS, *further_names())))
+def extensions() -> Installed:
+    """Import the extensions of a gateway: ours, and those that `DOCK_GATEWAY_EXTENSIONS` names."""
+    return Installed.load((*OURS, *further_names()))
 
 
 def find_extension(name: str) -> Extension[Any]:
@@ -143,32 +239,3 @@ def find_extension(name: str) -> Extension[Any]:
     if not isinstance(extension, Extension) or extension.name != name:
         raise TypeError(f"there is no extension {name}")
     return extension
-
-
-def events() -> tuple[type[BaseModel], ...]:
-    """Return the models of the events of all extensions."""
-    return tuple(event for extension in extensions() for event in extension.events)
-
-
-async def open_extensions(installed: Iterable[Extension[C]], core: C, stack: AsyncExitStack) -> Opened:
-    """Open extensions, in order, and register them with the stack for closing. One that fails is left out."""
-    metrics: list[Callable[[], Iterable[Metric]]] = []
-    failed: list[Alert] = []
-    for extension in installed:
-        if extension.open is None:
-            continue
-        try:
-            part = await stack.enter_async_context(extension.open(core))
-        except Exception as error:
-            log.exception("the extension %s could not be opened", extension.name)
-            failed.append(_failure(extension.name, error))
-        else:
-            if part is not None:
-                core.parts.add(type(part), part)
-                metrics.append(partial(extension.metrics, part))
-    return Opened(metrics, failed)
-
-
-def _failure(name: str, error: Exception) -> Alert:
-    detail = f"{name} could not be opened, and is missing until the gateway starts again: {error}"
-    return Alert(alert_kinds.EXTENSION_FAILED, None, utc_now(), f"No {name}", detail)

@@ -6,6 +6,7 @@ are those of other distributions, which `DOCK_GATEWAY_EXTENSIONS` names and an e
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -59,14 +60,17 @@ def settings_type() -> type[Settings]:
 
 def _ours() -> Iterator[type[ExtensionSettings]]:
     names = [f"{PACKAGE}.{name}.settings" for name in OURS]
-    modules = [import_module(name) for name in names if find_spec(name) is not None]
-    return (kind for module in modules for kind in vars(module).values() if _is_settings(kind))
+    for name in names:
+        with suppress(Exception):  # the alert `extension_failed` says why, once the gateway runs
+            if find_spec(name) is not None:
+                yield from filter(_is_settings, vars(import_module(name)).values())
 
 
 def _further() -> Iterator[type[ExtensionSettings]]:
     for name in further_names():
-        if (found := find_entry_point(name)) is not None and (settings := found.load().settings) is not None:
-            yield settings
+        with suppress(Exception):  # as above
+            if (found := find_entry_point(name)) is not None and (settings := found.load().settings) is not None:
+                yield settings
 
 
 def _is_settings(kind: object) -> bool:

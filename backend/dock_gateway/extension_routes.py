@@ -8,8 +8,9 @@ from starlette.responses import FileResponse, Response
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Role
-from dock_gateway.extension import extensions
+from dock_gateway.extension import Installed
 from dock_gateway.http.operation import Audit, Scope, operation
+from dock_gateway.http.parts import Part
 from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.schema import Schema
@@ -39,11 +40,11 @@ class ExtensionList(Schema):
 
 @router.get("")
 @operation(Role.VIEWER, Scope.ANY, Audit.NEVER)
-async def list_extensions() -> Answer[ExtensionList]:
+async def list_extensions(installed: Part[Installed]) -> Answer[ExtensionList]:
     """List the extensions of this gateway, also those that could not be opened: the alerts name them."""
+    cards = {each.name for each in installed if each.card is not None}
     documents = [
-        {"name": each.name, "card": None if each.card is None else f"/extensions/{each.name}/card.js"}
-        for each in extensions()
+        {"name": name, "card": f"/extensions/{name}/card.js" if name in cards else None} for name in installed.names
     ]
     return json_response({"extensions": documents})
 
@@ -54,9 +55,9 @@ async def list_extensions() -> Answer[ExtensionList]:
     response_class=Response,
 )
 @operation(Role.VIEWER, Scope.ANY, Audit.NEVER, errors=(404,))
-async def get_card(name: NamePath) -> Response:
+async def get_card(name: NamePath, installed: Part[Installed]) -> Response:
     """Return the ES module of an extension's card."""
-    for each in extensions():
+    for each in installed:
         if each.name == name and each.card is not None:
             return FileResponse(each.card, media_type=JAVASCRIPT, headers={"Cache-Control": "no-cache"})
     raise NotFound(f"there is no card of an extension {name}", code="extension_not_found")

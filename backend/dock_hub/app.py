@@ -8,6 +8,7 @@ from fastapi import APIRouter, FastAPI
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.audit import routes as audit_routes
+from dock_gateway.extension import Installed
 from dock_gateway.goals import export_routes
 from dock_gateway.goals import routes as goal_routes
 from dock_gateway.http.dashboard import page_of
@@ -86,14 +87,14 @@ def create_hub_app(settings: HubSettings | None = None, parts: Parts | None = No
         parts: Those of an open hub. Without them, the application opens one at startup and closes it at shutdown.
     """
     settings = settings or HubSettings()
+    installed = hub_extensions() if parts is None else parts[Installed]
 
     @asynccontextmanager
     async def opened() -> AsyncIterator[Parts]:
-        async with open_hub(settings) if parts is None else nullcontext(parts) as found:
+        async with open_hub(settings, installed) if parts is None else nullcontext(parts) as found:
             yield found
 
-    further = [router for extension in hub_extensions() for router in extension.routes(settings)]
-    routers = (*ROUTERS, *further, _pages_of_sites(settings), forwarding.router)
+    routers = (*ROUTERS, *installed.routers(settings), _pages_of_sites(settings), forwarding.router)
     return build_app(settings, routers, opened, CONTENTS)
 
 

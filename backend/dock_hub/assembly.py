@@ -14,7 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import closed_by
-from dock_gateway.extension import Core, open_extensions
+from dock_gateway.extension import Core, Installed
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
@@ -30,7 +30,6 @@ from dock_gateway.storage import AuditSpool, History, open_history
 from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
-from dock_hub.extensions import hub_extensions
 from dock_hub.labels import SiteLabels
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
@@ -56,8 +55,13 @@ class NoLiveGoals:
 
 
 @asynccontextmanager
-async def open_hub(settings: HubSettings) -> AsyncIterator[Parts]:
-    """Open the history, connect to the NATS server in the background, and run the hub until the block ends."""
+async def open_hub(settings: HubSettings, installed: Installed) -> AsyncIterator[Parts]:
+    """Open the history, connect to the NATS server in the background, and run the hub until the block ends.
+
+    Args:
+        settings: The settings.
+        installed: The extensions.
+    """
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
         audit = closed_by(stack, AuditLog(history.audit, AuditSpool(settings.spool_folder / "audit")))
@@ -70,11 +74,16 @@ async def open_hub(settings: HubSettings) -> AsyncIterator[Parts]:
             inbox=inbox(HUB),
         )
         broker = await stack.enter_async_context(open_broker(options))
-        yield await _open(settings, history, audit, broker, stack)
+        yield await _open(settings, installed, history, audit, broker, stack)
 
 
-async def _open(
-    settings: HubSettings, history: History, audit: AuditLog, broker: Broker, stack: AsyncExitStack
+async def _open(  # noqa: PLR0917 - one after another
+    settings: HubSettings,
+    installed: Installed,
+    history: History,
+    audit: AuditLog,
+    broker: Broker,
+    stack: AsyncExitStack,
 ) -> Parts:
     fanout = Fanout(queue_limit=settings.subscriber_queue, newest=history.newest)
     signer = Signer.load_or_create(settings.hub_key_file)
@@ -94,6 +103,7 @@ async def _open(
     parts = Parts(
         {
             Settings: settings,
+            Installed: installed,
             Fanout: fanout,
             History: history,
             Broker: broker,
@@ -114,8 +124,9 @@ async def _open(
         }
     )
     await open_access(parts, stack)
-    opened = await open_extensions(hub_extensions(), Core(settings, history, fanout, overview, parts), stack)
-    parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, opened.metrics), CollectorRegistry())))
+    await installed.open(Core(settings, history, fanout, overview, parts), stack)
+    overview.sources.append(installed.alerts)
+    parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, installed.metrics), CollectorRegistry())))
     stops.open()
     await sites.open()
     stack.callback(fanout.close)

@@ -59,9 +59,10 @@ def hub(**options: Any) -> None:
     from dock_gateway.sites.identity import KeyFault  # noqa: PLC0415
     from dock_hub.app import create_hub_app  # noqa: PLC0415
     from dock_hub.assembly import open_hub  # noqa: PLC0415
+    from dock_hub.extensions import hub_extensions  # noqa: PLC0415
 
     try:
-        started = run(settings, open_hub, create_hub_app)
+        started = run(settings, partial(open_hub, installed=hub_extensions()), create_hub_app)
     except CertificateError as error:
         raise click.UsageError(str(error)) from None
     except KeyFault as error:

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections.abc import Callable, Iterable
 from datetime import UTC, datetime
 from typing import Any
 
@@ -74,6 +75,7 @@ class Overview:
         default_namespace: Every robot: a hub is set up for none.
         own_robot: False: a hub has no robot of its own.
         on_change: Called when an alert begins or ends.
+        sources: Return further alerts of the hub itself, which are active.
     """
 
     default_namespace = "/"
@@ -88,7 +90,8 @@ class Overview:
         self._own: dict[str, Alert] = {}
         self._ids: set[str] = set()
         self._published: dict[str, bytes] = {}
-        self.on_change: list[Any] = []
+        self.on_change: list[Callable[[], None]] = []
+        self.sources: list[Callable[[], Iterable[Alert]]] = []
         self._tasks = Tasks("updating the overview of sites")
         self._tasks.spawn(self._run())
         self._tasks.spawn(self._sync())
@@ -166,7 +169,7 @@ class Overview:
         return alert.document(self._acknowledgements.get(alert.id)) | {"site": site}
 
     def _check(self) -> None:
-        own = []
+        own = [alert for source in self.sources for alert in source()]
         if (incident := self._history.incident) is not None:
             own.append(Alert(alert_kinds.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for name in self._sites.names():

@@ -4,29 +4,37 @@ import re
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import fields
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from fastapi import APIRouter
+from fastapi.testclient import TestClient
 
+from dock_gateway import extension as extension_module
+from dock_gateway import extension_list
 from dock_gateway.app import create_app
 from dock_gateway.cli.options import TYPE
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.extension import Core, Extension, GatewayCore, extensions, open_extensions
-from dock_gateway.extension_list import OURS
+from dock_gateway.extension import Core, Extension, GatewayCore, Installed, extensions
+from dock_gateway.extension_list import GROUP, OURS
 from dock_gateway.fleet import alert_kinds
+from dock_gateway.http.operation import Undeclared
 from dock_gateway.http.parts import Parts
+from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import ExtensionSettings, Settings
+from tests.support.audit import audit_parts
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs/write-an-extension.md"
 
 
-@pytest.mark.parametrize("extension", extensions(), ids=lambda extension: extension.name)
+@pytest.mark.parametrize("extension", [*extensions()], ids=lambda extension: extension.name)
 def test_the_gateway_is_complete_without_each(extension: Extension[GatewayCore]) -> None:
     """Its routes, events and alerts are gone, and all others are as they were."""
-    installed = [other for other in extensions() if other is not extension]
+    installed = Installed(other for other in extensions() if other is not extension)
     left, full = (create_app(Settings(), installed=each).openapi() for each in (installed, extensions()))
     own = {route.path_format for router in extension.routes(Settings()) for route in router.routes}  # type: ignore[attr-defined]
     assert left["paths"] == {path: item for path, item in full["paths"].items() if path not in own}
@@ -42,7 +50,7 @@ def test_each_has_a_page_and_tests(name: str) -> None:
     assert list((ROOT / "tests/extensions" / name).rglob("test_*.py")) or list(ROOT.glob(f"tests/*/test_*{name}*.py"))
 
 
-@pytest.mark.parametrize("extension", extensions(), ids=lambda extension: extension.name)
+@pytest.mark.parametrize("extension", [*extensions()], ids=lambda extension: extension.name)
 def test_its_settings_are_those_of_the_gateway(extension: Extension[GatewayCore]) -> None:
     if extension.settings is not None:
         assert issubclass(TYPE, extension.settings)
@@ -75,12 +83,71 @@ def core() -> Core:
 async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
     given = core()
     async with AsyncExitStack() as stack:
-        opened = await open_extensions([Extension("bad", fails), Extension("good", works)], given, stack)
+        installed = Installed([Extension("bad", fails), Extension("good", works)])
+        await installed.open(given, stack)
     assert isinstance(given.parts[Part], Part)
-    (alert,) = opened.failed
+    (alert,) = installed.alerts()
     assert alert.kind is alert_kinds.EXTENSION_FAILED
     assert "bad could not be opened" in alert.detail
     assert "the folder is not there" in alert.detail
+
+
+@pytest.fixture
+def broken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
+    """The name of an extension whose module cannot be imported."""
+    (tmp_path / "broken_extension.py").write_text("import nothing_of_this_name\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("DOCK_GATEWAY_EXTENSIONS", "broken")
+    found = EntryPoint("broken", "broken_extension:extension", GROUP)
+    monkeypatch.setattr(extension_list, "find_entry_point", lambda _: found)
+    monkeypatch.setattr(extension_module, "find_entry_point", lambda _: found)
+    return "broken"
+
+
+def test_one_that_cannot_be_imported_is_an_alert_and_the_others_are_there(broken: str) -> None:
+    installed = extensions()
+    (alert,) = installed.alerts()
+    assert alert.kind is alert_kinds.EXTENSION_FAILED
+    assert "broken could not be opened" in alert.detail
+    assert "nothing_of_this_name" in alert.detail
+    assert installed.names == [*OURS, broken]
+    create_app(Settings(), installed=installed)
+    assert issubclass(extension_list.settings_type.__wrapped__(), Settings), "the options of the command line"
+
+
+async def test_one_whose_routes_cannot_be_imported_is_an_alert() -> None:
+    def routes(_: Settings) -> list[APIRouter]:
+        raise ImportError("no module named mcp")
+
+    installed = Installed([Extension("bad", works, routes=routes)])
+    create_app(Settings(), installed=installed)
+    given = core()
+    async with AsyncExitStack() as stack:
+        await installed.open(given, stack)
+    assert [alert.title for alert in installed.alerts()] == ["No bad"]
+    with pytest.raises(Unavailable):
+        given.parts[Part]
+
+
+def test_one_with_a_route_that_does_not_say_what_it_needs_keeps_the_app_from_being_made() -> None:
+    def routes(_: Settings) -> list[APIRouter]:
+        router = APIRouter(route_class=ApiRoute)
+        router.get("/secrets")(test_each_has_a_page_and_tests)
+        return [router]
+
+    with pytest.raises(Undeclared):
+        create_app(Settings(), installed=Installed([Extension("bad", routes=routes)]))
+
+
+def test_the_list_is_that_of_the_application(broken: str) -> None:
+    installed = Installed([Extension("good", card=PAGE)], {broken: ImportError("no module")})
+    parts = Parts({**audit_parts(), Settings: Settings(), Installed: installed})
+    with TestClient(create_app(Settings(), parts), "http://127.0.0.1:8000") as http:
+        assert http.get("/extensions").json() == {
+            "extensions": [{"name": "good", "card": "/extensions/good/card.js"}, {"name": broken, "card": None}]
+        }
+        assert http.get("/extensions/good/card.js").status_code == 200
+        assert http.get("/extensions/cameras/card.js").json()["code"] == "extension_not_found"
 
 
 def test_what_belongs_to_one_that_failed_is_unavailable() -> None:

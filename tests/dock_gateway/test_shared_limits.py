@@ -99,7 +99,7 @@ BOUNDS = {
     "streams.socket_session:SocketSession.read": OF_CONNECTION,
 }
 
-FURTHER = {name: limit for extension in extensions() for name, limit in extension.limits(Settings()).items()}
+FURTHER = extensions().limits(Settings())
 LIMITS = {**limits(Settings()), **FURTHER}
 NONE = "\N{EN DASH}"
 # Those of which all users together have a number. `exports` are the others' business only by their number of users.

@@ -20,6 +20,7 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.extension import Installed
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.sites import subjects
@@ -31,6 +32,7 @@ from dock_hub import directory, forwarding, overview
 from dock_hub.app import create_hub_app
 from dock_hub.assembly import open_hub
 from dock_hub.directory import SiteState
+from dock_hub.extensions import hub_extensions
 from dock_hub.settings import HubSettings
 from dock_hub.sites import Sites
 from tests.support.edge import serving
@@ -63,7 +65,7 @@ class Hub:
 
 
 @asynccontextmanager
-async def hub_at(nats: str, folder: Path) -> AsyncIterator[Hub]:
+async def hub_at(nats: str, folder: Path, installed: Installed | None = None) -> AsyncIterator[Hub]:
     settings = HubSettings(
         database_url=f"sqlite:///{folder}/hub.db",
         spool_path=folder / "spool",
@@ -72,7 +74,7 @@ async def hub_at(nats: str, folder: Path) -> AsyncIterator[Hub]:
         authentication=True,
     )
     async with AsyncExitStack() as stack:
-        parts = await stack.enter_async_context(open_hub(settings))
+        parts = await stack.enter_async_context(open_hub(settings, installed or hub_extensions()))
         app = create_hub_app(settings, parts)
 
         async def with_parts(scope: Scope, receive: Receive, send: Send) -> None:
@@ -217,6 +219,16 @@ async def test_robots_of_a_site_stay_as_they_were_when_it_leaves(hub: Hub, nats:
     await socket.close()
     assert robots == [shown[0] | {"site_state": "unreachable", "join": None}]
     assert [(site["name"], site["stop"]["robots"]) for site in sites] == [("turin", ["/turin/robot1"])]
+
+
+async def test_an_extension_that_fails_is_an_alert(nats: NatsServer, tmp_path: Path) -> None:
+    installed = Installed([], {"statistics": ImportError("no module named numpy")})
+    async with hub_at(nats.url, tmp_path, installed) as hub:
+        _, header = await hub.token("ada", Role.OPERATOR)
+        await until(hub.parts[overview.Overview].documents)
+        (alert,) = (await hub.http.get("/alerts", headers=header)).json()["alerts"]
+        assert (alert["kind"], alert["robot"], alert["title"]) == ("extension_failed", None, "No statistics")
+        assert (await hub.http.get("/statistics", headers=header)).status_code == 404
 
 
 async def test_alerts_are_acknowledged_where_they_belong(

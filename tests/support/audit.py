@@ -12,6 +12,7 @@ from dock_gateway.audit.log import AuditLog
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.extension import Installed, extensions
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
 from tests.support.history import HistoryInMemory, open_at
@@ -36,9 +37,10 @@ class AuditList:
 
 
 def audit_parts() -> dict[type, Any]:
-    """The parts of a gateway that are needed to allow and to record a request of a client without a login."""
+    """The parts of a gateway that are needed to make its routes, and to allow and record a request without a login."""
     settings = Settings()
     return {
+        Installed: extensions(),
         AuditLog: AuditList(),
         Subjects: Subjects(settings, lambda _: None, list),
         Logins: Logins(HistoryInMemory()),

@@ -14,6 +14,7 @@ from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.extension import extensions
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.ros.bridge import Bridge
@@ -47,7 +48,7 @@ async def read(subscriber: Subscriber, into: list[dict[str, Any]]) -> None:
 
 
 async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(settings: Settings) -> None:
-    async with open_gateway(settings, limits=LIMITS) as parts:
+    async with open_gateway(settings, extensions(), LIMITS) as parts:
         bridge = parts[Bridge]
         action = await parts[ActionRegistry].find("/fibonacci")
         events: list[dict[str, Any]] = []

@@ -30,10 +30,10 @@ def openapi(other: str | None = None) -> None:
 def asyncapi() -> None:
     """Print the AsyncAPI document: streams, and the commands of /ws."""
     document = _openapi()
-    from dock_gateway.extension import events  # noqa: PLC0415 - takes seconds to import
+    from dock_gateway.extension import extensions  # noqa: PLC0415 - takes seconds to import
     from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415 - likewise
 
-    _print(asyncapi_document(document, events()))
+    _print(asyncapi_document(document, extensions().events))
 
 
 def _openapi() -> dict[str, Any]:

@@ -11,6 +11,7 @@ from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
 from dock_gateway.cli.server import Uplink, run
 from dock_gateway.doctor.environment import describe_ros
+from dock_gateway.extension import extensions
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.http.parts import Parts
@@ -51,5 +52,5 @@ async def _open(settings: Settings) -> AsyncIterator[Parts]:
     log.info("%s", describe_ros(os.environ))
     for finding in ros_variables.check(os.environ):
         log.warning("%s", finding.sentence)
-    async with open_gateway(settings) as parts:
+    async with open_gateway(settings, extensions()) as parts:
         yield parts

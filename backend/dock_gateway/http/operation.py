@@ -168,16 +168,20 @@ def find_operation(route: object) -> Operation | None:
     return declared if isinstance(declared, Operation) else None
 
 
+class Undeclared(TypeError):
+    """An endpoint or a command does not say what it needs."""
+
+
 def operation_of(function: object) -> Operation:
     """Return what an endpoint or a command needs.
 
     Raises:
-        TypeError: It does not say so.
+        Undeclared: It does not say so.
     """
     declared = getattr(function, "operation", None)
     if not isinstance(declared, Operation):
         name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
-        raise TypeError(f"{name} does not say which role it needs: put @operation(role, scope) above it")
+        raise Undeclared(f"{name} does not say which role it needs: put @operation(role, scope) above it")
     return declared
 
 
@@ -185,9 +189,9 @@ def require_declared(routes: Iterable[BaseRoute]) -> None:
     """Refuse routes that do not say what they need, and changes that the audit log would not have.
 
     Raises:
-        TypeError: There is such a route.
+        Undeclared: There is such a route.
     """
     for route in routes:
         declared = operation_of(getattr(route, "endpoint", route))
         if declared.audit is Audit.NEVER and (getattr(route, "methods", None) or set()) - READS:
-            raise TypeError(f"{getattr(route, 'path', route)} may change something: the audit log must have it")
+            raise Undeclared(f"{getattr(route, 'path', route)} may change something: the audit log must have it")

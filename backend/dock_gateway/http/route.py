@@ -27,7 +27,7 @@ class ApiRoute(APIRoute):
         query_names: The names of its query parameters.
 
     Raises:
-        TypeError: The function is not declared as an operation.
+        Undeclared: The function is not declared as an operation.
     """
 
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:

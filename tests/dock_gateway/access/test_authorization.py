@@ -16,6 +16,7 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.app import api_routers, create_app
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.extension import extensions
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.bridge import Bridge
@@ -25,7 +26,7 @@ from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 from tests.support.shapes import check_answer
 
-ROUTES_OF_API = [route for router in api_routers() for route in router.routes]
+ROUTES_OF_API = [route for router in api_routers(Settings(), extensions()) for route in router.routes]
 REQUESTS = [
     (method, route.path, operation_of(route.endpoint))
     for route in ROUTES_OF_API

@@ -22,6 +22,7 @@ from dock_gateway.app import api_routers, create_app
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.extension import extensions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.operation import operation_of
@@ -39,7 +40,7 @@ CALLBACK = "https://robots.example/session/oidc/callback"
 PASSWORD = "correct horse battery staple"
 CHANGES = [
     (method, route.path, route.name)
-    for router in api_routers()
+    for router in api_routers(Settings(), extensions())
     for route in router.routes
     if isinstance(route, APIRoute)
     for method in route.methods

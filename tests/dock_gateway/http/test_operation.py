@@ -34,7 +34,7 @@ def test_every_operation_needs_what_is_agreed() -> None:
         described(
             f"{' '.join(getattr(route, 'methods', ())) or 'WebSocket'} {route.path}", operation_of(route.endpoint)
         )
-        for router in api_routers()
+        for router in api_routers(Settings(), extensions())
         for route in router.routes
     ]
     found += [described(f"/ws {name}", needed) for name, needed in OPERATIONS.items()]
@@ -42,7 +42,7 @@ def test_every_operation_needs_what_is_agreed() -> None:
     assert sorted(found) == sorted(line for page in pages for line in page.read_text().splitlines())
 
 
-@pytest.mark.parametrize("extension", extensions(), ids=lambda extension: extension.name)
+@pytest.mark.parametrize("extension", [*extensions()], ids=lambda extension: extension.name)
 def test_the_operations_of_an_extension_are_in_its_folder(extension: Extension[GatewayCore]) -> None:
     paths = [route.path for router in extension.routes(Settings()) for route in router.routes]  # type: ignore[attr-defined]
     page = OF_EXTENSIONS / extension.name / "operations.txt"

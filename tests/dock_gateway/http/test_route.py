@@ -13,6 +13,7 @@ from starlette.responses import Response
 from dock_gateway.app import api_routers
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.grant import Role
+from dock_gateway.extension import extensions
 from dock_gateway.http.bodies import Body
 from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Operation, Scope, operation, public_operation
@@ -152,7 +153,7 @@ def test_an_endpoint_that_reads_its_body_itself_says_what_it_refuses() -> None:
 def test_every_route_of_the_api_is_one() -> None:
     others = [
         (route.path, type(route).__name__)
-        for each in (*api_routers(), *ROUTERS)
+        for each in (*api_routers(Settings(), extensions()), *ROUTERS)
         for route in each.routes
         if not isinstance(route, ApiRoute)
     ]
