@@ -17,7 +17,9 @@ from dock_gateway.core.tasks import Tasks, closed_by
 from dock_gateway.extension import GatewayCore, Installed
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.graph_scan import scan_graph
+from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.opening import open_fleet
+from dock_gateway.fleet.overview import Fleet
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.goals.limits import LIMITS, GoalLimits
@@ -36,6 +38,7 @@ from dock_gateway.observability.goal_metrics import GoalMetrics
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.opening import open_robots
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from dock_gateway.stop.opening import open_stop
@@ -112,18 +115,23 @@ async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     parts.add(Quotas, Quotas(settings, installed.limits(settings)))
     parts.add(Includes, Includes(installed.includes))
     core = GatewayCore(
-        settings,
-        parts[History],
-        parts[Fanout],
-        alerts,
-        parts,
-        parts[RobotRegistry],
-        parts[ActionRegistry],
-        parts[GraphCache],
-        parts[Relays],
-        parts[Stopper],
+        settings=settings,
+        history=parts[History],
+        events=parts[Fanout],
+        alerts=alerts,
+        labels=parts[RobotLabels],
+        share=parts[Share],
+        requests=parts[AuditLog],
+        robots=parts[RobotRegistry],
+        goals=parts[ActionRegistry],
+        graph=parts[GraphCache],
+        graph_watch=parts[GraphWatch],
+        topics=parts[Relays],
+        stop=parts[Stopper],
+        interlock=parts[Interlock],
+        fleet=parts[Fleet],
     )
-    await installed.open(core, stack)
+    await installed.open(core, parts, stack)
     alerts.sources.append(installed.alerts)
     alerts.kinds.update(installed.kinds)
     registry = CollectorRegistry()

@@ -17,9 +17,11 @@ from fastapi import APIRouter
 from prometheus_client import Metric
 from pydantic import BaseModel
 
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.share import Share
 from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further_names
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
@@ -27,14 +29,18 @@ from dock_gateway.fleet.alert_kinds import AlertKind
 from dock_gateway.http.operation import Undeclared
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Limit
+from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.settings import ExtensionSettings, Settings
 from dock_gateway.storage import History
 
 if TYPE_CHECKING:  # an extension that a hub has, too, needs no ROS
     from dock_gateway.fleet.alerts import AlertBoard
+    from dock_gateway.fleet.graph_watch import GraphWatch
+    from dock_gateway.fleet.overview import Fleet
     from dock_gateway.goals.registry import ActionRegistry
     from dock_gateway.graph.cache import GraphCache
     from dock_gateway.graph.relays import Relays
+    from dock_gateway.latch.interlock import Interlock
     from dock_gateway.robots.registry import RobotRegistry
     from dock_gateway.stop.stopper import Stopper
 
@@ -52,14 +58,18 @@ class Core:
         history: Goals, events and documents that last.
         events: Publishes events to streams.
         alerts: The active alerts.
-        parts: All parts, by their types.
+        labels: The display names and groups of robots.
+        share: The robots of this gateway, if others share its database.
+        requests: The record of requests; says when one is added.
     """
 
     settings: Settings
     history: History
     events: Fanout
     alerts: Alerts
-    parts: Parts
+    labels: RobotLabels
+    share: Share
+    requests: AuditLog
 
 
 @dataclass(frozen=True)
@@ -71,16 +81,22 @@ class GatewayCore(Core):
         robots: The robots; says what is on the ROS graph, and which robot is about to be removed.
         goals: The actions and their goals; says when one is sent, changes, ends or is lost.
         graph: What is on the ROS graph.
+        graph_watch: Faults on the ROS graph.
         topics: Reads topics, one subscription for all readers.
         stop: Stops robots; says when one is stopped.
+        interlock: Which robots are stopped; says when one is released.
+        fleet: The state of each robot.
     """
 
     alerts: "AlertBoard"
     robots: "RobotRegistry"
     goals: "ActionRegistry"
     graph: "GraphCache"
+    graph_watch: "GraphWatch"
     topics: "Relays"
     stop: "Stopper"
+    interlock: "Interlock"
+    fleet: "Fleet"
 
 
 Core_contra = TypeVar("Core_contra", bound=Core, contravariant=True)
@@ -196,8 +212,14 @@ class Installed:
                 self._fail(each.name, error)
         return routers
 
-    async def open(self, core: Core, stack: AsyncExitStack) -> None:
-        """Open them, in order, and register them with the stack for closing. One that fails is left out."""
+    async def open(self, core: Core, parts: Parts, stack: AsyncExitStack) -> None:
+        """Open them, in order, and register them with the stack for closing. One that fails is left out.
+
+        Args:
+            core: What they may reach.
+            parts: Get what each has opened, for its routes.
+            stack: Closes them.
+        """
         for each in self:
             if each.open is None or each.name in self.failed:
                 continue
@@ -207,7 +229,7 @@ class Installed:
                 self._fail(each.name, error)
             else:
                 if part is not None:
-                    core.parts.add(type(part), part)
+                    parts.add(type(part), part)
                     self.metrics.append(partial(each.metrics, part))
 
     def alerts(self) -> list[Alert]:

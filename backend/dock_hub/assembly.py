@@ -124,7 +124,8 @@ async def _open(  # noqa: PLR0917 - one after another
         }
     )
     await open_access(parts, stack)
-    await installed.open(Core(settings, history, fanout, overview, parts), stack)
+    core = Core(settings, history, fanout, overview, labels, EVERYTHING, audit)
+    await installed.open(core, parts, stack)
     overview.sources.append(installed.alerts)
     parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, installed.metrics), CollectorRegistry())))
     stops.open()

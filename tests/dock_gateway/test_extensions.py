@@ -76,16 +76,15 @@ async def fails(_: Core) -> AsyncIterator[object]:
     yield
 
 
-def core() -> Core:
-    return cast("Core", SimpleNamespace(parts=Parts({})))
+CORE = cast("Core", SimpleNamespace())
 
 
 async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
-    given = core()
+    parts = Parts({})
     async with AsyncExitStack() as stack:
         installed = Installed([Extension("bad", fails), Extension("good", works)])
-        await installed.open(given, stack)
-    assert isinstance(given.parts[Part], Part)
+        await installed.open(CORE, parts, stack)
+    assert isinstance(parts[Part], Part)
     (alert,) = installed.alerts()
     assert alert.kind is alert_kinds.EXTENSION_FAILED
     assert "bad could not be opened" in alert.detail
@@ -121,12 +120,12 @@ async def test_one_whose_routes_cannot_be_imported_is_an_alert() -> None:
 
     installed = Installed([Extension("bad", works, routes=routes)])
     create_app(Settings(), installed=installed)
-    given = core()
+    parts = Parts({})
     async with AsyncExitStack() as stack:
-        await installed.open(given, stack)
+        await installed.open(CORE, parts, stack)
     assert [alert.title for alert in installed.alerts()] == ["No bad"]
     with pytest.raises(Unavailable):
-        given.parts[Part]
+        parts[Part]
 
 
 def test_one_with_a_route_that_does_not_say_what_it_needs_keeps_the_app_from_being_made() -> None:
@@ -152,7 +151,7 @@ def test_the_list_is_that_of_the_application(broken: str) -> None:
 
 def test_what_belongs_to_one_that_failed_is_unavailable() -> None:
     with pytest.raises(Unavailable, match="Part could not be opened") as caught:
-        core().parts[Part]
+        Parts({})[Part]
     assert caught.value.code == "extension_failed"
 
 

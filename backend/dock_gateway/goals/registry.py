@@ -60,6 +60,7 @@ class ActionRegistry:
         forget_after: Seconds after which an action that is off the graph is removed.
 
     Attributes:
+        robot_actions: The robots of the actions.
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
         halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
         before_send: Called and awaited before each goal is sent through the gateway; what it raises refuses the goal.
@@ -91,7 +92,7 @@ class ActionRegistry:
         self._parts = (settings, fanout, history, reasons)
         self._interlock = interlock
         self._robots = robots
-        self._robot_actions = robot_actions
+        self.robot_actions = robot_actions
         self._catalog = robot_actions.catalog
         self._share = share
         self._limits = limits
@@ -181,7 +182,7 @@ class ActionRegistry:
         ):
             action.tracker.on[news].append(partial(_notify, listeners))
         self._actions[name] = action
-        self._robot_actions.add(action)
+        self.robot_actions.add(action)
         unfinished = self._unfinished.pop(name, {})
         try:
             for goal in unfinished.values():
@@ -227,7 +228,7 @@ class ActionRegistry:
             more = await self._discovery.take_up(new, self._actions, self._take_up)
             return more or not leaving.isdisjoint(scan.actions)
         finally:
-            self._robot_actions.update()
+            self.robot_actions.update()
             self._changed.set()
             self._changed.clear()
 
@@ -262,7 +263,7 @@ class ActionRegistry:
     async def _forget(self, action: Action) -> None:
         log.info("action %s left the ROS graph", action.name)
         del self._actions[action.name]
-        self._robot_actions.remove(action.name)
+        self.robot_actions.remove(action.name)
         self._dropped_before += action.feedback_dropped
         self._ignored_before += action.unknown_goals_ignored
         await action.close()
@@ -287,7 +288,7 @@ class ActionRegistry:
 
     def under(self, namespace: str) -> list[Action]:
         """Return the actions of a robot: those in its namespace or below it, and those that all robots share."""
-        return [action for action in self.all() if self._robot_actions.is_below(action.name, namespace)]
+        return [action for action in self.all() if self.robot_actions.is_below(action.name, namespace)]
 
     def _hear_stop(self, namespace: str) -> None:
         for action in self.under(namespace):
@@ -330,13 +331,13 @@ class ActionRegistry:
         namespace = self._robots.get(robot).namespace
         try:
             async with asyncio.timeout(self._settings.server_wait):
-                while (action := self._actions.get(self._robot_actions.docking_name(verb, namespace))) is None:
-                    for name in self._discovery.failed.keys() & self._robot_actions.docking_names(namespace, verb):
+                while (action := self._actions.get(self.robot_actions.docking_name(verb, namespace))) is None:
+                    for name in self._discovery.failed.keys() & self.robot_actions.docking_names(namespace, verb):
                         if self._verb_of(name) == verb:
                             self._require_installed(name)
                     await self._changed.wait()
         except TimeoutError:
-            name = self._robot_actions.docking_name(verb, namespace)
+            name = self.robot_actions.docking_name(verb, namespace)
             raise NotFound(f"there is no server for the action {name}", code="action_not_found") from None
         grant.require_action(action.name)
         return action
@@ -363,7 +364,7 @@ class ActionRegistry:
 
     def servers_of(self, namespace: str) -> DockingServers:
         """Return the states of a robot's docking and undocking servers, even if they have never been seen."""
-        names = self._robot_actions.docking_pair(namespace)
+        names = self.robot_actions.docking_pair(namespace)
         return DockingServers(self._server(names.dock), self._server(names.undock))
 
     def _server(self, name: str) -> ServerState:

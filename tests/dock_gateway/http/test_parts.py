@@ -38,7 +38,7 @@ def made(root: Path, without: Sequence[Path] = ()) -> set[str]:
     ]
     dicts = [call.args[0] for call in calls if ast.unparse(call.func) == Parts.__name__]
     keys = [key for each in dicts if isinstance(each, ast.Dict) for key in each.keys]
-    keys += [call.args[0] for call in calls if ast.unparse(call.func) in {"parts.add", "core.parts.add"}]
+    keys += [call.args[0] for call in calls if ast.unparse(call.func) == "parts.add"]
     return {key.id for key in keys if isinstance(key, ast.Name)}
 
 

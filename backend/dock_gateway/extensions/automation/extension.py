@@ -14,12 +14,7 @@ from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schema import AutomationEvent
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
-from dock_gateway.fleet.graph_watch import GraphWatch
-from dock_gateway.fleet.overview import Fleet
-from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.on_demand import OnDemand
-from dock_gateway.ros.bridge import Bridge
 from dock_gateway.storage.shared_entries import SharedBook
 
 GAVE_UP = AlertKind("automatic_docking_failed")
@@ -32,20 +27,20 @@ async def open_automation(core: GatewayCore) -> AsyncIterator[AutomaticDocking]:
         activity = Activity(core.robots)
         core.goals.on_end.append(activity.on_end)
         core.stop.on_stop.append(activity.intervened)
-        core.parts[Interlock].on_release.append(activity.intervened)
-        closed_by(stack, OnDemand(core.parts[Bridge], activity, "motion", lambda robot: _follow(core, activity, robot)))
+        core.interlock.on_release.append(activity.intervened)
+        bridge = core.robots.topics.bridge
+        closed_by(stack, OnDemand(bridge, activity, "motion", lambda robot: _follow(core, activity, robot)))
         decisions = DecisionLog(core.events, core.history.documents("decision", Decision))
         core.alerts.sources.append(lambda: gave_up(decisions, core.robots.namespaces()))
-        graph = core.parts[GraphWatch]
         yield closed_by(
             stack,
             AutomaticDocking(
-                core.parts[Fleet],
+                core.fleet,
                 core.goals,
-                core.parts[RobotActions],
+                core.goals.robot_actions,
                 core.history,
                 activity=activity,
-                shared=lambda: graph.shared,
+                shared=lambda: core.graph_watch.shared,
                 rules=SharedBook(core.history.documents("rule", RuleEntry), "rule", MAX_RULES),
                 decisions=decisions,
             ),

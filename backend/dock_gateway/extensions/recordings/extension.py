@@ -3,7 +3,6 @@
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 
-from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension, GatewayCore
 from dock_gateway.extensions.recordings.recorder import Recorder
@@ -13,7 +12,6 @@ from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import RecordingStore
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
-from dock_gateway.ros.bridge import Bridge
 
 RECORDINGS_FAILED = AlertKind("recordings_failed", critical=False)
 
@@ -28,7 +26,8 @@ async def open_recordings(core: GatewayCore) -> AsyncIterator[Recordings]:
     if settings.record == "none":
         yield Recordings(store, None)
         return
-    async with closing(Recorder(core.settings, core.parts[Bridge], core.topics, core.robots, store)) as recorder:
+    bridge = core.robots.topics.bridge
+    async with closing(Recorder(core.settings, bridge, core.topics, core.robots, store)) as recorder:
         _follow(core, recorder)
         yield Recordings(store, recorder)
 
@@ -39,7 +38,7 @@ def _follow(core: GatewayCore, recorder: Recorder) -> None:
     goals.on_change.append(recorder.follow)
     goals.on_end.append(recorder.end)
     goals.on_lost.append(recorder.end)
-    core.parts[AuditLog].on_entry.append(recorder.on_command)
+    core.requests.on_entry.append(recorder.on_command)
     core.robots.on_scan.append(recorder.update)
     core.robots.before_removal.append(recorder.leave)
 

@@ -3,20 +3,17 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Core, Extension
 from dock_gateway.extensions.webhooks.metrics import webhook_metrics
 from dock_gateway.extensions.webhooks.notifier import Notifier, make_notifier
 from dock_gateway.extensions.webhooks.routes import router
-from dock_gateway.robots.robots import RobotLabels
 
 
 @asynccontextmanager
 async def open_webhooks(core: Core) -> AsyncIterator[Notifier]:
     """Send alerts to webhooks."""
-    labels, share = core.parts[RobotLabels], core.parts[Share]
-    async with closing(make_notifier(core.history, core.alerts, labels, share)) as notifier:
+    async with closing(make_notifier(core.history, core.alerts, core.labels, core.share)) as notifier:
         yield notifier
 
 
