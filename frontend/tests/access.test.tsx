@@ -121,7 +121,7 @@ describe("permissions", () => {
     if (limited.principal !== null) limited.principal.robots = ["/robot1"];
     session.set(limited);
     expect(whyForbidden("DELETE /stop")).toBeNull();
-    expect(whyForbidden("PUT /automation/rules/{rule_id}")).toBe(
+    expect(whyForbidden("PUT /robots/label")).toBe(
       "This is about every robot, and your access is limited to some.",
     );
     session.set(OUT);

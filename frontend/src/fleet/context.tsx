@@ -1,5 +1,12 @@
-import type { Http } from "@dock-gateway/client";
-import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
+import type { GatewayEvent, Http } from "@dock-gateway/client";
+import {
+  createContext,
+  type ReactNode,
+  useCallback,
+  useContext,
+  useEffect,
+  useSyncExternalStore,
+} from "react";
 import type { Gateway } from "../api/client";
 import { type Command, useForbidden, useSession } from "../api/session";
 import { ClockProvider } from "../clock/clock";
@@ -50,6 +57,12 @@ export function useFleetPart<T extends FleetTopic, Part>(
   const { store } = useFleet();
   const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);
   return useSyncExternalStore(subscribe, () => read(store.get(topic)));
+}
+
+/** Calls a listener with each event of a type, such as one that an extension adds. @param listener Stays the same. */
+export function useFleetEvent(type: GatewayEvent["type"], listener: () => void): void {
+  const { store } = useFleet();
+  useEffect(() => store.onEvents((event) => event.type === type && listener()), [store, type, listener]);
 }
 
 /** Whether what is shown of all robots is what the gateway says now. Re-renders when the login changes, too. */

@@ -15,11 +15,20 @@ function topicsOf(
 
 /** Holds what is known of all robots. */
 export class FleetStore extends StreamStore<FleetState, FleetTopics> {
+  readonly #listeners = new Set<(event: GatewayEvent) => void>();
+
   constructor(now: () => number = steadyNow) {
     super(initialFleet, reduceFleet, topicsOf, now);
   }
 
+  /** Calls a listener with each event, for what is no topic here: events of extensions. */
+  onEvents(listener: (event: GatewayEvent) => void): () => void {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  }
+
   readonly onEvent = (event: GatewayEvent): void => {
+    for (const listener of this.#listeners) listener(event);
     if (!this.take(event)) return;
     // The page's title counts them, also while the page is hidden.
     if (event.type === "alerts") this.shown.flush();
@@ -56,8 +65,6 @@ interface FleetState extends StreamState {
   alerts: readonly Alert[];
   /** Agents' goals that wait until somebody allows them, oldest first. */
   approvals: readonly Approval[];
-  /** The id of the last decision of automatic docking that the stream told of; null before the first. */
-  decision: string | null;
   /** That of the robot that the gateway is configured for. */
   stop: StopState;
   /** The stream goes on after an event, and what is not replayed has still to come. */
@@ -80,7 +87,6 @@ export const initialFleet: FleetState = {
   naming: new Naming([]),
   alerts: [],
   approvals: [],
-  decision: null,
   stop: NO_STOP,
   clockSkew: 0,
   seen: new Set(),
@@ -116,8 +122,6 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
       return { ...state, alerts: event.alerts };
     case "approvals":
       return { ...state, approvals: event.approvals };
-    case "automation":
-      return { ...state, decision: event.automation.id };
     default:
       return state;
   }

@@ -1,9 +1,9 @@
 import type { AnyGoal } from "@dock-gateway/client";
 import { Anchor } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
-import { useEffect } from "react";
+import { useCallback, useEffect } from "react";
 import { Link } from "react-router";
-import { useFleet, useFleetLive, useFleetTopic } from "../../fleet/context";
+import { useFleet, useFleetEvent, useFleetLive } from "../../fleet/context";
 import { OriginBadge } from "../../goal/facts";
 import { useAnswer, useCommand } from "../../ui/requests";
 import {
@@ -56,11 +56,11 @@ function useDecisionOf(goalId: string): Decision | null {
 export function useFreshAutomation(): void {
   const client = useQueryClient();
   const live = useFleetLive();
-  const decision = useFleetTopic("decision");
-  // biome-ignore lint/correctness/useExhaustiveDependencies: a new decision is why it is asked again
+  const renew = useCallback(() => void client.invalidateQueries({ queryKey: KEY }), [client]);
+  useFleetEvent("automation", renew);
   useEffect(() => {
-    if (live) void client.invalidateQueries({ queryKey: KEY });
-  }, [client, live, decision]);
+    if (live) renew();
+  }, [live, renew]);
 }
 
 /** What changes rules. */
