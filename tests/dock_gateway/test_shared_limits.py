@@ -1,7 +1,7 @@
 """Each limit that users share has a share for each user: here is the list of all that bounds anything.
 
-A new bound fails the first test until it is in the list. If users share it, it belongs into `http.quotas.limits`, where
-the other tests find it.
+A new bound fails the first test until it is in the list: here, or in `bounds.txt` of an extension's tests. If users
+share it, it belongs into `http.quotas.limits`, where the other tests find it.
 """
 
 import asyncio
@@ -36,6 +36,8 @@ OF_GATEWAY = "of the gateway itself, or of one message, request or goal"
 OF_SITES = "of what a hub sends; no user makes more of it"
 STORED = "stored: who may add may also remove, and a lower role may not add"
 
+REASONS = (SHARES, OF_CONNECTION, OF_ADDRESS, OF_USER, TURN, OLDEST_GO, OF_GRAPH, OF_GATEWAY, OF_SITES, STORED)
+
 BOUNDS = {
     "access.login_guard:LoginGuard.counted": OF_ADDRESS,
     "access.passwords:Passwords.__init__": TURN,
@@ -47,11 +49,6 @@ BOUNDS = {
     "core.log_limit:LogLimit.filter": OF_GATEWAY,
     "core.work:Lane.__call__": SHARES,  # `large messages` come first
     "core.work:Work.__init__": OF_GATEWAY,
-    "extensions.foxglove.parameters:ClientParameters.offer": OF_CONNECTION,
-    "extensions.foxglove.parameters:ClientParameters.subscribe": OF_CONNECTION,
-    "extensions.foxglove.publications:FoxglovePublications.advertise": OF_CONNECTION,
-    "extensions.foxglove.subscriptions:Queue.put": OF_CONNECTION,
-    "extensions.foxglove.subscriptions:FoxgloveSubscriptions.require_room": OF_CONNECTION,
     "goals.adoption:Newcomers.hear": OF_GRAPH,
     "goals.cancellation:Canceler.mark_unwanted": OLDEST_GO,
     "goals.goal_machine:GoalMachine._note_ended": OLDEST_GO,
@@ -68,9 +65,6 @@ BOUNDS = {
     "http.quotas:Quotas.turn": OF_USER,
     "http.quotas:limits": SHARES,
     "latch.latch_file:LatchWriter.__init__": OF_GATEWAY,
-    "extensions.maps.feed:MapFeed.offer": OF_GRAPH,
-    "extensions.recordings.replay:Replay._use": OF_GATEWAY,
-    "extensions.recordings.store:RecordingStore.note": OLDEST_GO,
     "robots.labels:Labels.replace.check": STORED,
     "ros.action_port:ActionPort.__init__": OF_GATEWAY,
     "ros.admission:Admission._find": OF_GRAPH,
@@ -79,12 +73,6 @@ BOUNDS = {
     "ros.inbox:Inbox.put": OF_GRAPH,
     "ros.losses:Losses.count": OF_GRAPH,
     "ros.parameter_reader:ParameterReader.messages": OF_GATEWAY,
-    "extensions.rosbridge.fragments:Fragments.add": OF_CONNECTION,
-    "extensions.rosbridge.goals:ClientGoals.on_events": OF_CONNECTION,
-    "extensions.rosbridge.goals:ClientGoals.submit": OF_CONNECTION,
-    "extensions.rosbridge.publications:RosbridgePublications._prepare": OF_CONNECTION,
-    "extensions.rosbridge.publications:RosbridgePublications.advertise.advertise": OF_CONNECTION,
-    "extensions.rosbridge.subscriptions:RosbridgeSubscriptions.subscribe": OF_CONNECTION,
     "sites.identity:Verifier._use": OF_SITES,  # 1,667 requests a second of one hub
     "sites.tunnel.answer:Asker.send": OF_GATEWAY,
     "sites.tunnel.caller:Caller._open": SHARES,  # `requests` and `requests of one` come first
@@ -111,7 +99,10 @@ THE_HUB = user(FORWARDER, Role.OPERATOR)
 
 
 def test_the_list_has_every_bound() -> None:
-    assert bounds() == set(BOUNDS)
+    pages = (Path(__file__).parents[1] / "extensions").glob("*/bounds.txt")
+    of_extensions = [line.partition(" ") for page in pages for line in page.read_text().splitlines()]
+    assert bounds() == {*BOUNDS, *(bound for bound, _, _ in of_extensions)}
+    assert {reason for _, _, reason in of_extensions} <= set(REASONS)
 
 
 def test_each_share_is_taken_somewhere() -> None:

@@ -11,10 +11,9 @@ from websockets.exceptions import InvalidStatus
 
 from tests.support.access import Site, bearer
 from tests.support.clients import connect
+from tests.support.doors import doors
 from tests.support.gateway import RunningGateway, running_program
 from tests.support.waiting import wait_until
-from tests.system.test_gateway_foxglove import client_of as foxglove
-from tests.system.test_gateway_rosbridge import client_of as rosbridge
 
 pytestmark = pytest.mark.ros
 
@@ -63,11 +62,10 @@ def test_it_is_not_read(gateway: RunningGateway, topic: str, root: dict[str, str
         connect(url, additional_headers=root)
     assert orjson.loads(refused.value.response.body or b"")["code"] == "not_covered"
 
-    with rosbridge(gateway, additional_headers=root) as client:
-        client.send("subscribe", topic=topic)
-        client.error("not include")
-        client.send("subscribe", topic=OWN)
-        assert client.until("publish")["topic"] == OWN
+    for door in doors():
+        if door.reads is not None:
+            assert not door.reads(gateway, root, topic), door.name
+            assert door.reads(gateway, root, OWN), door.name
 
 
 def test_it_is_in_no_list_and_no_recording(
@@ -90,15 +88,11 @@ def test_it_is_in_no_list_and_no_recording(
         assert not names & set(SHARED)
         assert not any(name.startswith("/robot1/") for name in names)
 
-    with foxglove(gateway, additional_headers=root) as client:
-        assert client.channel(OWN)
-        channels = set(client.channels)
-    assert not channels & set(SHARED)
-
-    with rosbridge(gateway, additional_headers=root) as client:
-        topics = client.call("/rosapi/topics")["topics"]
-    assert OWN in topics
-    assert not set(topics) & set(SHARED)
+    for door in doors():
+        if door.topics is not None:
+            topics = door.topics(gateway, root, OWN)
+            assert OWN in topics, door.name
+            assert not topics & set(SHARED), door.name
 
 
 def test_the_map_shows_only_the_robot(gateway: RunningGateway, root: dict[str, str]) -> None:

@@ -8,9 +8,13 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
+from dock_gateway.cli.options import TYPE
 from dock_gateway.cli.start import load_ros
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
 from dock_gateway.settings import Settings
+
+# That of the gateway, and those of the WebSockets of extensions.
+PORTS = [f"--{name.replace('_', '-')}" for name in TYPE.model_fields if name == "port" or name.endswith("_port")]
 
 
 def refusal(*arguments: str, **environment: str) -> str:
@@ -36,7 +40,7 @@ def test_what_cannot_work(command: str, variable: str, value: str, mends: str) -
     assert mends in refusal(command, "--port", "0" if command == "serve" else "8999", **{variable: value})
 
 
-@pytest.mark.parametrize("option", ["--port", "--rosbridge-port", "--foxglove-port"])
+@pytest.mark.parametrize("option", PORTS)
 @pytest.mark.parametrize("command", ["serve", "up"])
 def test_a_port_in_use(command: str, option: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
@@ -73,11 +77,3 @@ def test_messages_of_another_distribution(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(Exception, match="the ROS package sensor_msgs does not load") as caught:
         load_ros({})
     assert "`make setup`" in str(caught.value)
-
-
-@pytest.mark.parametrize("command", ["serve", "up"])
-def test_agents_without_what_speaks_their_protocol(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "mcp", None)
-    result = CliRunner().invoke(main, [command, "--mcp", "true"])
-    assert result.exit_code == 2
-    assert "dock-gateway[mcp] is not installed" in result.output

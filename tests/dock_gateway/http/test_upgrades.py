@@ -1,9 +1,11 @@
 """A WebSocket's path asked for as a page, and a WebSocket of a path that has none."""
 
 import pytest
+from starlette.routing import WebSocketRoute
 from starlette.testclient import TestClient, WebSocketDenialResponse
 
 from dock_gateway.app import create_app
+from dock_gateway.extension import extensions
 from dock_gateway.settings import Settings
 from tests.support.edge import HOST, serving
 
@@ -12,13 +14,21 @@ HANDSHAKE = (
     b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
 )
 
+OF_EXTENSIONS = [
+    route.path
+    for extension in extensions()
+    for router in extension.routes(Settings())
+    for route in router.routes
+    if isinstance(route, WebSocketRoute)
+]
+
 
 @pytest.fixture
 def client() -> TestClient:
     return TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")
 
 
-@pytest.mark.parametrize("path", ["/ws", "/ws/feedback?robot=/robot1", "/ws/topics", "/rosbridge", "/foxglove"])
+@pytest.mark.parametrize("path", ["/ws", "/ws/feedback?robot=/robot1", "/ws/topics", *OF_EXTENSIONS])
 def test_without_an_upgrade(client: TestClient, path: str) -> None:
     response = client.get(path)
     problem = response.json()
@@ -42,4 +52,5 @@ def test_no_websocket_is_there(client: TestClient, path: str, caplog: pytest.Log
         pass
     assert refused.value.status_code == 404
     assert "a WebSocket was refused: there is no WebSocket at" in caplog.text
-    assert "there are /foxglove, /rosbridge, /ws, /ws/feedback" in refused.value.json()["detail"]
+    there = ", ".join([*sorted(OF_EXTENSIONS), "/ws", "/ws/feedback"])
+    assert f"there are {there}" in refused.value.json()["detail"]

@@ -14,7 +14,7 @@ from dock_gateway.operations.topics import ReadTopic, subscribe
 from dock_gateway.settings import Settings
 from tests.support.permits import acting, user
 
-DOORS = ("extensions/foxglove/subscriptions.py", "extensions/rosbridge/subscriptions.py")
+DOORS = [*Path(dock_gateway.__file__).parent.glob("extensions/*/subscriptions.py")]
 
 
 async def test_a_topic_takes_a_place_and_is_read_until_it_is_closed() -> None:
@@ -34,7 +34,7 @@ async def test_a_topic_takes_a_place_and_is_read_until_it_is_closed() -> None:
 
 def test_no_door_reads_messages_in_a_way_of_its_own() -> None:
     for door in DOORS:
-        tree = ast.parse((Path(dock_gateway.__file__).parent / door).read_text())
+        tree = ast.parse(door.read_text())
         called = {
             node.func.attr
             for node in ast.walk(tree)

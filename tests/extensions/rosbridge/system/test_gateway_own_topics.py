@@ -5,10 +5,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool, String
 
+from tests.extensions.rosbridge.door import client_of
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import Observer
 from tests.support.waiting import wait_until
-from tests.system.test_gateway_rosbridge import client_of
 
 pytestmark = pytest.mark.ros
 

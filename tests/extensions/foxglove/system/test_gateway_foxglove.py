@@ -2,7 +2,7 @@
 
 import struct
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +12,15 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_websocket
 from websockets.typing import Subprotocol
 
 from action_tutorials_interfaces.action import Fibonacci
+from tests.extensions.foxglove.door import Client, client_of
 from tests.support.access import Site, bearer, ends_with
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.processes import free_port
-from tests.support.waiting import PATIENCE, wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -41,93 +41,6 @@ FIBONACCI = "action_tutorials_interfaces/action/Fibonacci"
 CHATTER = {"id": 1, "topic": "/chatter", "encoding": "cdr", "schemaName": "std_msgs/msg/String"}
 # A request with one text, which is empty.
 NO_TEXT = b"\0\1\0\0\1\0\0\0\0"
-
-
-class Client:
-    """A viewer: keeps what it is offered and sent."""
-
-    def __init__(self, connection: ClientConnection) -> None:
-        self.connection = connection
-        self.channels: dict[str, dict[str, Any]] = {}
-        self.services: dict[str, dict[str, Any]] = {}
-
-    def send(self, op: str, **fields: Any) -> None:
-        self.connection.send(orjson.dumps({"op": op, **fields}).decode())
-
-    def next(self) -> dict[str, Any]:
-        data = self.connection.recv(PATIENCE)
-        if isinstance(data, str):
-            message: dict[str, Any] = orjson.loads(data)
-        else:
-            message = self.read(data)
-        if message["op"] == "advertise":
-            self.channels |= {each["topic"]: each for each in message["channels"]}
-        if message["op"] == "advertiseServices":
-            self.services |= {each["name"]: each for each in message["services"]}
-        return message
-
-    @staticmethod
-    def read(data: bytes) -> dict[str, Any]:
-        if data[0] == 1:
-            identity, stamp_ns = struct.unpack_from("<IQ", data, 1)
-            return {"op": "message", "id": identity, "stamp_ns": stamp_ns, "data": data[13:]}
-        service, call, length = struct.unpack_from("<III", data, 1)
-        assert data[0] == 3
-        return {"op": "response", "serviceId": service, "callId": call, "data": data[13 + length :]}
-
-    def until(self, op: str, **fields: Any) -> dict[str, Any]:
-        """The next message of this kind with these fields."""
-        while (message := self.next())["op"] != op or not fields.items() <= message.items():
-            pass
-        return message
-
-    def channel(self, topic: str) -> dict[str, Any]:
-        """The channel of a topic, as soon as it is offered."""
-        while topic not in self.channels:
-            self.next()
-        return self.channels[topic]
-
-    def subscribe(self, identity: int, topic: str) -> None:
-        self.send("subscribe", subscriptions=[{"id": identity, "channelId": self.channel(topic)["id"]}])
-
-    def service(self, name: str) -> int:
-        """The id of a service, as soon as it is offered."""
-        while name not in self.services:
-            self.next()
-        return int(self.services[name]["id"])
-
-    def begin(self, name: str, request: bytes, encoding: str = "cdr", call: int = 7) -> None:
-        head = struct.pack("<BIII", 2, self.service(name), call, len(encoding))
-        self.connection.send(head + encoding.encode() + request)
-
-    def call(self, name: str, request: bytes, encoding: str = "cdr") -> bytes:
-        """The response of a service."""
-        self.begin(name, request, encoding)
-        while (message := self.next())["op"] not in {"response", "serviceCallFailure"}:
-            pass
-        assert message["op"] == "response", message
-        assert (message["serviceId"], message["callId"]) == (self.services[name]["id"], 7)
-        return bytes(message["data"])
-
-    def ask(self, name: str, **fields: Any) -> Any:
-        """The response of a service, in JSON."""
-        return orjson.loads(self.call(name, orjson.dumps(fields), "json"))
-
-    def failure(self, name: str, request: bytes, encoding: str = "cdr") -> str:
-        self.begin(name, request, encoding)
-        return str(self.until("serviceCallFailure", callId=7)["message"])
-
-    def error(self, text: str) -> None:
-        message = self.until("status", level=2)
-        assert text in message["message"]
-
-
-@contextmanager
-def client_of(gateway: RunningGateway, query: str = "", **options: Any) -> Iterator[Client]:
-    url = f"{gateway.url.replace('http', 'ws')}/foxglove{query}"
-    options = {"subprotocols": [Subprotocol("foxglove.websocket.v1")], **options}
-    with open_websocket(url, max_size=None, **options) as connection:
-        yield Client(connection)
 
 
 @pytest.fixture(scope="module")

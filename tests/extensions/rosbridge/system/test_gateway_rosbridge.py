@@ -2,16 +2,16 @@
 
 import base64
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import orjson
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_websocket
 
+from tests.extensions.rosbridge.door import Client, client_of
 from tests.support.access import Site, bearer
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.processes import free_port
@@ -19,59 +19,12 @@ from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
-FIBONACCI = "action_tutorials_interfaces/action/Fibonacci"
 # More steps than a test takes; the server accepts no more.
 LONG = 45
 # What clients may reach past goals and the latch.
 ALLOWED = {"publish": "/chatter,/points,/cmd_vel", "set_parameters": "/talker0/talker"}
 TWIST = "geometry_msgs/msg/Twist"
 SCAN = "sensor_msgs/msg/LaserScan"
-
-
-class Client:
-    """A client that keeps what it is sent."""
-
-    def __init__(self, connection: ClientConnection) -> None:
-        self.connection = connection
-        self.seen: list[dict[str, Any]] = []
-
-    def send(self, op: str, **fields: Any) -> None:
-        self.connection.send(orjson.dumps({"op": op, **fields}).decode())
-
-    def next(self) -> dict[str, Any]:
-        message: dict[str, Any] = orjson.loads(self.connection.recv(PATIENCE))
-        self.seen.append(message)
-        return message
-
-    def until(self, op: str, **fields: Any) -> dict[str, Any]:
-        """The next message of this kind with these fields."""
-        while (message := self.next())["op"] != op or not fields.items() <= message.items():
-            pass
-        return message
-
-    def call(self, service: str, /, **args: Any) -> Any:
-        self.send("call_service", service=service, args=args, id=service)
-        answer = self.until("service_response", id=service)
-        assert answer["service"] == service
-        assert answer["result"], answer
-        return answer["values"]
-
-    def goal(self, order: int, identity: str, **fields: Any) -> None:
-        fields = {"action": "/fibonacci", "action_type": FIBONACCI, "args": {"order": order}, **fields}
-        self.send("send_action_goal", id=identity, **fields)
-
-    def error(self, text: str = "") -> str:
-        """The next error."""
-        message = self.until("status", level="error")
-        assert text in message["msg"]
-        return str(message["msg"])
-
-
-@contextmanager
-def client_of(gateway: RunningGateway, query: str = "", **options: Any) -> Iterator[Client]:
-    url = f"{gateway.url.replace('http', 'ws')}/rosbridge{query}"
-    with open_websocket(url, max_size=None, **options) as connection:
-        yield Client(connection)
 
 
 @pytest.fixture(scope="module")
