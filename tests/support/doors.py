@@ -11,6 +11,9 @@ from tests.support.gateway import RunningGateway
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 
+# A connection that sends no pings: their payloads are drawn from `random`, which Hypothesis allows no one beside it.
+QUIET: dict[str, Any] = {"ping_interval": None}
+
 # Asks for a stop with these fields; returns its report.
 Stop = Callable[[Any], dict[str, Any]]
 Headers = Mapping[str, str]

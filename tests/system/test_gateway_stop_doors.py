@@ -17,7 +17,7 @@ from websockets.sync.client import ClientConnection
 
 from dock_gateway.stop.order import MAX_ROBOTS
 from tests.support.clients import connect
-from tests.support.doors import Stop, doors
+from tests.support.doors import QUIET, Stop, doors
 from tests.support.gateway import RunningGateway
 from tests.support.observer import Recording
 from tests.support.processes import ForkedProcess
@@ -56,7 +56,7 @@ def world(shared_domain: int) -> Iterator[World]:
     further = {name: value for door in doors() for name, value in door.settings.items()}
     with ExitStack() as stack:
         gateway, commanded = stack.enter_context(two_robots(shared_domain, **further))
-        socket = stack.enter_context(connect(f"{gateway.url.replace('http', 'ws')}/ws"))
+        socket = stack.enter_context(connect(f"{gateway.url.replace('http', 'ws')}/ws", **QUIET))
         world = World(gateway, socket, {}, commanded)
         world.doors.update({"rest": world.rest, "ws": world.ws})
         world.doors.update({door.name: stack.enter_context(door.stop(gateway)) for door in doors()})

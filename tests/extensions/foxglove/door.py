@@ -10,7 +10,7 @@ from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_websocket
 from websockets.typing import Subprotocol
 
-from tests.support.doors import Door, Headers, Stop
+from tests.support.doors import QUIET, Door, Headers, Stop
 from tests.support.gateway import RunningGateway
 from tests.support.waiting import PATIENCE
 
@@ -106,7 +106,7 @@ def client_of(gateway: RunningGateway, query: str = "", **options: Any) -> Itera
 
 @contextmanager
 def _stops(gateway: RunningGateway) -> Iterator[Stop]:
-    with client_of(gateway) as client:
+    with client_of(gateway, **QUIET) as client:
 
         def stop(fields: Any) -> dict[str, Any]:
             answer = orjson.loads(client.call(STOP, orjson.dumps(fields), "json"))

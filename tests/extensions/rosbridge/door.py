@@ -8,7 +8,7 @@ import orjson
 from websockets.sync.client import ClientConnection
 from websockets.sync.client import connect as open_websocket
 
-from tests.support.doors import Door, Headers, Stop
+from tests.support.doors import QUIET, Door, Headers, Stop
 from tests.support.gateway import RunningGateway
 from tests.support.waiting import PATIENCE
 
@@ -77,7 +77,7 @@ def stop_report(client: Client) -> dict[str, Any]:
 
 @contextmanager
 def _stops(gateway: RunningGateway) -> Iterator[Stop]:
-    with client_of(gateway) as client:
+    with client_of(gateway, **QUIET) as client:
 
         def stop(fields: Any) -> dict[str, Any]:
             client.connection.send(stop_call(fields).decode())
@@ -88,7 +88,7 @@ def _stops(gateway: RunningGateway) -> Iterator[Stop]:
 
 @contextmanager
 def _stops_in_fragments(gateway: RunningGateway) -> Iterator[Stop]:
-    with client_of(gateway) as client:
+    with client_of(gateway, **QUIET) as client:
 
         def stop(fields: Any) -> dict[str, Any]:
             text = stop_call(fields).decode()
