@@ -3,7 +3,6 @@
 import asyncio
 from collections import Counter, deque
 from collections.abc import Awaitable, Callable
-from contextlib import AsyncExitStack
 from typing import NamedTuple
 
 from dock_gateway.core.access import Principal
@@ -14,7 +13,8 @@ from dock_gateway.extensions.foxglove.channels import Channel
 from dock_gateway.extensions.foxglove.protocol import message_data
 from dock_gateway.graph.received import Received
 from dock_gateway.http.parts import Parts
-from dock_gateway.operations import topics as operations
+from dock_gateway.operations.topics import ReadTopic
+from dock_gateway.streams.topic_readings import TopicReadings
 
 MAX_SUBSCRIPTIONS = 100
 # Messages and bytes that wait for a client that reads slowly.
@@ -120,11 +120,8 @@ class FoxgloveSubscriptions:
     """
 
     def __init__(self, parts: Parts, principal: Principal, writer: FrameWriter | None) -> None:
-        self._parts = parts
-        self._principal = principal
-        self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
+        self._readings = TopicReadings(parts, principal, writer)
         self._outlets: dict[int, ChannelOutlet] = {}
-        self._readings: dict[int, AsyncExitStack] = {}
         self._queue = Queue()
         self._waiting = asyncio.Event()
         self._sending = False  # something waits, or is just being sent
@@ -150,15 +147,15 @@ class FoxgloveSubscriptions:
         if any(each.channel.id == channel.id for each in self._outlets.values()):
             raise Conflict(f"the channel {channel.id} ({channel.topic}) is subscribed to", code="subscription_exists")
         outlet = ChannelOutlet(channel, lambda message: self._put(identity, message))
-        order = operations.ReadTopic(channel.topic, outlet, channel.type)
-        self._readings[identity] = await operations.subscribe(self._parts, self._principal, order)
+        order = ReadTopic(channel.topic, outlet, channel.type)
+        await self._readings.begin(identity, order)
         self._outlets[identity] = outlet
 
     async def unsubscribe(self, identity: int) -> bool:
         """End a subscription; return whether there was one."""
         if self._outlets.pop(identity, None) is None:
             return False
-        await self._readings.pop(identity).aclose()
+        await self._readings.end(identity)
         self._queue.forget(identity)  # its id may be used again
         return True
 
@@ -169,7 +166,7 @@ class FoxgloveSubscriptions:
                 await self.unsubscribe(identity)
 
     def _put(self, subscription: int, message: Received) -> None:
-        if self._sending or not self._write(message.once(Framed).frame(subscription, message)):
+        if self._sending or not self._readings.write(message.once(Framed).frame(subscription, message)):
             self._queue.put(Waiting.of(subscription, message))
             self._waiting.set()
             self._sending = True

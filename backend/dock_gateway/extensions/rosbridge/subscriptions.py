@@ -3,7 +3,6 @@
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable
-from contextlib import AsyncExitStack
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import TooManyRequests
@@ -14,7 +13,8 @@ from dock_gateway.extensions.rosbridge.protocol import Compression, Identity, Su
 from dock_gateway.extensions.rosbridge.published import Published
 from dock_gateway.graph.received import Received
 from dock_gateway.http.parts import Parts
-from dock_gateway.operations import topics as operations
+from dock_gateway.operations.topics import ReadTopic
+from dock_gateway.streams.topic_readings import TopicReadings
 
 # Topics of a client, and its subscriptions of all of them together.
 MAX_TOPICS, MAX_SUBSCRIPTIONS = 64, 500
@@ -121,11 +121,9 @@ class RosbridgeSubscriptions:
     """
 
     def __init__(self, parts: Parts, principal: Principal, writer: FrameWriter | None) -> None:
-        self._parts = parts
-        self._principal = principal
-        self._write: Callable[[bytes], bool] = (lambda _: False) if writer is None else writer.write_frame
+        self._work = parts[Work]
+        self._readings = TopicReadings(parts, principal, writer)
         self._outlets: dict[str, TopicOutlet] = {}
-        self._readings: dict[str, AsyncExitStack] = {}
         self._changed = asyncio.Event()
 
     async def subscribe(self, topic: str, type_name: str | None, identity: Identity, request: Subscribe) -> None:
@@ -140,12 +138,12 @@ class RosbridgeSubscriptions:
         known = outlet is not None and identity in outlet.requests
         if not known and sum(len(each.requests) for each in self._outlets.values()) >= MAX_SUBSCRIPTIONS:
             raise TooManyRequests(f"this connection already has {MAX_SUBSCRIPTIONS} subscriptions")
-        joined = outlet or TopicOutlet(topic, self._parts[Work], self._write, self._changed.set)
+        joined = outlet or TopicOutlet(topic, self._work, self._readings.write, self._changed.set)
         joined.requests[identity] = request
         joined.configure()
         if outlet is None:
-            order = operations.ReadTopic(topic, joined, type_name)
-            self._readings[topic] = await operations.subscribe(self._parts, self._principal, order)
+            order = ReadTopic(topic, joined, type_name)
+            await self._readings.begin(topic, order)
             self._outlets[topic] = joined
 
     async def unsubscribe(self, topic: str, identity: Identity) -> None:
@@ -160,7 +158,7 @@ class RosbridgeSubscriptions:
             outlet.configure()
         else:
             del self._outlets[topic]
-            await self._readings.pop(topic).aclose()
+            await self._readings.end(topic)
 
     async def send_all(
         self, send: Callable[[Payload, int | None], Awaitable[None]], report: Callable[[str], Awaitable[None]]
