@@ -12,6 +12,7 @@ from dock_gateway.graph.received import Received
 from dock_gateway.graph.relay import Relay
 from dock_gateway.graph.subscription import KEEP
 from dock_gateway.ros.raw_port import Arrival
+from tests.support.bridge import FakeBridge
 from tests.support.waiting import PATIENCE
 
 FIRST, SECOND = b"1", b"22"
@@ -48,16 +49,6 @@ class FakePort:
 
     def close(self) -> None:
         """Nothing to close."""
-
-
-class FakeBridge:
-    """Runs at once what belongs on the ROS thread."""
-
-    async def call(self, function: Callable[[], Any], **_: object) -> Any:
-        return function()
-
-    def to_ros(self, function: Callable[[], Any]) -> None:
-        function()
 
 
 class Listener:

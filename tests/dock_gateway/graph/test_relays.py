@@ -1,7 +1,6 @@
 """Readers that join and leave topics."""
 
 import asyncio
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, cast
 
@@ -12,6 +11,7 @@ from dock_gateway.core.work import Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.raw_port import Arrival, EchoType
+from tests.support.bridge import FakeBridge
 from tests.support.waiting import PATIENCE, until
 
 KIND = "std_msgs/msg/String"
@@ -39,16 +39,6 @@ class FakePort:
 
     def close(self) -> None:
         self.closed.append(self._topic)
-
-
-class FakeBridge:
-    """Runs at once what belongs on the ROS thread."""
-
-    async def call(self, function: Callable[[], Any], **_: object) -> Any:
-        return function()
-
-    def to_ros(self, function: Callable[[], Any]) -> None:
-        function()
 
 
 class FakeGraph:
