@@ -20,6 +20,7 @@ from dock_gateway.audit.trail import AuditTrail, audited_command
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.extension import Installed, extensions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
@@ -52,6 +53,7 @@ class Site:
         self.parts = Parts(
             {
                 Settings: self.settings,
+                Installed: extensions(),
                 History: self.history,
                 AuditLog: self.audit,
                 Subjects: Subjects(self.settings, self.running.get, lambda: ["/robot7"]),
@@ -156,7 +158,7 @@ def test_goals_and_subjects(site: Site) -> None:
         http.put("/simulator/faults/stuck_wheel", json={"active": True})
         assert (entry := site.one()).subject == "stuck_wheel"
         assert entry.robot == "/"
-        http.put("/automation/rules/night", json={})
+        http.put("/users/night", json={})
         assert site.one().subject == "night"
 
 
