@@ -63,7 +63,13 @@ class Bench:
             arguments = ["--brokers", str(folder / f"logins{process}.json"), "--keys", str(folder / "keys.json")]
             arguments += ["--robots", str(robots), "--change-period", "0.5"]
             arguments += ["--port", str(self.direct_port)] if process == 0 else []
-            command = [*on_core(OTHER_CORE), str(BIN / "python"), "-m", "tests.support.simulated_site", *arguments]
+            command = [
+                *on_core(OTHER_CORE),
+                str(BIN / "python"),
+                "-m",
+                "tests.extensions.sites.simulated_site",
+                *arguments,
+            ]
             stack.enter_context(Process(*command, *names, env=dict(os.environ), cwd=ROOT)).wait_for("serving")
         settings = {
             "port": str(self.port),

@@ -29,6 +29,7 @@ from dock_gateway.goals.unfinished import take_over_unfinished
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.opening import open_graph
 from dock_gateway.graph.relays import Relays
+from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.latch.interlock import Interlock
@@ -73,6 +74,7 @@ async def open_gateway(settings: Settings, installed: Installed, limits: GoalLim
         await open_access(parts, stack)
         parts.add(Subjects, Subjects(settings, parts[ActionRegistry].action_of, parts[RobotRegistry].namespaces))
         parts.add(Present, GatewayPresent(parts))
+        parts.add(FurtherWays, FurtherWays())
         await _open_extensions(parts, stack)
         await _begin(parts, stack)
         yield parts
@@ -130,6 +132,7 @@ async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
         stop=parts[Stopper],
         interlock=parts[Interlock],
         fleet=parts[Fleet],
+        ways=parts[FurtherWays],
     )
     await installed.open(core, parts, stack)
     alerts.sources.append(installed.alerts)

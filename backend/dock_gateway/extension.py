@@ -26,6 +26,7 @@ from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.operation import Undeclared
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Limit
@@ -86,6 +87,7 @@ class GatewayCore(Core):
         stop: Stops robots; says when one is stopped.
         interlock: Which robots are stopped; says when one is released.
         fleet: The state of each robot.
+        ways: Ways to the application besides the ports; an extension adds its own.
     """
 
     alerts: "AlertBoard"
@@ -97,6 +99,7 @@ class GatewayCore(Core):
     stop: "Stopper"
     interlock: "Interlock"
     fleet: "Fleet"
+    ways: FurtherWays
 
 
 Core_contra = TypeVar("Core_contra", bound=Core, contravariant=True)
@@ -115,7 +118,7 @@ class Extension(Generic[Core_contra]):
         events: The models of these events.
         alerts: The kinds of alerts that it adds.
         limits: Returns what users share of it, by name.
-        metrics: Returns the metrics of its part.
+        metrics: Returns the metrics of its part, also of None.
         card: A file with an ES module that defines the custom element `NAME-card`, which a robot's page shows. For an
             extension of another distribution: ours are built into the dashboard.
     """
@@ -230,7 +233,7 @@ class Installed:
             else:
                 if part is not None:
                     parts.add(type(part), part)
-                    self.metrics.append(partial(each.metrics, part))
+                self.metrics.append(partial(each.metrics, part))
 
     def alerts(self) -> list[Alert]:
         """Return an alert for each that could not be imported or opened."""

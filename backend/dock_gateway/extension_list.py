@@ -25,6 +25,7 @@ OURS = (
     "foxglove",
     "agents",
     "traces",
+    "sites",
 )
 PACKAGE = "dock_gateway.extensions"
 # The group of the entry points of other distributions.
@@ -53,9 +54,15 @@ def missing_extension() -> str | None:
 
 
 @cache
+def extension_settings() -> tuple[type[ExtensionSettings], ...]:
+    """Return the settings of the extensions of a gateway."""
+    return (*_ours(), *_further())
+
+
+@cache
 def settings_type() -> type[Settings]:
     """Return the settings of a gateway with those of its extensions."""
-    return type("GatewaySettings", (*_ours(), *_further(), Settings), {"__doc__": Settings.__doc__})
+    return type("GatewaySettings", (*extension_settings(), Settings), {"__doc__": Settings.__doc__})
 
 
 def _ours() -> Iterator[type[ExtensionSettings]]:

@@ -38,7 +38,6 @@ from dock_gateway.setting_types import (
     Topics,
     own_names,
 )
-from dock_gateway.site_settings import SiteSettings
 
 PREFIX = "DOCK_GATEWAY_"
 # Variables of the commands that are HTTP clients.
@@ -85,11 +84,14 @@ class ExtensionSettings(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True)
 
+    def find_fault(self) -> str | None:
+        """Return why a gateway cannot start with them, such as a file that cannot be read; None if it can."""
+
 
 S = TypeVar("S", bound=ExtensionSettings)
 
 
-class Settings(SiteSettings):
+class Settings(BaseSettings):
     """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
 
     model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")

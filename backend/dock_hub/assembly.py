@@ -17,6 +17,7 @@ from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Core, Installed
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.observability.metrics import Metrics
@@ -117,6 +118,7 @@ async def _open(  # noqa: PLR0917 - one after another
             RobotActions: robot_actions,
             RobotLabels: labels,
             Share: EVERYTHING,
+            FurtherWays: FurtherWays(),
             Includes: Includes(),
             Quotas: Quotas(settings),
             AuditLog: audit,

@@ -1,5 +1,6 @@
 """`dock-gateway hub`: one dashboard and one API for many sites; `dock-gateway hub-key`: its keys. Needs no ROS."""
 
+import os
 from functools import partial
 from typing import Any
 
@@ -7,9 +8,10 @@ import click
 import orjson
 
 from dock_gateway.cli.options import read_settings_of, settings_options
-from dock_gateway.cli.start import check_broker, check_exposure, check_port
+from dock_gateway.cli.start import check_exposure, check_port
 from dock_gateway.doctor.machine import find_database_fault
-from dock_gateway.settings import data_file
+from dock_gateway.settings import PREFIX, data_file
+from dock_gateway.sites.settings import find_broker_fault
 from dock_hub.settings import HubSettings
 
 # What a hub reads of the settings besides those of the web server, by what their names begin with.
@@ -41,7 +43,7 @@ def hub(**options: Any) -> None:
     settings = read_settings_of(HubSettings, options)
     if not settings.nats:
         raise click.UsageError("a hub needs --nats, the NATS servers over which it reaches its sites")
-    if settings.hub:
+    if os.environ.get(f"{PREFIX}HUB"):
         raise click.UsageError("a hub is not a site of another hub: leave out --hub")
     if settings.database_url == "memory:":
         raise click.UsageError("a hub needs a database, to know what it has read of its sites: not memory:")
@@ -50,7 +52,8 @@ def hub(**options: Any) -> None:
         own |= {} if settings.spool_path else {"spool_path": data_file("hub-spool")}
         settings = settings.model_copy(update=own)
     check_exposure(settings)
-    check_broker(settings)
+    if (fault := find_broker_fault(settings)) is not None:
+        raise click.UsageError(fault)
     check_port(settings)
     if (fault := find_database_fault(settings)) is not None:
         raise click.ClickException(fault)

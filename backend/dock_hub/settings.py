@@ -6,9 +6,10 @@ from pydantic import Field
 
 from dock_gateway.setting_types import Brokers
 from dock_gateway.settings import Settings, data_file
+from dock_gateway.sites.settings import BrokerSettings
 
 
-class HubSettings(Settings):
+class HubSettings(BrokerSettings, Settings):
     """The settings of a hub, fixed once it runs. docs/extensions/sites.md lists its own."""
 
     nats: Brokers = Field((), description="NATS servers, separated by commas, over which the hub reaches its sites.")
@@ -21,7 +22,7 @@ class HubSettings(Settings):
     @property
     def brokers(self) -> dict[str, Brokers]:
         """The NATS servers, by the name of the setting."""
-        return {**super().brokers, "nats": self.nats}
+        return {"nats": self.nats}
 
     @property
     def hub_key_file(self) -> Path:

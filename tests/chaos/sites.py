@@ -97,7 +97,7 @@ class Sites:
             process = ForkedProcess("dock-gateway", "hub", env=ros_environment(0, **variables))
         else:
             (self.folder / f"{name}.json").write_text(json.dumps({name: url}))
-            command = (sys.executable, "-m", "tests.support.simulated_site", *self._arguments(name))
+            command = (sys.executable, "-m", "tests.extensions.sites.simulated_site", *self._arguments(name))
             process = Process(*command, env=ros_environment(0))
         self._processes[name] = process
         self.outputs.append(process)

@@ -262,30 +262,3 @@ def test_names_of_single_robots() -> None:
     assert settings.battery_of("/robot1") == "/power/battery"
     assert settings.battery_of("/") == "/b"
     assert settings.battery_of("/robot2") == "/robot2/battery_status"
-
-
-SITE = {"hub": "nats://127.0.0.1:4222", "site": "berlin", "hub_key": "hub.json"}
-
-
-def test_a_site_and_its_hub() -> None:
-    settings = read_settings({**SITE, "hub": "tls://ada:secret@nats.example.com, nats://[::1]:4222"})
-    assert settings.hub == ("tls://ada:secret@nats.example.com", "nats://[::1]:4222")
-    assert (settings.hub_role, settings.hub_robots) == ("operator", ())
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"site": None}, "hub needs site, the name of this site"),
-        ({"hub_key": None}, "hub needs hub_key: a file with what `dock-gateway hub-key` prints"),
-        ({"hub_role": "admin", "hub_robots": "/robot1"}, "hub_robots limits no admin"),
-        ({"hub": None}, "site needs hub, the NATS servers"),
-        ({"hub": "nats://ada:secret@nats.example.com"}, "hub names a NATS server on another machine without TLS"),
-        ({"hub": "nats://ada:secret@nats.example.com:x"}, "like tls://nats.example.com:4222"),
-    ],
-)
-def test_a_site_that_cannot_work(change: dict[str, str | None], sentence: str) -> None:
-    with pytest.raises(click.UsageError) as refused:
-        read_settings({**SITE, **change})
-    assert sentence in refused.value.message
-    assert "secret" not in refused.value.message

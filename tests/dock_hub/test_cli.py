@@ -1,16 +1,15 @@
 """`dock-gateway hub-key`, and what a start says about a file of keys."""
 
+import re
 from pathlib import Path
 
-import click
 import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.options import read_settings
-from dock_gateway.cli.start import check_broker, check_hub
-from dock_gateway.settings import Settings
-from dock_gateway.sites.identity import Signer
+from dock_gateway.sites.identity import Signer, Verifier
+from dock_gateway.sites.settings import find_broker_fault
+from dock_hub.settings import HubSettings
 
 
 def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
@@ -18,18 +17,16 @@ def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
     first, second = (CliRunner().invoke(main, ["hub-key", "--hub-key-path", str(private)]) for _ in range(2))
     assert first.exit_code == 0
     assert first.output == second.output
-    public.write_text(first.output)
     assert Signer.load_or_create(private).public_keys()["keys"][0]["x"] in first.output
-    check_hub(Settings(hub="nats://127.0.0.1", site="berlin", hub_key=public))
+    public.write_text(first.output)
+    Verifier(public, "berlin")
 
 
-def test_a_start_without_the_keys_of_the_hub(tmp_path: Path) -> None:
-    check_hub(Settings())
-    for name in ("nats_credentials", "nats_ca"):
-        with pytest.raises(click.UsageError, match="need hub"):
-            check_hub(Settings(**{name: tmp_path}))  # type: ignore[arg-type]
-    with pytest.raises(click.UsageError, match=r"hub_key: .* cannot be read: No such file"):
-        check_hub(Settings(hub="nats://127.0.0.1", site="berlin", hub_key=tmp_path / "hub.json"))
+def test_a_hub_is_no_site(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DOCK_GATEWAY_HUB", "nats://127.0.0.1")
+    result = CliRunner().invoke(main, ["hub", "--nats", "nats://127.0.0.1"])
+    assert result.exit_code == 2
+    assert "a hub is not a site of another hub" in result.output
 
 
 @pytest.mark.parametrize(
@@ -41,8 +38,8 @@ def test_a_start_without_the_keys_of_the_hub(tmp_path: Path) -> None:
 )
 def test_a_start_with_other_files(tmp_path: Path, setting: str, sentence: str) -> None:
     (path := tmp_path / "file").write_text("something else\n")
-    with pytest.raises(click.UsageError, match=sentence):
-        check_broker(read_settings({setting: str(path)}))
+    fault = find_broker_fault(HubSettings(**{setting: path}))  # type: ignore[arg-type]
+    assert re.fullmatch(f"{sentence}.*", fault or "")
     option = f"--{setting.replace('_', '-')}"
     result = CliRunner().invoke(main, ["hub", "--nats", "nats://127.0.0.1", "--port", "0", option, str(path)])
     assert result.exit_code == 2

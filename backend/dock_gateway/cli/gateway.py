@@ -5,19 +5,15 @@ import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from starlette.types import ASGIApp
-
 from dock_gateway.app import create_app
 from dock_gateway.assembly import open_gateway
-from dock_gateway.cli.server import Uplink, run
+from dock_gateway.cli.server import run
 from dock_gateway.doctor.environment import describe_ros
 from dock_gateway.extension import extensions
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
-from dock_gateway.storage import History
-from dock_gateway.uplink.link import HubLink
 from robot_io import ros_variables
 
 log = logging.getLogger(__name__)
@@ -29,22 +25,12 @@ def run_gateway(settings: Settings) -> bool:
     Raises:
         CertificateError: A certificate or key cannot be used.
     """
-    return run(settings, _open, create_app, _tell_address, _make_uplink)
+    return run(settings, _open, create_app, _tell_address)
 
 
 def _tell_address(parts: Parts, port: int) -> None:
     """Let the other gateways on the database know where this one is."""
     parts[Gateways].listen(own_address(parts[Settings], port))
-
-
-def _make_uplink(settings: Settings, parts: Parts, app: ASGIApp) -> Uplink | None:
-    """Connect to a hub, if there is one: no one else needs what that imports."""
-    if not settings.hub:
-        return None
-    from dock_gateway.uplink import uplink  # noqa: PLC0415 - see above
-
-    parts.add(HubLink, link := HubLink(settings.site))
-    return uplink.Uplink(settings, parts[History], link, app)
 
 
 @asynccontextmanager

@@ -9,7 +9,6 @@ from pydantic.fields import FieldInfo
 
 from dock_gateway.extension_list import settings_type
 from dock_gateway.settings import Settings
-from dock_gateway.site_settings import SiteSettings
 
 TYPE = settings_type()
 # It says which options there are.
@@ -17,14 +16,9 @@ ONLY_A_VARIABLE = "extensions"
 S = TypeVar("S", bound=Settings)
 
 
-def _place(name: str) -> int:
-    """Return where a setting belongs: the gateway's own come first, those of a site last."""
-    return 2 if name in SiteSettings.model_fields else name not in Settings.model_fields
-
-
 def fields_of(settings: type[Settings]) -> list[tuple[str, FieldInfo]]:
-    """Return all settings, in the order of the documentation."""
-    return sorted(settings.model_fields.items(), key=lambda field: _place(field[0]))
+    """Return all settings, in the order of the documentation: the gateway's own come first."""
+    return sorted(settings.model_fields.items(), key=lambda field: field[0] not in Settings.model_fields)
 
 
 # All settings of a gateway.

@@ -7,9 +7,9 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Any, Protocol, TypeVar, cast
+from typing import TypeVar, cast
 
 import uvicorn
 from starlette.types import ASGIApp
@@ -26,6 +26,7 @@ from dock_gateway.http.edge.listener import Listener
 from dock_gateway.http.edge.options import edge_options
 from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.http.edge.tls import open_tls
+from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.own_ports import OwnPorts
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.request_id import RequestId
@@ -45,22 +46,6 @@ CreateApp = Callable[[S, Parts], ASGIApp]
 OnListening = Callable[[Parts, int], object]
 
 
-class Uplink(Protocol):
-    """A second way to the application, besides the ports: the tunnel, at a site."""
-
-    async def open(self, state: Mapping[str, Any]) -> None:
-        """Open it; `state` is what requests have as their state."""
-
-    async def leave(self) -> None:
-        """Say that it ends soon. Streams go on."""
-
-    async def close(self) -> None:
-        """End it."""
-
-
-MakeUplink = Callable[[Settings, Parts, ASGIApp], Uplink | None]
-
-
 class Server(uvicorn.Server):
     """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
@@ -69,12 +54,10 @@ class Server(uvicorn.Server):
         config: uvicorn.Config,
         certificates: Certificates | None = None,
         on_listening: OnListening = lambda *_: None,
-        make_uplink: MakeUplink = lambda *_: None,
     ) -> None:
         super().__init__(config)
         self._on_listening = on_listening
-        self._make_uplink = make_uplink
-        self._uplink: Uplink | None = None
+        self._ways = FurtherWays()
         self._certificates = certificates
         self._parts: Parts | None = None
         self._own_ports: dict[int, str] = {}
@@ -85,11 +68,11 @@ class Server(uvicorn.Server):
         if self.should_exit:
             return
         self._parts = parts
-        app = RequestId(SecurityHeaders(app, tls=settings.tls))
+        self._ways = parts[FurtherWays]
+        self._app = app = RequestId(SecurityHeaders(app, tls=settings.tls))
         # The WebSockets of an extension may have a port of their own: `rosbridge_port` is that of `/rosbridge`.
         own = {name.removesuffix("_port"): port for name, port in settings.ports.items() if name != "port"}
         self._own_ports = {port: f"/{name}" for name, port in own.items()}
-        self._uplink = self._make_uplink(settings, parts, app)
         self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
@@ -109,8 +92,8 @@ class Server(uvicorn.Server):
                 log.info("listening on %s%s://%s:%d", scheme, secure, f"[{host}]" if ":" in host else host, port)
         if self._parts is not None:
             self._on_listening(self._parts, listeners[0][1].sockets[0].getsockname()[1])
-        if self._uplink is not None:
-            await self._uplink.open(self.lifespan.state)
+        for way in self._ways:
+            await way.open(self._app, self.lifespan.state)
 
     def _bind(self, port: int) -> Listener:
         try:
@@ -130,16 +113,16 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then shut down."""
-        if self._uplink is not None:
-            await self._uplink.leave()
+        for way in self._ways:
+            await way.leave()
         if self._parts is not None:
             fanout = self._parts[Fanout]
             fanout.close()
             deadline = time.monotonic() + FAREWELL
             while len(fanout) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
                 await asyncio.sleep(0.01)
-        if self._uplink is not None:
-            await self._uplink.close()
+        for way in self._ways:
+            await way.close()
         await super().shutdown(sockets)
         await self._tasks.close()
 
@@ -149,7 +132,6 @@ def run(
     open_parts: OpenParts[S],
     create_app: CreateApp[S],
     on_listening: OnListening = lambda *_: None,
-    make_uplink: MakeUplink = lambda *_: None,
 ) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started.
 
@@ -158,7 +140,6 @@ def run(
         open_parts: Opens the parts, until the server has shut down.
         create_app: Makes the application of them.
         on_listening: Called with the parts and the port, once it is listened on.
-        make_uplink: Makes a second way to the application, if there is to be one.
 
     Raises:
         CertificateError: A certificate or key cannot be used.
@@ -180,7 +161,7 @@ def run(
         **edge_options(settings),
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
-        server = Server(config, certificates, on_listening, make_uplink)
+        server = Server(config, certificates, on_listening)
         return runner.run(_serve(server, settings, open_parts, create_app))
 
 

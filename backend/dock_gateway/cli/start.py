@@ -2,7 +2,6 @@
 
 import importlib
 import importlib.util
-import ssl
 from collections.abc import Mapping
 
 import click
@@ -10,7 +9,7 @@ import click
 from dock_gateway.doctor.check import Level
 from dock_gateway.doctor.environment import check_docking, find_exposure_fault, find_twin_fault
 from dock_gateway.doctor.machine import find_database_fault, find_port_fault
-from dock_gateway.extension_list import missing_extension
+from dock_gateway.extension_list import extension_settings, missing_extension
 from dock_gateway.settings import Settings
 from robot_io.startup import find_docking_fault, find_load_fault, find_start_fault
 
@@ -29,7 +28,7 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
     if (fault := missing_extension()) is not None:
         raise click.UsageError(fault)
     check_exposure(settings)
-    check_hub(settings)
+    _check_extensions(settings)
     _refuse(find_twin_fault())
     check_ros(environment)
     _check_docking(environment, needed=docking)
@@ -59,43 +58,10 @@ def check_exposure(settings: Settings) -> None:
         raise click.UsageError(fault)
 
 
-def check_hub(settings: Settings) -> None:
-    """Refuse a site that cannot verify what its hub signs.
-
-    Raises:
-        click.UsageError: The file of the hub's keys cannot be used, or there are files without a hub.
-    """
-    if not settings.hub and (settings.nats_credentials or settings.nats_ca):
-        raise click.UsageError("nats_credentials and nats_ca need hub")
-    if not settings.hub or settings.hub_key is None:
-        return
-    from dock_gateway.sites.identity import KeyFault, Verifier  # noqa: PLC0415 - only sites with a hub need it
-
-    try:
-        Verifier(settings.hub_key, settings.site)
-    except KeyFault as error:
-        raise click.UsageError(str(error)) from None
-    check_broker(settings)
-
-
-def check_broker(settings: Settings) -> None:
-    """Refuse files with which no NATS server can be reached. Whether there is a server is not looked at.
-
-    Raises:
-        click.UsageError: One cannot be read, or is another kind of file.
-    """
-    from dock_gateway.sites.nats_client import read_credentials  # noqa: PLC0415 - takes a tenth of a second
-
-    try:
-        if settings.nats_credentials is not None:
-            read_credentials(settings.nats_credentials)
-    except ValueError as error:
-        raise click.UsageError(f"nats_credentials: {error}") from None
-    try:
-        if settings.nats_ca is not None:
-            ssl.create_default_context(cafile=settings.nats_ca)
-    except OSError as error:  # SSLError is one
-        raise click.UsageError(f"nats_ca: {settings.nats_ca} is no PEM file with certificates: {error}") from None
+def _check_extensions(settings: Settings) -> None:
+    for kind in extension_settings():
+        if (fault := kind.find_fault(settings.of(kind))) is not None:
+            raise click.UsageError(fault)
 
 
 def check_ros(environment: Mapping[str, str]) -> None:

@@ -7,13 +7,11 @@ from prometheus_client import Metric
 
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.observability.collector import PartsCollector, counter, counters, gauge, gauges
+from dock_gateway.observability.collector import PartsCollector, counter, gauge, gauges
 from dock_gateway.observability.goal_metrics import VERBS, verb_of
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
-from dock_gateway.uplink.link import HubLink, HubState
 
 
 class GatewayCollector(PartsCollector):
@@ -25,7 +23,6 @@ class GatewayCollector(PartsCollector):
         yield from self._actions()
         yield from self._ros()
         yield from self._robots()
-        yield from self._hub()
 
     def _actions(self) -> Iterator[Metric]:
         yield counter(
@@ -61,13 +58,6 @@ class GatewayCollector(PartsCollector):
         yield gauge("robots", "Robots that the gateway serves", len(robots))
         stopped = sum(parts[Stopper].state(robot.namespace)["latched"] for robot in robots)
         yield gauge("robots_stopped", "Robots held by a latched stop", stopped)
-
-    def _hub(self) -> Iterator[Metric]:
-        link = self.parts[HubLink] if self.parts[Settings].hub else None
-        connected = {} if link is None else {link.site: link.state is HubState.CONNECTED}
-        refused = {} if link is None else link.refused
-        yield gauges("hub_connected", "Whether the hub reaches this site", "site", connected)
-        yield counters("hub_refused", "Messages of the hub that were refused, by reason", "reason", refused)
 
 
 def _state_of(server: ServerState) -> str:

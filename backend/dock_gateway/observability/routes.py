@@ -12,6 +12,7 @@ from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.operation import public_operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
@@ -22,7 +23,6 @@ from dock_gateway.ros.bridge import Bridge, ros_environment
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
-from dock_gateway.uplink.link import HubLink
 
 router = APIRouter(route_class=ApiRoute, tags=["Health"])
 
@@ -30,7 +30,7 @@ router = APIRouter(route_class=ApiRoute, tags=["Health"])
 @router.get("/healthz", responses={503: {"model": Health}})
 @public_operation(any_query=True)
 async def healthz(
-    parts: AllParts, bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout]
+    bridge: Part[Bridge], settings: Part[Settings], fanout: Part[Fanout], ways: Part[FurtherWays]
 ) -> Answer[Health]:
     """Report whether the ROS thread is alive and responsive, and at a site whether its hub reaches it.
 
@@ -47,7 +47,7 @@ async def healthz(
         "node": settings.resolve(settings.node_name),
         "ros": ros_environment(),
         "subscribers": len(fanout),
-        "hub": parts[HubLink].document() if settings.hub else None,
+        "hub": next((way.document() for way in ways), None),
     }
     return json_response(health, 200 if alive else 503)
 

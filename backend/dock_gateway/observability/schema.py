@@ -1,12 +1,20 @@
 """The JSON shapes of `/healthz` and `/readyz`."""
 
 from datetime import datetime
+from enum import StrEnum
 from typing import Literal
 
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.http.schema import Schema
 from dock_gateway.stop.schema import StopState
-from dock_gateway.uplink.link import HubState
+
+
+class HubState(StrEnum):
+    """Whether the hub reaches this site."""
+
+    CONNECTED = "connected"
+    REFUSED = "refused"
+    UNREACHABLE = "unreachable"
 
 
 class HubConnection(Schema):

@@ -1,4 +1,4 @@
-"""Simulated sites as a process: `python -m tests.support.simulated_site --broker URL --keys FILE berlin …`.
+"""Simulated sites as a process: `python -m tests.extensions.sites.simulated_site --broker URL --keys FILE berlin …`.
 
 What is simulated is only the gateway's own API: connection, hello, tunnel and verification are those of a real site.
 The clock may be off, for all code of the process.
@@ -27,6 +27,6 @@ if __name__ == "__main__":
     real, offset = time.time, arguments.clock_offset
     time.time = lambda: real() + offset
 
-    from tests.support.site_process import run  # everything that asks for the time comes after it was set
+    from tests.extensions.sites.site_process import run  # everything that asks for the time comes after it was set
 
     run(arguments)

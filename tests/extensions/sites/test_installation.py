@@ -2,8 +2,8 @@
 
 import pytest
 
-from dock_gateway.uplink.installation import read_installation
-from dock_gateway.uplink.link import HubLink
+from dock_gateway.extensions.sites.installation import read_installation
+from dock_gateway.extensions.sites.link import HubLink
 from tests.support.history import HistoryInMemory
 
 

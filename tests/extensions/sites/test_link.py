@@ -1,6 +1,7 @@
 """What a site says of its hub."""
 
-from dock_gateway.uplink.link import HubLink, HubState
+from dock_gateway.extensions.sites.link import HubLink
+from dock_gateway.observability.schema import HubState
 
 
 def test_a_hub_with_another_key_is_named_until_it_is_believed() -> None:

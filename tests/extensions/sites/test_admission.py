@@ -9,10 +9,10 @@ import pytest
 from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.sites.admission import HubAdmission
+from dock_gateway.extensions.sites.link import HubLink
+from dock_gateway.extensions.sites.settings import SiteSettings
 from dock_gateway.sites.identity import IdentityReused, Signer
-from dock_gateway.uplink.admission import HubAdmission
-from dock_gateway.uplink.link import HubLink
 
 INSTANCE = "0123456789abcdef"
 REQUEST = ("POST", "/dock")
@@ -25,7 +25,7 @@ def signer(tmp_path: Path) -> Signer:
 
 def admission(signer: Signer, folder: Path, role: str = "operator", robots: str = "") -> HubAdmission:
     (keys := folder / "hub.json").write_bytes(orjson.dumps(signer.public_keys()))
-    settings = Settings(hub="nats://127.0.0.1", site="berlin", hub_key=keys, hub_role=role, hub_robots=robots)  # type: ignore[arg-type]
+    settings = SiteSettings(hub="nats://127.0.0.1", site="berlin", hub_key=keys, hub_role=role, hub_robots=robots)  # type: ignore[arg-type]
     return HubAdmission(settings, INSTANCE, HubLink("berlin"))
 
 

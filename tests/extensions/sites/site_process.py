@@ -13,10 +13,10 @@ from typing import Any
 import uvicorn
 import uvloop
 
-from dock_gateway.settings import Settings
-from dock_gateway.uplink.installation import KEY, Installation
-from dock_gateway.uplink.link import HubLink
-from dock_gateway.uplink.uplink import Uplink
+from dock_gateway.extensions.sites.installation import KEY, Installation
+from dock_gateway.extensions.sites.link import HubLink
+from dock_gateway.extensions.sites.settings import SiteSettings
+from dock_gateway.extensions.sites.uplink import Uplink
 from tests.support.site_api import SiteApi
 from tests.support.site_simulation import Journal, SimulatedSite
 
@@ -54,9 +54,9 @@ async def _run(arguments: argparse.Namespace) -> None:
             site = SimulatedSite(name, arguments.robots, journal, change_period=arguments.change_period)
             app = SiteApi(site).app
             tasks.append(group.create_task(site.run()))
-            settings = Settings(hub=brokers[name], site=name, hub_key=arguments.keys, hub_role="admin")
-            uplink = Uplink(settings, Installations(site.installation), HubLink(name), app)  # type: ignore[arg-type]
-            await uplink.open({})
+            settings = SiteSettings(hub=brokers[name], site=name, hub_key=arguments.keys, hub_role="admin")
+            uplink = Uplink(settings, Installations(site.installation), HubLink(name))  # type: ignore[arg-type]
+            await uplink.open(app, {})
             stack.push_async_callback(uplink.close)
             stack.push_async_callback(uplink.leave)
             if index == 0 and arguments.port is not None:

@@ -4,20 +4,12 @@ import logging
 from collections import Counter
 from dataclasses import dataclass, field
 from datetime import datetime
-from enum import StrEnum
 from typing import Any
 
 from dock_gateway.core.event import utc_now
+from dock_gateway.observability.schema import HubState
 
 log = logging.getLogger(__name__)
-
-
-class HubState(StrEnum):
-    """Whether the hub reaches this site."""
-
-    CONNECTED = "connected"
-    REFUSED = "refused"
-    UNREACHABLE = "unreachable"
 
 
 @dataclass

@@ -15,7 +15,11 @@ from starlette.types import ASGIApp
 from dock_gateway import __version__
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.sites.admission import HubAdmission
+from dock_gateway.extensions.sites.installation import read_installation
+from dock_gateway.extensions.sites.link import HubLink
+from dock_gateway.extensions.sites.settings import SiteSettings
+from dock_gateway.observability.schema import HubState
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, NoResponder, open_broker
 from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, compatible, read_answer
@@ -23,9 +27,6 @@ from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.tunnel.caller import Address
 from dock_gateway.sites.tunnel.server import TunnelServer
 from dock_gateway.storage import History
-from dock_gateway.uplink.admission import HubAdmission
-from dock_gateway.uplink.installation import read_installation
-from dock_gateway.uplink.link import HubLink, HubState
 
 log = logging.getLogger(__name__)
 
@@ -44,13 +45,12 @@ class Uplink:
         settings: The settings of a site.
         history: Stores the id of the installation.
         link: Its state.
-        app: The gateway's application.
 
     Raises:
         KeyFault: The file with the hub's keys cannot be used.
     """
 
-    def __init__(self, settings: Settings, history: History, link: HubLink, app: ASGIApp) -> None:
+    def __init__(self, settings: SiteSettings, history: History, link: HubLink) -> None:
         self._options = BrokerOptions(
             urls=settings.hub,
             credentials=settings.nats_credentials,
@@ -60,8 +60,7 @@ class Uplink:
         )
         self._history = history
         self._link = link
-        self._app = app
-        self._state: Mapping[str, Any] = {}
+        self._served: tuple[ASGIApp, Mapping[str, Any]] | None = None
         self._address = Address(settings.site, subjects.new_id())
         self._admission = HubAdmission(settings, self._address.instance, link)
         self._keys = KeyAgreement()
@@ -74,13 +73,14 @@ class Uplink:
         self._stack = AsyncExitStack()
         self._tasks = Tasks("saying hello to the hub")
 
-    async def open(self, state: Mapping[str, Any]) -> None:
+    async def open(self, app: ASGIApp, state: Mapping[str, Any]) -> None:
         """Connect in the background, for ever.
 
         Args:
+            app: The gateway's application.
             state: What the application's requests have as their state.
         """
-        self._state = state
+        self._served = app, state
         self._broker = broker = await self._stack.enter_async_context(open_broker(self._options))
         self._link.refused = broker.refused
         broker.on_connect.append(self._awake.set)
@@ -99,6 +99,10 @@ class Uplink:
         await self._tasks.close()
         await self._end_tunnel()
         await self._stack.aclose()
+
+    def document(self) -> dict[str, Any]:
+        """Return its state, as `/healthz` shows it."""
+        return self._link.document()
 
     async def _run(self, broker: Broker) -> None:
         while True:
@@ -152,7 +156,9 @@ class Uplink:
             self._link.refuse(answer.code, answer.detail)
             return
         if self._tunnel is None:
-            self._tunnel = TunnelServer(broker, self._address, self._app, self._admission, self._state)
+            assert self._served is not None
+            app, state = self._served
+            self._tunnel = TunnelServer(broker, self._address, app, self._admission, state)
             await self._tunnel.open()
         self._agree(answer)
         self._tunnel.key = self._key or None

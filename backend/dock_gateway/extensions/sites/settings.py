@@ -1,15 +1,16 @@
-"""The settings of a site that has a hub: docs/extensions/sites.md."""
+"""The settings of a site that has a hub."""
 
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic_settings import BaseSettings
 
-from dock_gateway.setting_types import Brokers, OptionalFile, RobotPatterns, SiteName, is_safe_broker
+from dock_gateway.setting_types import Brokers, OptionalFile, RobotPatterns, SiteName
+from dock_gateway.settings import ExtensionSettings
+from dock_gateway.sites.settings import BrokerSettings, find_broker_fault
 
 
-class SiteSettings(BaseSettings):
-    """The part of `Settings` that is about a hub."""
+class SiteSettings(BrokerSettings, ExtensionSettings):
+    """How a hub reaches this gateway, and what it may do."""
 
     hub: Brokers = Field(
         (),
@@ -29,18 +30,6 @@ class SiteSettings(BaseSettings):
         (),
         description="Robots that the hub may see and move, separated by commas: `/robot1`, or `/hall_a/*`, where `*` "
         "stands for any text. Empty: every robot.",
-    )
-    nats_credentials: OptionalFile = Field(
-        None, description="File with the credentials (`.creds`) of this site or hub at the NATS servers."
-    )
-    nats_ca: OptionalFile = Field(
-        None,
-        description="PEM file with the certificate authorities of the NATS servers. Empty: those of this machine.",
-    )
-    nats_insecure: bool = Field(
-        False,
-        description="Whether NATS servers on other machines may be used without TLS, `nats://` instead of `tls://`: "
-        "then others on the network may read and change what is sent.",
     )
 
     @model_validator(mode="after")
@@ -62,12 +51,16 @@ class SiteSettings(BaseSettings):
         """The NATS servers, by the name of the setting."""
         return {"hub": self.hub}
 
-    @model_validator(mode="after")
-    def _check_brokers(self) -> Self:
-        for name, servers in self.brokers.items():
-            if not self.nats_insecure and not all(map(is_safe_broker, servers)):
-                raise ValueError(
-                    f"{name} names a NATS server on another machine without TLS: write tls:// instead of nats://, or "
-                    "allow it with nats_insecure"
-                )
-        return self
+    def find_fault(self) -> str | None:
+        """Return a sentence about files with which a hub cannot reach this site, or what it signs not be verified."""
+        if not self.hub and (self.nats_credentials or self.nats_ca):
+            return "nats_credentials and nats_ca need hub"
+        if not self.hub or self.hub_key is None:
+            return None
+        from dock_gateway.sites.identity import KeyFault, Verifier  # noqa: PLC0415 - only sites with a hub need it
+
+        try:
+            Verifier(self.hub_key, self.site)
+        except KeyFault as error:
+            return str(error)
+        return find_broker_fault(self)

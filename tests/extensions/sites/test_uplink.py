@@ -10,14 +10,15 @@ import orjson
 import pytest
 
 from dock_gateway import __version__
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.sites.link import HubLink
+from dock_gateway.extensions.sites.settings import SiteSettings
+from dock_gateway.extensions.sites.uplink import Uplink
+from dock_gateway.observability.schema import HubState
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import AGREEMENT, Signer
 from dock_gateway.sites.messages import Welcome
 from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.subscription import Received
-from dock_gateway.uplink.link import HubLink, HubState
-from dock_gateway.uplink.uplink import Uplink
 from dock_hub.site_client import READER
 from dock_hub.sites import Sites
 from tests.dock_hub.test_hub import Hub, hub_at
@@ -32,9 +33,9 @@ async def site_at(server: NatsServer, folder: Path, history: HistoryInMemory) ->
     """One process of the site berlin."""
     keys = folder / "hub.json"
     keys.write_bytes(orjson.dumps(Signer.load_or_create(folder / "hub.key").public_keys()))
-    settings = Settings(hub=(server.url,), site="berlin", hub_key=keys)
-    uplink = Uplink(settings, history, HubLink("berlin"), APP)  # type: ignore[arg-type]
-    await uplink.open({})
+    settings = SiteSettings(hub=(server.url,), site="berlin", hub_key=keys)
+    uplink = Uplink(settings, history, HubLink("berlin"))  # type: ignore[arg-type]
+    await uplink.open(APP, {})
     try:
         yield uplink
     finally:

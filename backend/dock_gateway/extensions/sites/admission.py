@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dock_gateway.core.access import Principal, forwarded
 from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import Role
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.sites.link import HubLink
+from dock_gateway.extensions.sites.settings import SiteSettings
 from dock_gateway.sites.identity import AGREEMENT, NOTHING, IdentityReused, Verifier
-from dock_gateway.uplink.link import HubLink
 
 
 class HubAdmission:
@@ -25,7 +25,7 @@ class HubAdmission:
     """
 
     def __init__(
-        self, settings: Settings, instance: str, link: HubLink, clock: Callable[[], float] = time.time
+        self, settings: SiteSettings, instance: str, link: HubLink, clock: Callable[[], float] = time.time
     ) -> None:
         assert settings.hub_key is not None
         self._verifier = Verifier(settings.hub_key, settings.site)
