@@ -12,7 +12,7 @@ import { createHttp } from "./api/http";
 import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";
 import { session } from "./api/session";
 import { ExtensionsProvider } from "./extension/context";
-import type { Extension } from "./extension/extension";
+import { type Extension, layersOf } from "./extension/extension";
 import * as listed from "./extensions";
 import { FleetProvider, type FleetServices } from "./fleet/context";
 import { FleetStore } from "./fleet/store";
@@ -40,7 +40,7 @@ const fleet: FleetServices = {
   gatewayOf: (robot) =>
     robot === null ? createGateway(http) : createGateway(httpOf(robot), placeOf(robot).name),
   store,
-  openRobot: (robot) => openRobot(location, http, robot),
+  openRobot: (robot) => openRobot(location, http, robot, layersOf(extensions)),
 };
 
 const container = document.getElementById("root");

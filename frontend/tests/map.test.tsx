@@ -2,9 +2,10 @@ import type { GatewayEvent, Scene, StreamHandlers } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { placement } from "../src/pages/map/MapPage";
-import { FleetScenes, FleetStage } from "../src/pages/map/stage";
+import { FleetScenes } from "../src/pages/map/scenes";
+import { FleetStage } from "../src/pages/map/stage";
 import { Camera } from "../src/scene/camera";
-import { MAP_COLORS, SCENE_COLORS } from "../src/scene/colors";
+import { SCENE_COLORS } from "../src/scene/colors";
 import { toScreen } from "../src/scene/view";
 import { alert, at, emptyScene, latched, robot } from "./events";
 import { fakeGateway, renderPage } from "./page";
@@ -36,7 +37,7 @@ beforeEach(() => {
 
 describe("the scenes of all robots", () => {
   it("have the same frames for as long as robots only move", () => {
-    const scenes = new FleetScenes();
+    const scenes = new FleetScenes([]);
     const listener = vi.fn();
     const forget = scenes.subscribe(listener);
     expect(scenes.frames).toBeNull();
@@ -114,41 +115,6 @@ describe("a robot is", () => {
   });
 });
 
-const NO_MAP = { colors: MAP_COLORS.light, load: async () => new Blob() };
-
-describe("a map that robots share", () => {
-  const grid = {
-    ...{ revision: "1", stamp: null, frame: "map", resolution: 0.05, width: 10, height: 10 },
-    origin: { x: 0, y: 0, theta: 0 },
-  };
-  const map = (x: number, topic = "/map") => ({ topic, map: grid, odom: { x, y: 0, theta: 0 }, hint: null });
-  const maps = (maps: Record<string, ReturnType<typeof map>>) => ({
-    type: "maps" as const,
-    time: at(1),
-    maps,
-  });
-
-  it("places those that tell only odometry", () => {
-    const scenes = new FleetScenes();
-    scenes.onEvent(event({ "/a": scene(1, "odom"), "/b": scene(2, "odom"), "/c": scene(3, "odom") }));
-    expect(scenes.frames?.get("/a")).toBe("odom");
-    scenes.onEvent(maps({ "/a": map(10), "/b": map(20), "/c": map(30, "/other/map") }));
-    expect([scenes.frame, scenes.latest["/a"]?.robot.x, scenes.latest["/b"]?.robot.x]).toEqual([
-      "map",
-      11,
-      22,
-    ]);
-    expect([...(scenes.frames?.values() ?? [])]).toEqual(["world", "world", "odom"]);
-  });
-
-  it("lies where a robot that tells its true pose says", () => {
-    const scenes = new FleetScenes();
-    scenes.onEvent(maps({ "/a": map(10), "/b": map(20) }));
-    scenes.onEvent(event({ "/a": { ...scene(1), odom: { x: 5, y: 0, theta: 0 } }, "/b": scene(2, "odom") }));
-    expect([scenes.frame, scenes.ground?.at.x, scenes.latest["/b"]?.robot.x]).toEqual(["world", -5, 17]);
-  });
-});
-
 describe("the stage", () => {
   it("puts robots of the shared frame in their places, each dock once", () => {
     vi.useFakeTimers({ toFake: ["requestAnimationFrame", "cancelAnimationFrame", "performance"] });
@@ -158,10 +124,11 @@ describe("the stage", () => {
     });
     vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(context as never);
     const elements = new Map(["/a", "/b", "/c"].map((name) => [name, document.createElement("li")]));
-    const scenes = new FleetScenes();
+    const scenes = new FleetScenes([]);
     const canvas = document.createElement("canvas");
     const camera = new Camera();
-    const stage = new FleetStage(canvas, camera, elements, scenes, SCENE_COLORS.light, true, NO_MAP);
+    const means = { canvas, colors: SCENE_COLORS.light, scheme: "light", reducedMotion: true } as const;
+    const stage = new FleetStage(means, camera, elements, scenes);
     stage.resize({ width: 600, height: 400 });
     scenes.onEvent(event({ "/a": scene(-2), "/b": scene(3), "/c": scene(9, "odom"), "/gone": scene(0) }));
     vi.advanceTimersByTime(50);
@@ -188,7 +155,7 @@ describe("the stage", () => {
     expect(style("--arrow")).toBe("0.333");
     expect(style("--size")).toBe(`${Math.max(24, stage.view.scale).toFixed(1)}px`);
 
-    const next = new FleetStage(canvas, camera, elements, scenes, SCENE_COLORS.dark, true, NO_MAP);
+    const next = new FleetStage(means, camera, elements, scenes);
     stage.destroy();
     next.panBy(40, 0);
     next.zoomBy(2);

@@ -1,61 +1,30 @@
-import type { EventOf } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
 import { MapMenu, poseGoal } from "../src/scene/MapMenu";
 import type { Pick } from "../src/scene/SceneCanvas";
 import { ServicesProvider } from "../src/store/context";
-import { frameIn, Surroundings } from "../src/store/surroundings";
-import { at, emptyScene, simulator } from "./events";
+import type { RobotLayer } from "../src/store/layers";
+import { emptyScene, simulator } from "./events";
 import { fakeGateway, renderWithin, robotServices } from "./page";
 
 const QUARTER = Math.PI / 2;
 
-/** Odometry begins at (2, 3) in the map, and at (1, 0) in the frame that is drawn. */
-const MAP: EventOf<"map"> = {
-  type: "map",
-  time: at(1),
-  robot: "/",
-  map: {
-    topic: "/map",
-    map: {
-      revision: "1",
-      stamp: null,
-      frame: "map",
-      resolution: 0.05,
-      width: 10,
-      height: 10,
-      origin: { x: 0, y: 0, theta: 0 },
-    },
-    odom: { x: 2, y: 3, theta: QUARTER },
-    hint: null,
-  },
+/** What a layer says of where its ground is: the map that odometry begins at (2, 3) of, at (1, 0) in the frame that is drawn. */
+const LAYER: RobotLayer = {
+  onEvent: () => {},
+  subscribe: () => () => {},
+  frameIn: () => null,
+  groundIn: () => ({ frame: "map", pose: { x: -2, y: 2, theta: -QUARTER } }),
+  hints: () => [],
+  legend: () => [],
+  paint: () => ({
+    viewIn: () => ({ ground: null, lines: [], dots: [] }),
+    cornersIn: () => [],
+    close: () => {},
+  }),
 };
 const SCENE = { ...emptyScene, robot: { x: 1, y: 1, theta: 0 }, odom: { x: 1, y: 0, theta: 0 } };
-
-describe("frames", () => {
-  it("are related by odometry", () => {
-    const map = frameIn(SCENE, MAP.map, "map");
-    expect([map?.x, map?.y, map?.theta].map((each) => each?.toFixed(3))).toEqual([
-      "-2.000",
-      "2.000",
-      "-1.571",
-    ]);
-    expect(frameIn(SCENE, MAP.map, "odom")).toEqual(SCENE.odom);
-    expect(frameIn(SCENE, MAP.map, "world")).toEqual({ x: 0, y: 0, theta: 0 });
-    expect(frameIn({ ...SCENE, odom: null }, MAP.map, "map")).toBeNull();
-    expect(frameIn(SCENE, { ...MAP.map, odom: null }, "map")).toBeNull();
-    expect(frameIn(SCENE, MAP.map, "elsewhere")).toBeNull();
-  });
-
-  it("are those of a scan, which is forgotten when it is old", () => {
-    const around = new Surroundings();
-    const scan = { frame: "base_link" as const, points: [[1, 0]], hint: null };
-    around.push({ type: "scan", time: at(1), robot: "/", scan }, 1000);
-    expect(around.scanIn(SCENE, { x: 1, y: 1, theta: QUARTER }, 1100)).toEqual([{ x: 1, y: 2 }]);
-    expect(around.scanIn(SCENE, SCENE.robot, 9000)).toEqual([]);
-  });
-});
 
 describe("a place on the map", () => {
   const setUp = (pick: Pick, actions: object[] = []) => {
@@ -68,10 +37,9 @@ describe("a place on the map", () => {
     const gateway = fakeGateway();
     const { services, fleet, store } = robotServices(gateway);
     services.scene.push(SCENE, 0);
-    services.around.push(MAP, 0);
     renderWithin(
       fleet,
-      <ServicesProvider value={services}>
+      <ServicesProvider value={{ ...services, layers: [LAYER] }}>
         <MapMenu pick={pick} onClose={() => {}} />
       </ServicesProvider>,
     );

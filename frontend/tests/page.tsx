@@ -12,7 +12,7 @@ import { createHttp } from "../src/api/http";
 import { placeOf } from "../src/api/places";
 import { createQueryClient } from "../src/api/queryClient";
 import { ExtensionsProvider } from "../src/extension/context";
-import type { Extension } from "../src/extension/extension";
+import { type Extension, layersOf } from "../src/extension/extension";
 import * as listed from "../src/extensions";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
@@ -25,7 +25,6 @@ import "../src/pages/robot/RobotSelect";
 import type { Services } from "../src/store/context";
 import { SceneBuffer } from "../src/store/sceneBuffer";
 import { Store } from "../src/store/store";
-import { Surroundings } from "../src/store/surroundings";
 import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, undockGoal } from "./events";
 
 /** All that there are. */
@@ -58,7 +57,6 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
       available: false,
       service: "/calibrate_dock",
     })),
-    mapImage: vi.fn<Gateway["mapImage"]>(async () => new Blob()),
     calibrate: vi.fn<Gateway["calibrate"]>(async () => ({ parameters: [], yaml: "" })),
     ...change,
   };
@@ -88,15 +86,15 @@ export function robotServices(
 ) {
   const store = new BothStores();
   const scene = new SceneBuffer();
+  const http = createHttp("http://gateway:8000");
   const services: Services = {
     robot: null,
     gateway,
     store: store.robot,
     series: new BatterySeries(),
     scene,
-    around: new Surroundings(),
+    layers: layersOf(EXTENSIONS).map((each) => each.ofRobot(http, null)),
   };
-  const http = createHttp("http://gateway:8000");
   const fleet: FleetServices = {
     http,
     httpOf: (name) => createHttp(`http://gateway:8000${placeOf(name).prefix}`),

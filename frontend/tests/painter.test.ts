@@ -4,20 +4,22 @@ import type { Pose } from "@dock-gateway/client";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Around } from "../src/scene/around";
 import { Camera } from "../src/scene/camera";
-import { MAP_COLORS, SCENE_COLORS } from "../src/scene/colors";
+import { SCENE_COLORS } from "../src/scene/colors";
 import { Gestures } from "../src/scene/gestures";
 import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
 import { handlePlace } from "../src/scene/renderer";
-import { toScreen, type View } from "../src/scene/view";
-import { compose } from "../src/store/geometry";
+import { toScreen } from "../src/scene/view";
+import { compose, type View } from "../src/store/geometry";
+import type { LayerView, SceneLayer } from "../src/store/layers";
 import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
-import { Surroundings } from "../src/store/surroundings";
-import { at, emptyScene } from "./events";
+import { emptyScene } from "./events";
 
 /** Beats are counted by the clock: what is drawn when must not depend on when the test runs. */
 const START = Date.UTC(2026, 10, 21);
 const SIZE = { width: 600, height: 400 };
+
+const isText = ([name]: [string, unknown[]]) => name === "fillText";
 
 /** A context that takes everything and remembers the calls. */
 function fakeContext() {
@@ -290,33 +292,90 @@ describe("the painter", () => {
     expect(painter.view.scale).toBeLessThan(own.scale);
   });
 
-  it("shows the whole map while its picture is on its way", () => {
-    painter.destroy();
-    const data = new Surroundings();
-    painter = new Painter(
-      canvas,
-      camera,
-      buffer,
-      SCENE_COLORS.light,
-      false,
-      new Around(data, () => new Promise(() => {}), MAP_COLORS.light),
-    );
-    push({ odom: { x: 0, y: 0, theta: 0 } });
-    const grid = { width: 400, height: 200, resolution: 0.05, origin: { x: -5, y: -5, theta: 0 } };
-    const map = { revision: "1", stamp: null, frame: "map", ...grid };
-    data.push(
-      {
-        type: "map",
-        time: at(1),
-        robot: "/",
-        map: { topic: "/map", map, odom: { x: 0, y: 0, theta: 0 }, hint: null },
+  describe("with a layer", () => {
+    let seen = emptyView();
+    let change = () => {};
+    const layer: SceneLayer = {
+      subscribe: () => () => {},
+      groundIn: () => null,
+      paint: (_, onChange) => {
+        change = onChange;
+        return {
+          viewIn: () => seen,
+          cornersIn: () => [
+            { x: -5, y: -5 },
+            { x: 15, y: 5 },
+          ],
+          close: () => {},
+        };
       },
-      0,
-    );
-    painter.showMap();
-    frames(2000);
-    expect([painter.view.x, painter.view.y]).toEqual([5, 0]);
-    expect(painter.view.scale * 20).toBeLessThanOrEqual(SIZE.width);
+    };
+    function emptyView(): LayerView {
+      return { ground: null, lines: [], dots: [] };
+    }
+
+    beforeEach(() => {
+      seen = emptyView();
+      painter.destroy();
+      const data = { layers: [layer], docks: [], frameIn: () => null, blocked: false };
+      const around = new Around(data, "light");
+      painter = new Painter(canvas, camera, buffer, SCENE_COLORS.light, false, around);
+      painter.resize(SIZE);
+      push();
+      frames(2000);
+    });
+
+    it("shows the whole ground", () => {
+      painter.showGround();
+      frames(2000);
+      expect([painter.view.x, painter.view.y]).toEqual([5, 0]);
+      expect(painter.view.scale * 20).toBeLessThanOrEqual(SIZE.width);
+    });
+
+    it("draws its ground below the numbers of the grid, its lines below docks, and its dots above them", () => {
+      const order: string[] = [];
+      const note = (name: string, after: [string, unknown[]][]) => order.push(`${name} ${after.length > 0}`);
+      calls.length = 0;
+      groundCalls.length = 0;
+      seen = {
+        ground: { draw: () => note("ground, numbers before it", groundCalls.filter(isText)) },
+        lines: [
+          {
+            points: [
+              { x: 0, y: 0 },
+              { x: 1, y: 0 },
+            ],
+            color: "path",
+          },
+        ],
+        dots: [{ points: [{ x: 1, y: 1 }], color: "scan" }],
+      };
+      change();
+      frames(100);
+      expect(order).toEqual(["ground, numbers before it false"]);
+      expect(groundCalls.some(isText)).toBe(true);
+      const line = calls.findIndex(([name, values]) => name === "setLineDash" && `${values}` === "7,5");
+      const dock = calls.findIndex(([name, [text]]) => name === "fillText" && text === "dock");
+      const dots = calls.findIndex(([name]) => name === "rect");
+      expect(line).toBeGreaterThan(-1);
+      expect(dock).toBeGreaterThan(line);
+      expect(dots).toBeGreaterThan(dock);
+    });
+
+    it("draws again only where it looks different", () => {
+      const before = pictures();
+      change();
+      frames(1000);
+      expect(pictures()).toBe(before);
+      seen = { ...emptyView(), ground: { draw: () => {} } };
+      change();
+      frames(1000);
+      expect(pictures()).toBe(before + 1);
+      seen = { ...seen, dots: [{ points: [{ x: 1, y: 1 }], color: "scan" }] };
+      change();
+      frames(1000);
+      expect(pictures()).toBe(before + 2);
+    });
   });
 
   describe("that follows the robot", () => {

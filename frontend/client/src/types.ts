@@ -30,12 +30,6 @@ export type Problem = Schemas["Problem"];
 export type StopReport = Schemas["StopReport"];
 export type StopState = Schemas["StopState"];
 export type Scene = Schemas["Scene"];
-/** A robot's map without its cells, as `GET /robots/map` tells. */
-export type RobotMap = Schemas["RobotMap"];
-/** A map's size, its place in its frame, and its revision. */
-export type Grid = Schemas["Grid"];
-/** What a laser sees, or a path. */
-export type Points = Schemas["Points"];
 export type Footprint = Schemas["Footprint"];
 export type Infrared = Schemas["Infrared"];
 export type Simulator = Schemas["Simulator"];

@@ -22,16 +22,6 @@ import {
 /** The gateway waits up to 18 s for the docking server. */
 const CALIBRATION_TIMEOUT_MS = 25_000;
 
-/** A large map takes a while to be encoded and to arrive. */
-const MAP_TIMEOUT_MS = 30_000;
-
-/** The colours of a map's cells. */
-export interface MapColors {
-  free: string;
-  occupied: string;
-  unknown: string;
-}
-
 /**
  * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
  * that arrives late is worse than one that fails. Every failure is a ClientError.
@@ -80,13 +70,6 @@ export function createGateway(http: Http, robot: string | null = null) {
       settle(http.PUT("/battery/publisher", { body: { state, rate_hz: rateHz }, ...options() })),
     stopPublishing: async () => {
       await settle(http.DELETE("/battery/publisher", options()));
-    },
-    /** The map as an image, in these colours (`RRGGBB`, or `RRGGBBAA`). */
-    mapImage: async (colors: MapColors): Promise<Blob> => {
-      const params = { query: { ...query, ...colors } };
-      return (await settle(
-        http.GET("/robots/map.png", { params, parseAs: "blob", signal: deadline(MAP_TIMEOUT_MS) }),
-      )) as unknown as Blob;
     },
     /** Null where there is no simulator. */
     simulator: (): Promise<Simulator | null> =>

@@ -1,6 +1,6 @@
 import type { AnyGoal } from "@dock-gateway/client";
 import type { ComponentType, ReactNode } from "react";
-import type { Surroundings } from "../store/surroundings";
+import type { Layers, SceneLayer } from "../store/layers";
 
 /**
  * A feature that can be taken out: what it adds to the dashboard. The rooms below `extensions/` map over the list in
@@ -16,16 +16,23 @@ export interface Extension {
   start?: () => void;
   /** A hook: what to show beside the names of listed goals, by their ids. */
   goalMarks?: (goals: readonly Pick<AnyGoal, "goal_id" | "status">[]) => ReadonlyMap<string, ReactNode>;
+  /** What it draws in pictures of robots from above. */
+  layers?: Layers;
   /** A hook: what to add to the replay of a goal that has ended; null for nothing. */
   replay?: (goal: AnyGoal) => ReplayLayer | null;
 }
 
 /** What the replay of a goal shows besides the robot's stored poses. */
 export interface ReplayLayer {
-  /** What was around the robot; `seek` goes to a moment (s since the goal began), to the end for null. */
-  around: Surroundings & { seek(moment: number | null): void };
+  /** What was around the robot. */
+  scene: RecordedLayer;
   /** What else is known of a moment, in words. */
   readings(moment: number | null): string[];
+}
+
+/** A layer of a picture of what was; `seek` goes to a moment (s since the goal began), to the end for null. */
+export interface RecordedLayer extends SceneLayer {
+  seek(moment: number | null): void;
 }
 
 /** A page below the header. */
@@ -54,6 +61,11 @@ interface MenuEntry {
 /** The pages of extensions. */
 export function pagesOf(extensions: readonly Extension[]): Page[] {
   return extensions.flatMap(({ pages = [] }) => pages);
+}
+
+/** What extensions draw in pictures of robots, the lowest first. */
+export function layersOf(extensions: readonly Extension[]): Layers[] {
+  return extensions.flatMap(({ layers }) => layers ?? []);
 }
 
 /** What extensions add at a place, by their names. */

@@ -16,7 +16,6 @@ import { useWatched } from "./useGoalWatch";
 const WORDS_MS = 400;
 const LEAVE = async () => {};
 const NO_GHOST = () => {};
-const NO_MAP = () => Promise.reject(new Error("a recording has no map"));
 
 /** Where the robot was at the moment that is marked, and its way until then. Nothing where no poses are stored. */
 export default function ReplayMap({ goal }: { goal: AnyGoal }) {
@@ -49,9 +48,9 @@ function Drawn({ poses, began, layer }: DrawnProps) {
   const { crosshair } = useWatched();
   const wordsId = useId();
   const scene = useMemo(() => new RecordedScene(poses, began), [poses, began]);
-  const seen = layer?.around ?? null;
+  const seen = layer?.scene ?? null;
   const around = useMemo(
-    () => (seen === null ? undefined : { data: seen, loadMap: NO_MAP, docks: [], blocked: false }),
+    () => (seen === null ? undefined : { layers: [seen], docks: [], frameIn: () => null, blocked: false }),
     [seen],
   );
   const [words, setWords] = useState("");

@@ -11,6 +11,7 @@ import { defaultRobot } from "../fleet/names";
 import { currentGoal } from "../goal/words";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import { compose, inverse } from "../store/geometry";
+import { groundIn } from "../store/layers";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { useAnswer, useCommand } from "../ui/requests";
@@ -28,7 +29,7 @@ interface MapMenuProps {
 
 /** What can be done at a place of the map: to dock at its dock, or to drive there. Each is asked about as elsewhere. */
 export function MapMenu({ pick, onClose }: MapMenuProps) {
-  const { gateway, robot, store, scene, around } = useServices();
+  const { gateway, robot, store, scene, layers } = useServices();
   const naming = useNaming();
   const asking = useAsking();
   const [dock, setDock] = useState<string | null>(null);
@@ -100,11 +101,10 @@ export function MapMenu({ pick, onClose }: MapMenuProps) {
   /** The place on the map, with the heading of the way there; null where it is not related to the map. */
   function targetOf({ point }: Pick): Target | null {
     const { latest } = scene;
-    const frame = around.map?.map?.frame;
-    const map = latest === null ? null : around.frameIn(latest, "map");
-    if (latest === null || map === null || frame === undefined) return null;
+    const ground = latest === null ? null : groundIn(latest, layers);
+    if (latest === null || ground === null) return null;
     const theta = Math.atan2(point.y - latest.robot.y, point.x - latest.robot.x);
-    return { frame, pose: compose(inverse(map), { ...point, theta }) };
+    return { frame: ground.frame, pose: compose(inverse(ground.pose), { ...point, theta }) };
   }
 }
 

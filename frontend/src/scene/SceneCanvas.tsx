@@ -1,10 +1,9 @@
 import type { Pose } from "@dock-gateway/client";
 import { type ReactNode, useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
-import type { MapColors } from "../api/client";
 import { distance, type Point, place } from "../store/geometry";
-import type { Surroundings } from "../store/surroundings";
+import { groundIn, type SceneLayer } from "../store/layers";
 import { Tool } from "../ui/Tool";
-import { Around, type KnownDock, type NamedDock } from "./around";
+import { Around, type NamedDock, type Surroundings } from "./around";
 import { Camera } from "./camera";
 import { Gestures } from "./gestures";
 import { Painter, type SceneSource } from "./painter";
@@ -22,7 +21,7 @@ interface SceneCanvasProps {
   /** Called where the robot was put somewhere; the picture shows it there until the promise is settled. */
   onPlace: (pose: Pose) => Promise<void>;
   /** What is around the robot; nothing of it without. */
-  around?: AroundMeans | undefined;
+  around?: Surroundings | undefined;
   /** Called where a place was pressed. */
   onPick?: ((pick: Pick) => void) | undefined;
   /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
@@ -31,15 +30,6 @@ interface SceneCanvasProps {
   wall?: boolean;
   /** Above the picture, such as a menu at a place of it. */
   children?: ReactNode;
-}
-
-/** Where the things around a robot come from. */
-export interface AroundMeans {
-  data: Surroundings;
-  loadMap: (colors: MapColors) => Promise<Blob>;
-  docks: readonly KnownDock[];
-  /** The robot waits for what its laser sees. */
-  blocked: boolean;
 }
 
 /** A place that was pressed. */
@@ -58,8 +48,8 @@ export function SceneCanvas(props: SceneCanvasProps) {
   const [following, setFollowing] = useState(() => keptScale() !== null);
   const handlers = useRef({ onPlace, onGhost, onPick, placeable, around });
   handlers.current = { onPlace, onGhost, onPick, placeable, around };
-  const [data, loadMap] = [around?.data, around?.loadMap];
-  const hasMap = useHasMap(data);
+  const layers = around?.layers ?? NO_LAYERS;
+  const hasGround = useHasGround(scene, layers);
   const [camera] = useState(() => {
     const created = new Camera();
     if (wall) return created;
@@ -72,10 +62,10 @@ export function SceneCanvas(props: SceneCanvasProps) {
   });
   const aroundRef = useRef<Around | null>(null);
   const create = useCallback(
-    ({ canvas, colors, mapColors, reducedMotion }: Means) => {
-      const seen = data && loadMap ? new Around(data, loadMap, mapColors) : null;
+    ({ canvas, colors, scheme, reducedMotion }: Means) => {
+      const { around } = handlers.current;
+      const seen = around === undefined ? null : new Around({ ...around, layers }, scheme);
       const picture = new Painter(canvas, camera, scene, colors, reducedMotion, seen);
-      seen?.know(handlers.current.around?.docks ?? [], handlers.current.around?.blocked ?? false);
       aroundRef.current = seen;
       if (seen !== null) seen.whole = wall;
       picture.handle = handlers.current.placeable;
@@ -98,17 +88,16 @@ export function SceneCanvas(props: SceneCanvasProps) {
         ),
       };
     },
-    [camera, scene, data, loadMap, wall],
+    [camera, scene, layers, wall],
   );
   const { boxRef, canvasRef, pictureRef } = usePicture(create);
   useEffect(() => {
     if (pictureRef.current !== null) pictureRef.current.handle = placeable;
   }, [pictureRef, placeable]);
 
-  const [docks, blocked] = [around?.docks, around?.blocked];
   useEffect(() => {
-    if (docks !== undefined && blocked !== undefined) aroundRef.current?.know(docks, blocked);
-  }, [docks, blocked]);
+    if (around !== undefined) aroundRef.current?.know(around);
+  }, [around]);
 
   return (
     <div className={classes.frame} ref={boxRef}>
@@ -129,7 +118,7 @@ export function SceneCanvas(props: SceneCanvasProps) {
           onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
           onShowAll={() => pictureRef.current?.showAll()}
         >
-          {hasMap && <WholeMapTool onClick={() => pictureRef.current?.showMap()} />}
+          {hasGround && <WholeMapTool onClick={() => pictureRef.current?.showGround()} />}
           <Tool
             name="Follow the robot"
             pressed={following}
@@ -142,11 +131,21 @@ export function SceneCanvas(props: SceneCanvasProps) {
   );
 }
 
-/** Whether there is a map that can be related to where the robot is. */
-function useHasMap(data: Surroundings | undefined): boolean {
+const NO_LAYERS: readonly SceneLayer[] = [];
+
+/** Whether there is a ground that can be related to where the robot is. */
+function useHasGround(scene: SceneSource, layers: readonly SceneLayer[]): boolean {
   return useSyncExternalStore(
-    useCallback((listener) => data?.subscribe(listener) ?? (() => {}), [data]),
-    () => data?.map?.map != null && data.map.odom !== null,
+    useCallback(
+      (listener) => {
+        const forget = [scene, ...layers].map((source) => source.subscribe(listener));
+        return () => {
+          for (const each of forget) each();
+        };
+      },
+      [scene, layers],
+    ),
+    () => scene.latest !== null && groundIn(scene.latest, layers) !== null,
   );
 }
 

@@ -9,31 +9,32 @@ import { FreshnessBadge } from "../fleet/badges";
 import { currentGoal } from "../goal/words";
 import {
   type Freshness,
-  useAround,
   useFreshness,
+  useLayers,
   useScene,
   useServices,
   useTopic,
   useTopicPart,
 } from "../store/context";
+import { frameIn, type LegendEntry } from "../store/layers";
 import type { CmdVel } from "../store/state";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
-import type { Surroundings } from "../store/surroundings";
 import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { lowerFirst } from "../ui/text";
 import { formatDuration } from "../ui/time";
-import { SCENE_COLORS } from "./colors";
+import type { Surroundings } from "./around";
+import { SCENE_COLORS, type SceneColors } from "./colors";
 import { MapMenu } from "./MapMenu";
-import { type AroundMeans, type Pick, SceneCanvas } from "./SceneCanvas";
+import { type Pick, SceneCanvas } from "./SceneCanvas";
 import classes from "./scene.module.css";
 import { describePose, describeScene } from "./words";
 
 /** The robot and its dock from above, in a picture and in words. */
 export function SceneCard() {
   const { gateway, scene } = useServices();
-  const around = useAroundMeans();
+  const around = useSurroundings();
   const [pick, setPick] = useState<Pick | null>(null);
   const freshness = useFreshness("scene");
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
@@ -84,14 +85,14 @@ export function SceneCard() {
 }
 
 /** What is around the robot, as its picture needs it. */
-export function useAroundMeans(): AroundMeans {
-  const { gateway, around } = useServices();
+export function useSurroundings(): Surroundings {
+  const { layers } = useServices();
   const docks = useDockList(useTopic("actionServer"))?.docks ?? NO_DOCKS;
   const goal = currentGoal(useTopic("courses"));
   const blocked = goal !== null && !isTerminal(goal.status) && goal.stage === WAITING;
   return useMemo(
-    () => ({ data: around, loadMap: gateway.mapImage, docks, blocked }),
-    [around, gateway, docks, blocked],
+    () => ({ layers, docks, frameIn: (scene, frame) => frameIn(scene, layers, frame), blocked }),
+    [layers, docks, blocked],
   );
 }
 
@@ -102,12 +103,9 @@ const WAITING = "WAIT_FOR_CLEARANCE";
 /** A hint is shown when it has been true for so long (ms): before the first map and transforms have come, it is none. */
 const HINT_AFTER_MS = 4000;
 
-/** What is wrong with map or scan, in a sentence. Robots without them have none. */
+/** What is wrong with a layer, in a sentence. */
 function MapNote() {
-  const hint = useAround(({ map, scan, path }) => {
-    const hints = [map?.topic === null ? null : map?.hint, scan?.hint, path?.hint];
-    return hints.filter((each) => each != null).join(" ");
-  });
+  const hint = useLayers((layers) => layers.flatMap((layer) => layer.hints()).join(" "));
   const [lasting, setLasting] = useState("");
   useEffect(() => {
     const timer = setTimeout(() => setLasting(hint), HINT_AFTER_MS);
@@ -154,42 +152,39 @@ function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
 }
 
 /** What is in a scene besides robot and dock. */
-const SHOWN: Record<string, (scene: Scene, around: Surroundings) => boolean> = {
-  "laser scan": (_, { scan }) => scan !== null && scan.points.length > 0,
-  path: (_, { path }) => path !== null && path.points.length > 0,
-  trail: () => true,
-  "contact zone": ({ dock, docked }) => dock !== null || docked !== null,
-  "staging pose": ({ staging }) => staging !== null,
-  "marker as detected": ({ marker }) => marker !== null,
-  infrared: ({ infrared }) => infrared !== null,
-};
+const SHOWN: readonly (LegendEntry<keyof SceneColors> & { isShown: (scene: Scene) => boolean })[] = [
+  { name: "trail", color: "trail", isShown: () => true },
+  {
+    name: "contact zone",
+    color: "contact",
+    round: true,
+    isShown: ({ dock, docked }) => dock !== null || docked !== null,
+  },
+  { name: "staging pose", color: "staging", isShown: ({ staging }) => staging !== null },
+  { name: "marker as detected", color: "marker", round: true, isShown: ({ marker }) => marker !== null },
+  { name: "infrared", color: "beam", isShown: ({ infrared }) => infrared !== null },
+];
 
 /** What the colours mean of what is there. */
 function Legend() {
   const colors = SCENE_COLORS[useComputedColorScheme("light")];
-  const { around } = useServices();
-  const names = useScene((scene) =>
-    Object.entries(SHOWN)
-      .flatMap(([name, isShown]) => (scene !== null && isShown(scene, around) ? [name] : []))
-      .join(","),
+  const { layers } = useServices();
+  // A text changes only with what it says.
+  const entries: LegendEntry<keyof SceneColors>[] = JSON.parse(
+    useScene((scene) => {
+      const ofLayers = layers.flatMap((layer) => layer.legend());
+      const ofScene = SHOWN.filter(({ isShown }) => scene !== null && isShown(scene));
+      return JSON.stringify([...ofLayers, ...ofScene]);
+    }),
   );
-  const swatches: Record<string, { color: string; round?: true }> = {
-    trail: { color: colors.trail },
-    "laser scan": { color: colors.scan, round: true },
-    path: { color: colors.path },
-    "contact zone": { color: colors.contact, round: true },
-    "staging pose": { color: colors.staging },
-    "marker as detected": { color: colors.marker, round: true },
-    infrared: { color: colors.beam },
-  };
   return (
     <ul className={classes.legend} aria-label="Legend">
-      {names.split(",").map((name) => (
+      {entries.map(({ name, color, round }) => (
         <li key={name}>
           <span
             className={classes.swatch}
-            data-round={swatches[name]?.round}
-            style={{ background: swatches[name]?.color }}
+            data-round={round}
+            style={{ background: colors[color] }}
             aria-hidden="true"
           />
           {name}

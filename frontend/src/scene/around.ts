@@ -1,8 +1,6 @@
 import type { DockList, Pose, Scene } from "@dock-gateway/client";
-import type { MapColors } from "../api/client";
 import { compose, distance, inverse, type Point } from "../store/geometry";
-import type { Surroundings } from "../store/surroundings";
-import { cornersOf, type DrawnMap, MapImage } from "./mapImage";
+import type { GroundPicture, LayerPainter, Mark, SceneLayer, Scheme } from "../store/layers";
 import { DOCKED_IN_MARKER } from "./shapes";
 
 export type KnownDock = DockList["docks"][number];
@@ -13,17 +11,27 @@ export interface NamedDock {
   pose: Pose;
 }
 
-/** What is around the robot, in the frame that is drawn. */
+/** What is around the robot, in the frame that is drawn: of all layers, the lowest first. */
 export interface Seen {
-  map: DrawnMap | null;
-  scan: readonly Point[];
-  path: readonly Point[];
+  ground: readonly GroundPicture[];
+  lines: readonly Mark[];
+  dots: readonly Mark[];
   docks: readonly NamedDock[];
   /** The robot waits for what its laser sees to go away. */
   blocked: boolean;
 }
 
-export const UNSEEN: Seen = { map: null, scan: [], path: [], docks: [], blocked: false };
+export const UNSEEN: Seen = { ground: [], lines: [], dots: [], docks: [], blocked: false };
+
+/** What is around a robot. */
+export interface Surroundings {
+  layers: readonly SceneLayer[];
+  docks: readonly KnownDock[];
+  /** Where the frame of a dock lies in that of a scene; null where the two are not related. */
+  frameIn(scene: Scene, frame: string): Pose | null;
+  /** The robot waits for what its laser sees. */
+  blocked: boolean;
+}
 
 /** A database has the pose of the docked robot: the marker is before it. */
 const MARKER_OF_DOCKED = inverse(DOCKED_IN_MARKER);
@@ -31,59 +39,56 @@ const MARKER_OF_DOCKED = inverse(DOCKED_IN_MARKER);
 /** So near to each other, the dock of a scene and one of the database are the same (m). */
 const SAME_DOCK_M = 0.3;
 
-/** What is around a robot, for its picture: map, scan, path, and the docks that its docking server knows by name. */
+/** What is around a robot, for its picture: layers, and the docks that its docking server knows by name. */
 export class Around {
-  #docks: readonly KnownDock[] = [];
-  #blocked = false;
-  /** Whether the view shows the whole map, and not only the robot and its dock. */
+  /** Whether the view shows the whole ground, and not only the robot and its dock. */
   whole = false;
   /** Called where the picture is to be drawn again. */
   onChange: () => void = () => {};
-  readonly #image: MapImage;
-  readonly #unsubscribe: () => void;
+  readonly #painters: readonly LayerPainter[];
+  readonly #unsubscribe: readonly (() => void)[];
 
   constructor(
-    private readonly data: Surroundings,
-    load: (colors: MapColors) => Promise<Blob>,
-    colors: MapColors,
+    private data: Surroundings,
+    scheme: Scheme,
   ) {
-    this.#image = new MapImage(colors, load, () => this.onChange());
-    this.#unsubscribe = data.subscribe(() => this.onChange());
+    const onChange = () => this.onChange();
+    this.#painters = data.layers.map((layer) => layer.paint(scheme, onChange));
+    this.#unsubscribe = data.layers.map((layer) => layer.subscribe(onChange));
   }
 
   destroy(): void {
-    this.#unsubscribe();
-    this.#image.close();
+    for (const unsubscribe of this.#unsubscribe) unsubscribe();
+    for (const painter of this.#painters) painter.close();
   }
 
-  know(docks: readonly KnownDock[], blocked: boolean): void {
-    this.#docks = docks;
-    this.#blocked = blocked;
+  /** Takes up other docks. The layers are those that it was made with. */
+  know(data: Surroundings): void {
+    this.data = data;
     this.onChange();
   }
 
   seenIn(scene: Scene, robot: Pose, now: number): Seen {
-    const { data } = this;
-    this.#image.show(data.map?.map ?? null);
+    const views = this.#painters.map((painter) => painter.viewIn(scene, robot, now));
     return {
-      map: this.#image.placeIn(scene, data.map),
-      scan: data.scanIn(scene, robot, now),
-      path: data.pathIn(scene, robot),
-      docks: docksIn(scene, this.#docks, data),
-      blocked: this.#blocked,
+      ground: views.flatMap(({ ground }) => ground ?? []),
+      lines: views.flatMap(({ lines }) => lines),
+      dots: views.flatMap(({ dots }) => dots),
+      docks: docksIn(scene, this.data),
+      blocked: this.data.blocked,
     };
   }
 
-  /** What the view has to show of the map, whose picture may still be on its way; nothing without a map. */
+  /** What the view has to show of the ground, whose picture may still be on its way; nothing without one. */
   cornersIn(scene: Scene): Point[] {
-    return cornersOf(this.data.map?.map ?? null, this.data.frameIn(scene, "map"));
+    return this.#painters.flatMap((painter) => painter.cornersIn(scene));
   }
 }
 
 /** The docks whose frames are related to that of a scene. */
-function docksIn(scene: Scene, docks: readonly KnownDock[], data: Surroundings): NamedDock[] {
+function docksIn(scene: Scene, { docks, frameIn }: Surroundings): NamedDock[] {
   return docks.flatMap(({ dock_id, frame, pose }) => {
-    const origin = frame === null || pose === null ? null : data.frameIn(scene, frame);
+    const origin = frame === null || pose === null ? null : frameIn(scene, frame);
     if (origin === null || pose === null) return [];
     return [{ name: dock_id, pose: compose(compose(origin, pose), MARKER_OF_DOCKED) }];
   });

@@ -1,5 +1,5 @@
-import { distance, type Point } from "../store/geometry";
-import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view";
+import { distance, type Point, type Size, type View } from "../store/geometry";
+import { fitTo, follow, pan, toWorld, zoom } from "./view";
 
 /** The view comes this much closer to where it is going in a time of this length (ms). */
 const EASE_MS = 90;

@@ -1,5 +1,3 @@
-import type { MapColors } from "../api/client";
-
 export interface SceneColors {
   grid: string;
   axis: string;
@@ -23,12 +21,6 @@ export interface SceneColors {
   /** Around texts. */
   halo: string;
 }
-
-/** The colours of a map's cells. */
-export const MAP_COLORS: Record<"light" | "dark", MapColors> = {
-  light: { free: "ffffff00", occupied: "495057", unknown: "dee2e6a6" },
-  dark: { free: "24242400", occupied: "adb5bd", unknown: "101113a6" },
-};
 
 export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
   light: {

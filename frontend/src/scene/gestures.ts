@@ -1,7 +1,7 @@
 import type { Pose } from "@dock-gateway/client";
-import { distance, normalizeAngle, type Point, toRadians } from "../store/geometry";
+import { distance, normalizeAngle, type Point, type Size, toRadians, type View } from "../store/geometry";
 import { HANDLE_RADIUS_PX, handlePlace } from "./renderer";
-import { type Size, toScreen, type View } from "./view";
+import { toScreen } from "./view";
 
 /** What is meant to be touched may be missed by this much, in CSS pixels. */
 const REACH_PX = 22;

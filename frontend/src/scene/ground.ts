@@ -1,7 +1,7 @@
-import type { Point } from "../store/geometry";
+import type { Point, Size, View } from "../store/geometry";
+import type { GroundPicture } from "../store/layers";
 import type { SceneColors } from "./colors";
-import type { DrawnMap } from "./mapImage";
-import { gridStep, type Size, toScreen, toWorld, type View } from "./view";
+import { gridStep, toScreen, toWorld } from "./view";
 
 /** What part of the plane is drawn, and how. */
 export interface Drawing {
@@ -15,7 +15,8 @@ interface Surface extends Drawing {
   /** Where the robot has been, oldest first: an array that grows, or another one. */
   trail: readonly Point[];
   robot: Point;
-  map: DrawnMap | null;
+  /** Of layers, the lowest first. */
+  pictures: readonly GroundPicture[];
 }
 
 /**
@@ -54,11 +55,11 @@ export class Ground {
     this.#canvas.width = width;
     this.#canvas.height = height;
     ground.setTransform(width / surface.size.width, 0, 0, height / surface.size.height, 0, 0);
-    drawGrid(ground, surface, surface.map);
+    drawGrid(ground, surface, surface.pictures);
     return ground;
   }
 
-  #stays({ view, size, colors, trail, map }: Surface, width: number, height: number): boolean {
+  #stays({ view, size, colors, trail, pictures }: Surface, width: number, height: number): boolean {
     const drawn = this.#drawn;
     return (
       drawn !== null &&
@@ -68,16 +69,25 @@ export class Ground {
       drawn.size === size &&
       drawn.colors === colors &&
       drawn.trail === trail &&
-      drawn.map === map
+      isSameGround(drawn.pictures, pictures)
     );
   }
+}
+
+/** Whether two grounds look the same. */
+export function isSameGround(one: readonly GroundPicture[], other: readonly GroundPicture[]): boolean {
+  return one.length === other.length && one.every((picture, index) => picture === other[index]);
 }
 
 /** So far from a corner no metres are written (CSS pixels): there are those of the other axis, and the scale. */
 const CORNER_PX = 28;
 
-/** Lines at round distances, a map above them, and their metres: those of x along the top, those of y along the left. */
-export function drawGrid(ctx: CanvasRenderingContext2D, drawing: Drawing, map: DrawnMap | null = null): void {
+/** Lines at round distances, pictures above them, and their metres: those of x along the top, those of y along the left. */
+export function drawGrid(
+  ctx: CanvasRenderingContext2D,
+  drawing: Drawing,
+  pictures: readonly GroundPicture[] = [],
+): void {
   const { view, size, colors } = drawing;
   const step = gridStep(view.scale, 44);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
@@ -102,7 +112,7 @@ export function drawGrid(ctx: CanvasRenderingContext2D, drawing: Drawing, map: D
   };
   for (const { column, x } of columns) line(column === 0, x, 0, x, size.height);
   for (const { row, y } of rows) line(row === 0, 0, y, size.width, y);
-  map?.image.draw(ctx, view, size, map);
+  for (const picture of pictures) picture.draw(ctx, view, size);
   ctx.font = "11px system-ui, sans-serif";
   ctx.textAlign = "center";
   ctx.textBaseline = "top";

@@ -1,16 +1,16 @@
 import type { Pose } from "@dock-gateway/client";
 import { atBeat, BEAT_MS } from "../clock/beat";
-import { distance, normalizeAngle, type Point } from "../store/geometry";
+import { distance, normalizeAngle, type Point, type View } from "../store/geometry";
+import type { GroundPicture } from "../store/layers";
 import type { SceneBuffer } from "../store/sceneBuffer";
 import { type Around, type Seen, UNSEEN } from "./around";
 import { type Camera, STILL_PX } from "./camera";
 import type { SceneColors } from "./colors";
-import { Ground } from "./ground";
-import type { DrawnMap } from "./mapImage";
+import { Ground, isSameGround } from "./ground";
 import { Picture } from "./picture";
 import { draw } from "./renderer";
 import { footprintOf, pointsOf, shapesOf } from "./shapes";
-import { canvasContext, type View } from "./view";
+import { canvasContext } from "./view";
 
 /** What fades does so in steps of this length where motion is not wanted (ms). */
 const CALM_MS = 200;
@@ -30,7 +30,7 @@ interface Drawn {
   trail: readonly Point[];
   /** Something of it fades. */
   fading: boolean;
-  map: DrawnMap | null;
+  ground: readonly GroundPicture[];
   /** The scene without the robot. */
   rest: object;
 }
@@ -38,7 +38,7 @@ interface Drawn {
 function looksTheSame(before: Drawn, after: Drawn): boolean {
   if (before.fading || after.fading || before.view !== after.view || before.trail !== after.trail)
     return false;
-  if (before.map !== after.map) return false;
+  if (!isSameGround(before.ground, after.ground)) return false;
   const turned = Math.abs(normalizeAngle(after.robot.theta - before.robot.theta)) * after.radius;
   const moved = Math.max(distance(before.robot, after.robot), turned) * after.view.scale;
   return moved < STILL_PX && JSON.stringify(before.rest) === JSON.stringify(after.rest);
@@ -88,8 +88,8 @@ export class Painter extends Picture {
     return this.#seen;
   }
 
-  /** Shows the whole map. */
-  showMap(): void {
+  /** Shows the whole ground. */
+  showGround(): void {
     const { latest } = this.buffer;
     const corners = latest === null ? [] : (this.around?.cornersIn(latest) ?? []);
     if (corners.length > 0) this.camera.frame(corners);
@@ -173,8 +173,8 @@ export class Painter extends Picture {
       radius: this.radius,
       trail: this.buffer.trail.points,
       fading: detections.length > 0,
-      map: around.map,
-      rest: { ...scene, robot: null, ...around, map: null },
+      ground: around.ground,
+      rest: { ...scene, robot: null, ...around, ground: null },
     };
     if (this.#drawn === null || !looksTheSame(this.#drawn, drawn)) {
       this.#drawn = drawn;

@@ -1,13 +1,12 @@
 import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
 import { type RefCallback, type RefObject, useEffect, useRef } from "react";
-import type { MapColors } from "../api/client";
-import type { Point } from "../store/geometry";
+import type { Point, Size, View } from "../store/geometry";
+import type { Scheme } from "../store/layers";
 import { watchSight } from "../ui/sight";
 import type { Camera } from "./camera";
-import { MAP_COLORS, SCENE_COLORS, type SceneColors } from "./colors";
+import { SCENE_COLORS, type SceneColors } from "./colors";
 import type { Gestures } from "./gestures";
-import type { Size, View } from "./view";
 
 /** A picture of the ground on a canvas, as its camera sees it. */
 export abstract class Picture {
@@ -71,7 +70,7 @@ export abstract class Picture {
 export interface Means {
   canvas: HTMLCanvasElement;
   colors: SceneColors;
-  mapColors: MapColors;
+  scheme: Scheme;
   reducedMotion: boolean;
 }
 
@@ -104,7 +103,7 @@ export function usePicture<P extends Picture>(
     const { picture, gestures } = create({
       canvas,
       colors: SCENE_COLORS[scheme],
-      mapColors: MAP_COLORS[scheme],
+      scheme,
       reducedMotion,
     });
     pictureRef.current = picture;

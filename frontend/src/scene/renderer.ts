@@ -1,9 +1,9 @@
 import type { Footprint, Infrared, Pose } from "@dock-gateway/client";
-import { compose, type Point } from "../store/geometry";
+import { compose, type Point, type Size, type View } from "../store/geometry";
 import { type Detection, FADE_MS } from "../store/sceneBuffer";
 import { type Seen, sameDock } from "./around";
-import { drawPath, drawScan } from "./aroundRenderer";
 import { type Drawing, type Ground, write } from "./ground";
+import { drawDots, drawLine } from "./marks";
 import {
   arrowRadius,
   CONTACT_RADIUS_M,
@@ -14,7 +14,7 @@ import {
   type Shapes,
   UNSEEN_BEAM_M,
 } from "./shapes";
-import { formatLength, gridStep, type Size, toScreen, type View } from "./view";
+import { formatLength, gridStep, toScreen } from "./view";
 
 /** All that one picture is made of. */
 interface Picture extends Drawing {
@@ -49,14 +49,14 @@ export function handlePlace(view: View, size: Size, robot: Pose, radius: number)
 /** Draws one picture on its ground. The context's unit is the CSS pixel. */
 export function draw(ctx: CanvasRenderingContext2D, ground: Ground, picture: Picture): void {
   const { shapes, robot, ghost, around } = picture;
-  ground.draw(ctx, { ...picture, map: around.map });
-  drawPath(ctx, picture, around);
+  ground.draw(ctx, { ...picture, pictures: around.ground });
+  for (const line of around.lines) drawLine(ctx, picture, line);
   if (shapes.staging !== null) drawStaging(ctx, picture, shapes.staging);
   if (shapes.docked !== null) drawContactZone(ctx, picture, shapes.docked);
   const own = shapes.dock && sameDock(shapes.dock, around.docks);
   for (const dock of around.docks) if (dock !== own) drawDock(ctx, picture, dock.pose, dock.name);
   if (shapes.dock !== null) drawDock(ctx, picture, shapes.dock, own?.name);
-  drawScan(ctx, picture, robot, around);
+  for (const dots of around.dots) drawDots(ctx, picture, robot, dots, around.blocked);
   drawBeams(ctx, picture, robot);
   drawRobot(ctx, picture, robot, ghost === null ? 1 : 0.35);
   drawDetections(ctx, picture);

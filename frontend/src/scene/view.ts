@@ -1,18 +1,5 @@
-import type { Point } from "../store/geometry";
+import type { Point, Size, View } from "../store/geometry";
 import { keep, readKept } from "../ui/kept";
-
-/** What part of the plane is seen: the point in the middle, and CSS pixels a metre. */
-export interface View {
-  x: number;
-  y: number;
-  scale: number;
-}
-
-/** Of the canvas, in CSS pixels. */
-export interface Size {
-  width: number;
-  height: number;
-}
 
 /** A map of 200 m fits into a picture. */
 const MIN_SCALE = 2;

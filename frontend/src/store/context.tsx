@@ -4,10 +4,10 @@ import type { Gateway } from "../api/client";
 import { useSession } from "../api/session";
 import { ClockProvider, useAtTime } from "../clock/clock";
 import type { BatterySeries } from "./batterySeries";
+import type { RobotLayer } from "./layers";
 import type { SceneBuffer } from "./sceneBuffer";
 import type { Store, Topic, Topics } from "./store";
 import { RENDER_INTERVAL_MS } from "./streamStore";
-import type { Surroundings } from "./surroundings";
 
 /** What there is for one robot. */
 export interface Services {
@@ -17,7 +17,8 @@ export interface Services {
   store: Store;
   series: BatterySeries;
   scene: SceneBuffer;
-  around: Surroundings;
+  /** Of extensions, the lowest first. */
+  layers: readonly RobotLayer[];
 }
 
 const ServicesContext = createContext<Services | null>(null);
@@ -65,12 +66,12 @@ export function useScene<Part extends string | number | boolean>(read: (scene: S
   return useAtTime(() => read(buffer.latest), INTERVAL_MS);
 }
 
-/** What words read off what is around the robot, re-rendered where it is another. */
-export function useAround<Part extends string | number | boolean>(
-  read: (around: Surroundings) => Part,
+/** What words read off the layers of the picture, re-rendered where it is another. */
+export function useLayers<Part extends string | number | boolean>(
+  read: (layers: readonly RobotLayer[]) => Part,
 ): Part {
-  const { around } = useServices();
-  return useAtTime(() => read(around), INTERVAL_MS);
+  const { layers } = useServices();
+  return useAtTime(() => read(layers), INTERVAL_MS);
 }
 
 /**

@@ -5,6 +5,17 @@ export interface Point {
   y: number;
 }
 
+/** What part of the plane is seen: the point in the middle, and CSS pixels a metre. */
+export interface View extends Point {
+  scale: number;
+}
+
+/** Of a canvas, in CSS pixels. */
+export interface Size {
+  width: number;
+  height: number;
+}
+
 /** The same direction between −π and π. */
 export function normalizeAngle(angle: number): number {
   const turn = 2 * Math.PI;

@@ -3,17 +3,28 @@ import { createGateway } from "../api/client";
 import { openStream, type StreamLocation, streamUrl } from "../stream/stream";
 import { BatterySeries, believed } from "./batterySeries";
 import type { Services } from "./context";
+import type { Layers } from "./layers";
 import { SceneBuffer } from "./sceneBuffer";
 import { Store } from "./store";
-import { Surroundings } from "./surroundings";
 
 export interface OpenRobot {
   services: Services;
   close(): void;
 }
 
-/** Reads along with one robot, the configured one for null, until it is closed. */
-export function openRobot(location: StreamLocation, http: Http, robot: string | null): OpenRobot {
+const TOPICS = ["battery", "cmd_vel", "system", "scene"];
+
+/**
+ * Reads along with one robot, the configured one for null, until it is closed.
+ *
+ * @param drawn What extensions draw in its picture.
+ */
+export function openRobot(
+  location: StreamLocation,
+  http: Http,
+  robot: string | null,
+  drawn: readonly Layers[],
+): OpenRobot {
   const store = new Store();
   const series = new BatterySeries();
   store.onBattery((event) => {
@@ -21,11 +32,14 @@ export function openRobot(location: StreamLocation, http: Http, robot: string | 
   });
   const scene = new SceneBuffer();
   store.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));
-  const around = new Surroundings();
-  store.onAround((event) => around.push(event, performance.now()));
-  const close = openStream(
-    streamUrl(location, { include: "battery,cmd_vel,system,scene,map,scan,path", robot }),
-    store,
-  );
-  return { services: { robot, gateway: createGateway(http, robot), store, series, scene, around }, close };
+  const layers = drawn.map((each) => each.ofRobot(http, robot));
+  const include = [...TOPICS, ...drawn.flatMap(({ robotTopics }) => robotTopics)].join(",");
+  const close = openStream(streamUrl(location, { include, robot }), {
+    onEvent: (event) => {
+      store.onEvent(event);
+      for (const layer of layers) layer.onEvent(event, performance.now());
+    },
+    onConnection: store.onConnection,
+  });
+  return { services: { robot, gateway: createGateway(http, robot), store, series, scene, layers }, close };
 }

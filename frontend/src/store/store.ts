@@ -20,7 +20,6 @@ export type Topic = keyof Topics;
 export class Store extends StreamStore<State, Topics> {
   readonly #batteryListeners = new Set<(event: EventOf<"battery">) => void>();
   readonly #sceneListeners = new Set<(event: EventOf<"scene">) => void>();
-  readonly #aroundListeners = new Set<(event: GatewayEvent) => void>();
 
   constructor(now: () => number = steadyNow) {
     const courses = courseLister();
@@ -35,10 +34,6 @@ export class Store extends StreamStore<State, Topics> {
   readonly onEvent = (event: GatewayEvent): void => {
     if (event.type === "scene") {
       for (const listener of this.#sceneListeners) listener(event);
-      return;
-    }
-    if (event.type === "map" || event.type === "scan" || event.type === "path") {
-      for (const listener of this.#aroundListeners) listener(event);
       return;
     }
     if (!this.take(event)) return;
@@ -68,12 +63,6 @@ export class Store extends StreamStore<State, Topics> {
   onBattery(listener: (event: EventOf<"battery">) => void): () => void {
     this.#batteryListeners.add(listener);
     return () => this.#batteryListeners.delete(listener);
-  }
-
-  /** Every map, scan and path as it comes: for the picture, too. */
-  onAround(listener: (event: GatewayEvent) => void): () => void {
-    this.#aroundListeners.add(listener);
-    return () => this.#aroundListeners.delete(listener);
   }
 
   /** Every scene as it comes: for the picture, which is drawn outside of React. */

@@ -1,9 +1,9 @@
-import type { AnyGoal, Pose, Scene } from "@dock-gateway/client";
+import type { AnyGoal, Pose } from "@dock-gateway/client";
 import { useMemo } from "react";
-import type { ReplayLayer } from "../../extension/extension";
+import type { RecordedLayer, ReplayLayer } from "../../extension/extension";
 import { useFleet } from "../../fleet/context";
 import { type Point, place } from "../../store/geometry";
-import { Surroundings } from "../../store/surroundings";
+import type { LayerPainter } from "../../store/layers";
 import { lastUpTo } from "../../ui/crosshair";
 import { useAnswer } from "../../ui/requests";
 import { useRecording } from "./RecordingButton";
@@ -26,19 +26,17 @@ export function useReplay(goal: AnyGoal): ReplayLayer | null {
     () =>
       data === undefined
         ? null
-        : { around: new RecordedSurroundings(data), readings: (moment) => readingsAt(data, moment) },
+        : { scene: new RecordedScans(data), readings: (moment) => readingsAt(data, moment) },
     [data],
   );
 }
 
 /** What the laser saw at a moment of a goal, as its recording has it. */
-export class RecordedSurroundings extends Surroundings {
+export class RecordedScans implements RecordedLayer {
   #points: readonly Point[] = [];
 
   /** @param recorded What the replay shows of the recording. */
-  constructor(private readonly recorded: GoalReplay) {
-    super();
-  }
+  constructor(private readonly recorded: GoalReplay) {}
 
   /** Goes to a moment of the goal (s); to its end for null. */
   seek(moment: number | null): void {
@@ -46,7 +44,29 @@ export class RecordedSurroundings extends Surroundings {
     this.#points = scan === null ? [] : scan.points.map(([x = 0, y = 0]) => ({ x, y }));
   }
 
-  override scanIn(_: Scene, robot: Pose): readonly Point[] {
+  /** Drawn with the poses, which move at each moment, too. */
+  subscribe(): () => void {
+    return () => {};
+  }
+
+  groundIn(): null {
+    return null;
+  }
+
+  paint(): LayerPainter {
+    return {
+      viewIn: (_, robot) => ({
+        ground: null,
+        lines: [],
+        dots: [{ points: this.scanAt(robot), color: "scan" }],
+      }),
+      cornersIn: () => [],
+      close: () => {},
+    };
+  }
+
+  /** What the laser saw, in the frame that the pose of the robot is in. */
+  scanAt(robot: Pose): readonly Point[] {
     return this.#points.map((point) => place(robot, point));
   }
 }

@@ -4,13 +4,13 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { useFleetTopic } from "../../fleet/context";
 import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
-import { ASKED, RobotsMap } from "../../pages/map/MapPage";
-import { FleetScenes } from "../../pages/map/stage";
+import { RobotsMap } from "../../pages/map/MapPage";
+import { useFleetScenes } from "../../pages/map/scenes";
 import { siteOf } from "../../pages/overview/list";
 import { openStream, streamUrl } from "../../stream/stream";
 import { PageTitle, Section } from "../../ui/Section";
 import { watchSight } from "../../ui/sight";
-import { atHub } from "./siteEvents";
+import { hubName } from "./hub";
 
 /** At a hub: a map for each site. */
 export default function SiteMapsPage() {
@@ -36,16 +36,12 @@ function bySite(robots: readonly Robot[]): [string, Robot[]][] {
 /** The map of a site, which is asked for while it is in sight. */
 function SiteMap({ site, robots }: { site: string; robots: readonly Robot[] }) {
   const box = useRef<HTMLDivElement>(null);
-  const [scenes] = useState(() => new FleetScenes());
+  const scenes = useFleetScenes((robot) => hubName(site, robot));
   const [inSight, setInSight] = useState(false);
   useEffect(() => (box.current === null ? undefined : watchSight(box.current, setInSight)), []);
   useEffect(() => {
     if (!inSight) return;
-    const url = streamUrl(window.location, ASKED, `/sites/${site}/ws/feedback`);
-    return openStream(url, {
-      onEvent: (event) => scenes.onEvent(atHub(event, site)),
-      onConnection: scenes.onConnection,
-    });
+    return openStream(streamUrl(window.location, scenes.query, `/sites/${site}/ws/feedback`), scenes);
   }, [inSight, scenes, site]);
   const away = robots.every((robot) => "site_state" in robot && robot.site_state !== "connected");
   return (

@@ -1,7 +1,6 @@
 import { memo, useCallback, useEffect, useRef, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
-import type { MapColors } from "../../api/client";
-import { useFleet, useNaming } from "../../fleet/context";
+import { useNaming } from "../../fleet/context";
 import { robotPath } from "../../fleet/names";
 import { Camera } from "../../scene/camera";
 import { Gestures } from "../../scene/gestures";
@@ -9,25 +8,22 @@ import { type Means, usePicture } from "../../scene/picture";
 import { MapTools, WholeMapTool } from "../../scene/SceneCanvas";
 import type { Mark, Placed } from "./MapPage";
 import classes from "./map.module.css";
-import type { FleetScenes } from "./stage";
+import type { FleetScenes } from "./scenes";
 import { FleetStage, INSET_PX } from "./stage";
 
 /** The robots from above, each a link to its page. Moved outside of React. */
 export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: readonly Placed[] }) {
   const naming = useNaming();
-  const { gatewayOf } = useFleet();
-  const hasMap = useSyncExternalStore(scenes.subscribe, () => scenes.ground !== null);
+  const hasGround = useSyncExternalStore(scenes.subscribe, () => scenes.hasGround);
   const elements = useRef(new Map<string, HTMLElement>());
   const [camera] = useState(() => new Camera(INSET_PX));
   const create = useCallback(
-    ({ canvas, colors, mapColors, reducedMotion }: Means) => {
-      const load = (robot: string, wanted: MapColors) => gatewayOf(robot).mapImage(wanted);
-      const map = { colors: mapColors, load };
-      const robots = elements.current;
-      const picture = new FleetStage(canvas, camera, robots, scenes, colors, reducedMotion, map);
+    (means: Means) => {
+      const { canvas } = means;
+      const picture = new FleetStage(means, camera, elements.current, scenes);
       return { picture, gestures: new Gestures(canvas, picture) };
     },
-    [camera, scenes, gatewayOf],
+    [camera, scenes],
   );
   const { boxRef, canvasRef, pictureRef } = usePicture(create);
   // Those that are new are put in their places.
@@ -67,7 +63,7 @@ export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: read
         onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
         onShowAll={() => pictureRef.current?.showAll()}
       >
-        {hasMap && <WholeMapTool onClick={() => pictureRef.current?.showMap()} />}
+        {hasGround && <WholeMapTool onClick={() => pictureRef.current?.showGround()} />}
       </MapTools>
     </div>
   );

@@ -1,6 +1,6 @@
 import type { Alert, Robot } from "@dock-gateway/client";
 import { Skeleton, Stack, Text } from "@mantine/core";
-import { useEffect, useMemo, useState, useSyncExternalStore } from "react";
+import { useEffect, useMemo, useSyncExternalStore } from "react";
 import { Link } from "react-router";
 import { openAlerts, urgentFirst } from "../../alerts/order";
 import { useAtTime } from "../../clock/clock";
@@ -13,13 +13,14 @@ import { openStream, streamUrl } from "../../stream/stream";
 import { PageTitle, Section } from "../../ui/Section";
 import { FleetMap } from "./FleetMap";
 import classes from "./map.module.css";
-import { FleetScenes, type Frames } from "./stage";
+import { type FleetScenes, type Frames, useFleetScenes } from "./scenes";
 
 const FRESHNESS_MS = 400;
 
 /** All robots whose poses share a frame on one map, and the others beside it. */
 export default function MapPage() {
   const scenes = useFleetScenes();
+  useEffect(() => openStream(streamUrl(window.location, scenes.query), scenes), [scenes]);
   const known = useFleetTopic("robots");
   const robots = useMemo(() => [...known.values()], [known]);
   return (
@@ -62,15 +63,6 @@ export function RobotsMap({ title, compact = false, scenes, robots }: RobotsMapP
       )}
     </div>
   );
-}
-
-export const ASKED = { include: "scenes,maps", feedback: "false" };
-
-/** The scenes of all robots, for as long as the page is shown. */
-function useFleetScenes(): FleetScenes {
-  const [scenes] = useState(() => new FleetScenes());
-  useEffect(() => openStream(streamUrl(window.location, ASKED), scenes), [scenes]);
-  return scenes;
 }
 
 function Fresh({ scenes }: { scenes: FleetScenes }) {

@@ -1,6 +1,6 @@
 import { useId } from "react";
 import { SceneCanvas } from "../../scene/SceneCanvas";
-import { useAroundMeans } from "../../scene/SceneCard";
+import { useSurroundings } from "../../scene/SceneCard";
 import { describeScene } from "../../scene/words";
 import { useScene, useServices } from "../../store/context";
 import { RobotScope } from "../robot/RobotPage";
@@ -19,7 +19,7 @@ async function leave(): Promise<void> {}
 
 function Picture() {
   const { scene } = useServices();
-  const around = useAroundMeans();
+  const around = useSurroundings();
   const words = useScene((scene) => (scene === null ? "" : describeScene(scene, null)));
   const wordsId = useId();
   if (words === "") return null;

@@ -1,7 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { RecordedSurroundings, readingsAt } from "../../../src/extensions/recordings/replay";
+import { RecordedScans, readingsAt } from "../../../src/extensions/recordings/replay";
 import type { GoalReplay } from "../../../src/extensions/recordings/requests";
-import { sceneEvent } from "../../events";
 
 const RECORDED: GoalReplay = {
   scans: [
@@ -14,10 +13,10 @@ const RECORDED: GoalReplay = {
 
 describe("the recording of a goal in its replay", () => {
   it("has the scan of a moment as seen from the robot", () => {
-    const seen = new RecordedSurroundings(RECORDED);
+    const seen = new RecordedScans(RECORDED);
     const points = (moment: number | null) => {
       seen.seek(moment);
-      return seen.scanIn(sceneEvent().scene, { x: 10, y: 0, theta: Math.PI / 2 }).map(({ y }) => y);
+      return seen.scanAt({ x: 10, y: 0, theta: Math.PI / 2 }).map(({ y }) => y);
     };
     expect(points(1)).toEqual([1]);
     expect(points(3)).toEqual([2]);

@@ -1,4 +1,3 @@
-import type { GatewayEvent } from "@dock-gateway/client";
 import { notifications } from "@mantine/notifications";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import type { UserEvent } from "@testing-library/user-event";
@@ -12,11 +11,12 @@ import "../../../src/extensions/sites/SitesOverviewPage";
 import "../../../src/extensions/sites/SitesPage";
 import { ownId, placeOf } from "../../../src/api/places";
 import { ANYBODY, type SessionState, session } from "../../../src/api/session";
+import { hubName } from "../../../src/extensions/sites/hub";
 import type { Site } from "../../../src/extensions/sites/requests";
-import { atHub } from "../../../src/extensions/sites/siteEvents";
 import { clockWords, countWords, refusalWords, urgentSites } from "../../../src/extensions/sites/sites";
 import { goalPath, robotPath } from "../../../src/fleet/names";
 import { linkOf } from "../../../src/fleet/words";
+import { FleetScenes } from "../../../src/pages/map/scenes";
 import { find } from "../../../src/search/items";
 import { alert, emptyScene, goal, latched, robot } from "../../events";
 import { descriptionOf, fakeGateway, renderPage } from "../../page";
@@ -97,15 +97,9 @@ describe("a name of a hub", () => {
   });
 
   it("is that of the hub also where a site itself tells of it", () => {
-    const event = {
-      type: "scenes",
-      time: "",
-      scenes: { "/": emptyScene, "/r1": emptyScene },
-    } as GatewayEvent;
-    expect(Object.keys((atHub(event, "berlin") as { scenes: object }).scenes)).toEqual([
-      "/berlin",
-      "/berlin/r1",
-    ]);
+    const scenes = new FleetScenes([], [], (robot) => hubName("berlin", robot));
+    scenes.onEvent({ type: "scenes", time: "", scenes: { "/": emptyScene, "/r1": emptyScene } });
+    expect(Object.keys(scenes.latest)).toEqual(["/berlin", "/berlin/r1"]);
   });
 });
 

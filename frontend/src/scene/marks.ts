@@ -1,32 +1,32 @@
 import type { Pose } from "@dock-gateway/client";
 import { distance, type Point } from "../store/geometry";
-import type { Seen } from "./around";
+import type { Mark } from "../store/layers";
 import type { Drawing } from "./ground";
 import { toScreen } from "./view";
 
 const DOT_PX = 2.5;
-/** What is so much farther than the nearest point that a laser sees still belongs to the obstacle (m). */
+/** What is so much farther than the nearest dot still belongs to the obstacle (m). */
 const OBSTACLE_M = 0.2;
 
-/** The planned path, below the robot. */
-export function drawPath(
+/** A line with a ring at its end, such as a planned path. */
+export function drawLine(
   ctx: CanvasRenderingContext2D,
   { view, size, colors }: Drawing,
-  { path }: Seen,
+  { points, color }: Mark,
 ): void {
-  if (path.length < 2) return;
+  if (points.length < 2) return;
   ctx.save();
   ctx.beginPath();
-  for (const point of path) {
+  for (const point of points) {
     const { x, y } = toScreen(view, size, point);
     ctx.lineTo(x, y);
   }
-  ctx.strokeStyle = colors.path;
+  ctx.strokeStyle = colors[color];
   ctx.lineWidth = 2.5;
   ctx.setLineDash([7, 5]);
   ctx.lineJoin = "round";
   ctx.stroke();
-  const end = toScreen(view, size, path.at(-1) as Point);
+  const end = toScreen(view, size, points.at(-1) as Point);
   ctx.setLineDash([]);
   ctx.beginPath();
   ctx.arc(end.x, end.y, 5, 0, 2 * Math.PI);
@@ -34,16 +34,17 @@ export function drawPath(
   ctx.restore();
 }
 
-/** What the laser sees; what the robot waits for stands out. */
-export function drawScan(
+/** Dots, such as what a laser sees. @param blocked The robot waits for the nearest ones: they stand out. */
+export function drawDots(
   ctx: CanvasRenderingContext2D,
   { view, size, colors }: Drawing,
   robot: Pose,
-  { scan, blocked }: Seen,
+  { points: all, color }: Mark,
+  blocked: boolean,
 ): void {
-  const nearest = blocked ? Math.min(...scan.map((point) => distance(point, robot))) + OBSTACLE_M : -1;
-  const near = scan.filter((point) => distance(point, robot) <= nearest);
-  dots(scan, DOT_PX, colors.scan);
+  const nearest = blocked ? Math.min(...all.map((point) => distance(point, robot))) + OBSTACLE_M : -1;
+  const near = all.filter((point) => distance(point, robot) <= nearest);
+  dots(all, DOT_PX, colors[color]);
   dots(near, DOT_PX * 2, colors.obstacle);
 
   function dots(points: readonly Point[], width: number, color: string): void {

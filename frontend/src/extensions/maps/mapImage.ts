@@ -1,9 +1,17 @@
-import type { Grid, Pose, RobotMap, Scene } from "@dock-gateway/client";
-import type { MapColors } from "../api/client";
-import { compose, distance, normalizeAngle, type Point, place } from "../store/geometry";
-import { frameIn } from "../store/surroundings";
+import type { Pose } from "@dock-gateway/client";
+import { toScreen, toWorld } from "../../scene/view";
+import {
+  compose,
+  distance,
+  normalizeAngle,
+  type Point,
+  place,
+  type Size,
+  type View,
+} from "../../store/geometry";
+import type { GroundPicture } from "../../store/layers";
 import type { MapJob } from "./mapWorker";
-import { type Size, toScreen, toWorld, type View } from "./view";
+import type { Grid } from "./requests";
 
 /** Each copy of a map has half the columns and rows of the one before, down to this many. */
 const LEAST_SIDE = 256;
@@ -14,9 +22,8 @@ const STILL_M = 0.003;
 const STILL_RAD = 0.0005;
 const AGAIN_MS = 5000;
 
-/** A map as it is drawn: the same object for as long as it looks the same. */
-export interface DrawnMap {
-  image: MapImage;
+/** A map as it is drawn. */
+interface DrawnMap extends GroundPicture {
   grid: Grid;
   /** Its lower left corner, in the frame that is drawn. */
   corner: Pose;
@@ -33,8 +40,7 @@ export class MapImage {
   #closed = false;
 
   constructor(
-    private readonly colors: MapColors,
-    private readonly load: (colors: MapColors) => Promise<Blob>,
+    private readonly load: () => Promise<Blob>,
     /** Called where there is another picture. */
     private readonly onChange: () => void,
   ) {}
@@ -56,7 +62,7 @@ export class MapImage {
   async #fetch(grid: Grid): Promise<void> {
     let levels: ImageBitmap[] = [];
     try {
-      levels = await levelsOf(await this.load(this.colors), grid);
+      levels = await levelsOf(await this.load(), grid);
     } catch {
       // What is wrong with the connection is said at the top of the page.
       if (this.#closed || this.#revision !== grid.revision) return;
@@ -81,24 +87,19 @@ export class MapImage {
     this.#drawn = null;
   }
 
-  /** Where the map lies in the frame of a scene; null without a picture, or where the two are not related. */
-  placeIn(scene: Scene, map: RobotMap | null): DrawnMap | null {
-    return this.placeAt(frameIn(scene, map, "map"));
-  }
-
-  /** As `placeIn`. @param frame The map's frame, in the one that is drawn. */
-  placeAt(frame: Pose | null): DrawnMap | null {
+  /** The map in its place; null without a picture, or without a place. @param frame The map's frame, in the one that is drawn. */
+  placeAt(frame: Pose | null): GroundPicture | null {
     const grid = this.#shown;
     if (grid === null || frame === null) return null;
     const corner = compose(frame, grid.origin);
     const before = this.#drawn;
     if (before === null || before.grid !== grid || !isStill(before.corner, corner))
-      this.#drawn = { image: this, grid, corner };
+      this.#drawn = { grid, corner, draw: (ctx, view, size) => this.#draw(ctx, view, size, grid, corner) };
     return this.#drawn;
   }
 
-  /** Draws what is seen of it. The context's unit is the CSS pixel. */
-  draw(ctx: CanvasRenderingContext2D, view: View, size: Size, { grid, corner }: DrawnMap): void {
+  /** Draws what is seen of it. */
+  #draw(ctx: CanvasRenderingContext2D, view: View, size: Size, grid: Grid, corner: Pose): void {
     const first = this.#levels[0];
     if (first === undefined) return;
     const { width, height, resolution } = grid;
