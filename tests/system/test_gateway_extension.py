@@ -7,6 +7,7 @@ import httpx2
 import pytest
 from nav_msgs.msg import Odometry
 
+from dock_gateway.extension_list import OURS
 from tests.support.distribution import install_example
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.observer import Observer
@@ -85,7 +86,10 @@ def test_its_card_is_listed_and_served(domain: int, site: Path, settings: dict[s
 
 @pytest.mark.parametrize(
     ("name", "sentence"),
-    [("nothing", "no installed distribution has an extension nothing"), ("maps", "maps is one of the gateway's own")],
+    [
+        ("nothing", "no installed distribution has an extension nothing"),
+        (OURS[0], f"{OURS[0]} is one of the gateway's own"),
+    ],
 )
 def test_one_that_is_not_there_keeps_the_gateway_from_starting(domain: int, name: str, sentence: str) -> None:
     environment = ros_environment(domain, DOCK_GATEWAY_EXTENSIONS=name, DOCK_GATEWAY_PORT="0")

@@ -93,11 +93,3 @@ def test_it_is_in_no_list_and_no_recording(
             topics = door.topics(gateway, root, OWN)
             assert OWN in topics, door.name
             assert not topics & set(SHARED), door.name
-
-
-def test_the_map_shows_only_the_robot(gateway: RunningGateway, root: dict[str, str]) -> None:
-    """Its place comes from `/tf`: the gateway reads that, and tells of the robot alone."""
-    assert gateway.http.get("/robots/map?robot=/robot1", headers=root).json()["code"] == "not_covered"
-    answer = gateway.http.get("/robots/map?robot=/", headers=root)
-    assert answer.status_code == 200, answer.text
-    assert "robot1" not in orjson.dumps(answer.json()).decode()

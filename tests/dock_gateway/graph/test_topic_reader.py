@@ -8,7 +8,6 @@ import pytest
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.graph import Topic
-from dock_gateway.extensions.maps.pool import Pool
 from dock_gateway.graph.topic_reader import TopicReader, find_topic
 
 GRID, TEXT = "nav_msgs/msg/OccupancyGrid", "std_msgs/msg/String"
@@ -108,21 +107,3 @@ async def test_a_message_that_is_too_large_is_not_read() -> None:
     assert (read, reader.hint) == ([small], "A message on /plan has more than 0.001 MB, and is not read.")
     await reader.offer(cast("Any", small))
     assert reader.hint is None
-
-
-async def test_what_is_shared_is_closed_by_the_last() -> None:
-    closed: list[str] = []
-
-    class Part:
-        def __init__(self, topic: str) -> None:
-            self.topic = topic
-
-        async def close(self) -> None:
-            closed.append(self.topic)
-
-    pool = Pool(Part)
-    assert pool.take("/map") is pool.take("/map")
-    await pool.give("/map")
-    assert not closed
-    await pool.give("/map")
-    assert closed == ["/map"]

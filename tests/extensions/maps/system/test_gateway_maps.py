@@ -29,7 +29,7 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
 @pytest.fixture(scope="module")
 def robot(shared_domain: int, gateway: RunningGateway) -> Iterator[Process]:
     environment = ros_environment(shared_domain)
-    with ForkedProcess("-m", "tests.support.mapped_robot", "--namespace", ROBOT, env=environment) as process:
+    with ForkedProcess("-m", "tests.extensions.maps.mapped_robot", "--namespace", ROBOT, env=environment) as process:
         process.wait_for("mapped")
         wait_until(lambda: gateway.http.get("/robots", params=QUERY).status_code == 200, "the robot")
         yield process
@@ -96,7 +96,7 @@ def test_a_robot_with_many_publishers_of_fixed_frames_whose_laser_misses_each_se
     environment = ros_environment(shared_domain)
     options = ("--namespace", "/robot2", "--fixed", "120", "--odd")
     with (
-        ForkedProcess("-m", "tests.support.mapped_robot", *options, env=environment) as process,
+        ForkedProcess("-m", "tests.extensions.maps.mapped_robot", *options, env=environment) as process,
         connect(f"{gateway.url.replace('http', 'ws')}/rosbridge") as early,
     ):
         process.wait_for("mapped")

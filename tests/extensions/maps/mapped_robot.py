@@ -1,4 +1,4 @@
-"""A robot in a room, with a map: `python -m tests.support.mapped_robot [--namespace /robot1] [--size 200]`.
+"""A robot in a room, with a map: `python -m tests.extensions.maps.mapped_robot [--namespace /robot1] [--size 200]`.
 
 It stands at (1, 0) in `odom`, which begins at (2, 3) in `map`, turned left by 90°; its laser sees a wall 1 m ahead. For
 each SIGUSR1 it publishes the next of the maps `KINDS`.
