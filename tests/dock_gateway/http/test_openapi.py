@@ -56,7 +56,7 @@ def test_errors_are_problem_documents(document: dict[str, Any]) -> None:
 
 
 def test_operations_that_are_about_every_robot_say_so(document: dict[str, Any]) -> None:
-    assert document["paths"]["/webhooks"]["get"]["x-every-robot"] is True
+    assert document["paths"]["/users"]["get"]["x-every-robot"] is True
     assert "x-every-robot" not in document["paths"]["/robots"]["get"]
 
 

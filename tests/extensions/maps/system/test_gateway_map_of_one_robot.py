@@ -19,7 +19,13 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
 
 
 @pytest.fixture(scope="module")
-def gateway(shared_domain: int, site: Site) -> Iterator[RunningGateway]:
+def root(site: Site) -> dict[str, str]:
+    """A user of the robot without a namespace."""
+    return bearer(site.token("root", "operator", "--robot", "/"))
+
+
+@pytest.fixture(scope="module")
+def gateway(shared_domain: int, site: Site, root: dict[str, str]) -> Iterator[RunningGateway]:
     everyone = bearer(site.token("everyone", "operator"))
     with (
         running_program(shared_domain, "dock_simulator"),
@@ -32,9 +38,8 @@ def gateway(shared_domain: int, site: Site) -> Iterator[RunningGateway]:
         yield gateway
 
 
-def test_the_map_shows_only_the_robot(gateway: RunningGateway, site: Site) -> None:
+def test_the_map_shows_only_the_robot(gateway: RunningGateway, root: dict[str, str]) -> None:
     """The gateway reads `/tf`, and tells of the robot alone."""
-    root = bearer(site.token("root", "operator", "--robot", "/"))
     assert gateway.http.get("/robots/map?robot=/robot1", headers=root).json()["code"] == "not_covered"
     answer = gateway.http.get("/robots/map?robot=/", headers=root)
     assert answer.status_code == 200, answer.text
