@@ -38,10 +38,6 @@ export type DockList = Schemas["DockList"];
 export type CalibrationService = Schemas["CalibrationService"];
 export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
 export type BatteryHistory = Schemas["BatteryHistory"];
-export type Statistics = Schemas["Statistics"];
-/** How the goals of a group ended. */
-export type GoalCounts = Schemas["GoalCounts"];
-export type GoalGroup = Schemas["GoalGroup"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;
 export type GoalSummary = Schemas["GoalState"];

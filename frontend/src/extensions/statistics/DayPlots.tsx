@@ -1,4 +1,3 @@
-import type { Statistics } from "@dock-gateway/client";
 import { Anchor, Text, useComputedColorScheme } from "@mantine/core";
 import { Link } from "react-router";
 import { codeWords } from "../../goal/words";
@@ -9,6 +8,7 @@ import { ENDS, goalsLink, percent, tenths } from "./cells";
 import { DayPlot, type Geometry, WholeColumn } from "./DayPlot";
 import { durationMarks, errorMarks, goalsWords, kindsOf, type Mark, rateMarks, roundTicks } from "./plots";
 import classes from "./plots.module.css";
+import type { Statistics } from "./requests";
 
 const RATES = [0, 0.25, 0.5, 0.75, 1];
 

@@ -1,4 +1,3 @@
-import type { GoalCounts, GoalGroup, Statistics } from "@dock-gateway/client";
 import { Anchor, Code, Table, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
@@ -18,6 +17,7 @@ import {
   RateLink,
   tenths,
 } from "./cells";
+import type { GoalCounts, GoalGroup, Statistics } from "./requests";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping } from "./view";
 

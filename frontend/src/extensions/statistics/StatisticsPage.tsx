@@ -1,4 +1,3 @@
-import type { GoalCounts, Statistics } from "@dock-gateway/client";
 import { Button, SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
 import { keepPreviousData } from "@tanstack/react-query";
 import { useEffect } from "react";
@@ -21,6 +20,7 @@ import { CountLink, DurationLink, ENDS, RateLink, tenths } from "./cells";
 import { DayPlots } from "./DayPlots";
 import { DockingTimes } from "./DockingTrend";
 import { ErrorTable, GroupTable } from "./GroupTable";
+import type { GoalCounts, Statistics } from "./requests";
 import { fetchStatistics } from "./requests";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping, isTooLong, MAX_DAYS, statisticsView, toQuery, type View } from "./view";

@@ -1,7 +1,8 @@
-import type { GoalCounts, GoalStatus } from "@dock-gateway/client";
+import type { GoalStatus } from "@dock-gateway/client";
 import { Anchor, Text } from "@mantine/core";
 import { Link } from "react-router";
 import { fixed } from "../../ui/numbers";
+import type { GoalCounts } from "./requests";
 
 /** The states in which goals end, the best first. */
 export const ENDS = ["succeeded", "canceled", "aborted", "rejected", "lost"] as const;

@@ -1,7 +1,7 @@
-import type { GoalCounts, GoalGroup } from "@dock-gateway/client";
 import { codeWords } from "../../goal/words";
 import { fixed } from "../../ui/numbers";
 import { dayWords, ENDS, goalsLink, NOT_CANCELED, percent, SUCCEEDED, tenths } from "./cells";
+import type { GoalCounts, GoalGroup } from "./requests";
 
 /** Of errors that have a colour of their own; the rest is `Other`. */
 export const MAX_KINDS = 5;

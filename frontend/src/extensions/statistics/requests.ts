@@ -1,4 +1,9 @@
-import { type components, type Http, type paths, type Statistics, settle } from "@dock-gateway/client";
+import { type components, type Http, type paths, settle } from "@dock-gateway/client";
+
+export type Statistics = components["schemas"]["Statistics"];
+/** How the goals of a group ended. */
+export type GoalCounts = components["schemas"]["GoalCounts"];
+export type GoalGroup = components["schemas"]["GoalGroup"];
 
 export type StatisticsQuery = NonNullable<paths["/statistics"]["get"]["parameters"]["query"]>;
 

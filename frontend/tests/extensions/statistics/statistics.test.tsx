@@ -1,9 +1,13 @@
-import type { GoalCounts, GoalGroup, Statistics } from "@dock-gateway/client";
 import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 import { goalsLink, percent } from "../../../src/extensions/statistics/cells";
 import { durationMarks, errorMarks, rateMarks, roundTicks } from "../../../src/extensions/statistics/plots";
-import type { DockingTrend } from "../../../src/extensions/statistics/requests";
+import type {
+  DockingTrend,
+  GoalCounts,
+  GoalGroup,
+  Statistics,
+} from "../../../src/extensions/statistics/requests";
 import { sparkline, trendWords } from "../../../src/extensions/statistics/trend";
 import { statisticsView, toQuery } from "../../../src/extensions/statistics/view";
 import { dayOf } from "../../../src/ui/time";
