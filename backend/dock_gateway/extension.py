@@ -4,9 +4,10 @@
 imports another one.
 """
 
+import asyncio
 import logging
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, AsyncExitStack
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -46,6 +47,9 @@ if TYPE_CHECKING:  # an extension that a hub has, too, needs no ROS
     from dock_gateway.stop.stopper import Stopper
 
 log = logging.getLogger(__name__)
+
+# Seconds that an extension may take to open, and to close.
+OPEN_WITHIN, CLOSE_WITHIN = 30.0, 10.0
 
 NO_FAILURE: Mapping[str, Exception] = {}
 
@@ -102,6 +106,7 @@ class GatewayCore(Core):
     ways: FurtherWays
 
 
+T = TypeVar("T")
 Core_contra = TypeVar("Core_contra", bound=Core, contravariant=True)
 
 
@@ -227,7 +232,7 @@ class Installed:
             if each.open is None or each.name in self.failed:
                 continue
             try:
-                part = await stack.enter_async_context(each.open(core))
+                part = await stack.enter_async_context(_within_deadlines(each.name, each.open(core)))
             except Exception as error:  # noqa: BLE001 - logged by `_fail`
                 self._fail(each.name, error)
             else:
@@ -243,6 +248,24 @@ class Installed:
         log.error("the extension %s could not be opened", name, exc_info=error)
         detail = f"{name} could not be opened, and is missing until the gateway starts again: {error}"
         self.failed.setdefault(name, Alert(alert_kinds.EXTENSION_FAILED, None, utc_now(), f"No {name}", detail))
+
+
+@asynccontextmanager
+async def _within_deadlines(name: str, opening: AbstractAsyncContextManager[T]) -> AsyncIterator[T]:
+    async with AsyncExitStack() as stack:
+        try:
+            async with asyncio.timeout(OPEN_WITHIN):
+                part = await stack.enter_async_context(opening)
+        except TimeoutError:
+            raise TimeoutError(f"it was not open within {OPEN_WITHIN:g} s") from None
+        try:
+            yield part
+        finally:
+            try:
+                async with asyncio.timeout(CLOSE_WITHIN):
+                    await stack.aclose()
+            except TimeoutError:
+                log.exception("the extension %s was not closed within %g s", name, CLOSE_WITHIN)
 
 
 def extensions() -> Installed:

@@ -1,5 +1,6 @@
 """An extension can be taken out; one that fails is left out; each kind of thing that one adds is documented."""
 
+import asyncio
 import re
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -89,6 +90,34 @@ async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
     assert alert.kind is alert_kinds.EXTENSION_FAILED
     assert "bad could not be opened" in alert.detail
     assert "the folder is not there" in alert.detail
+
+
+@asynccontextmanager
+async def hangs(_: Core) -> AsyncIterator[object]:
+    await asyncio.Event().wait()
+    yield
+
+
+@asynccontextmanager
+async def hangs_at_its_end(_: Core) -> AsyncIterator[Part]:
+    yield Part()
+    await asyncio.Event().wait()
+
+
+async def test_one_that_hangs_keeps_the_gateway_from_neither_its_start_nor_its_end(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(extension_module, "OPEN_WITHIN", 0.05)
+    monkeypatch.setattr(extension_module, "CLOSE_WITHIN", 0.05)
+    parts = Parts({})
+    async with asyncio.timeout(10), AsyncExitStack() as stack:
+        installed = Installed([Extension("slow", hangs), Extension("good", hangs_at_its_end)])
+        await installed.open(CORE, parts, stack)
+        assert isinstance(parts[Part], Part)
+    (alert,) = installed.alerts()
+    assert "slow could not be opened" in alert.detail
+    assert "not open within 0.05 s" in alert.detail
+    assert "the extension good was not closed within 0.05 s" in caplog.text
 
 
 @pytest.fixture

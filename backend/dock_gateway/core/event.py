@@ -29,7 +29,11 @@ class Event:
     of the goal are expected. `supersedes`: the event replaces a queued one of the same topic and robot. `key`
     identifies what happened and is the same at every gateway, so the history stores it once. A goal has one end and
     one result. `source` is the ROS topic that it was read from, if readers need the right to read that, too.
-    `narrow` says what a limited reader is shown of an event about several robots.
+    `narrow` says what a limited reader is shown of an event about several robots, which has no `id`: the history, from
+    which readers resume, stores no functions.
+
+    Raises:
+        ValueError: The event has both an `id` and `narrow`.
     """
 
     data: bytes
@@ -44,6 +48,10 @@ class Event:
     key: str | None = None
     source: str | None = None
     narrow: Narrow | None = field(default=None, compare=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.narrow is not None and self.id is not None:
+            raise ValueError(f"the event {self.id} about several robots must have no id")
 
     @cached_property
     def sse(self) -> bytes:

@@ -28,6 +28,9 @@ log = logging.getLogger(__name__)
 TOPIC = "robots"
 
 
+Source = Callable[[], Iterable[Alert]]
+
+
 class AlertBoard:
     """Holds the alerts and their acknowledgements.
 
@@ -65,7 +68,8 @@ class AlertBoard:
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
         self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
-        self.sources: list[Callable[[], Iterable[Alert]]] = []  # return further alerts, which are active
+        self.sources: list[Source] = []  # return further alerts, which are active
+        self._failing: list[Source] = []
         self.kinds: set[AlertKind] = {*CORE_KINDS}  # a source returns alerts of these
         self._task = asyncio.create_task(self._sync())
 
@@ -93,7 +97,7 @@ class AlertBoard:
             duplicates=duplicates,
             findings=self._findings(),
             split=split,
-            further=[alert for source in self.sources for alert in source()],
+            further=[alert for source in self.sources for alert in self._ask(source)],
         )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():
@@ -107,6 +111,19 @@ class AlertBoard:
         self._publish()
         for heard in self.on_change if changed else ():
             heard()
+
+    def _ask(self, source: Source) -> Iterable[Alert]:
+        """Return the alerts of a source. One that fails has none, and the log says so once."""
+        try:
+            alerts = list(source())
+        except Exception:
+            if source not in self._failing:
+                log.exception("alerts cannot be read")
+                self._failing.append(source)
+            return []
+        if source in self._failing:
+            self._failing.remove(source)
+        return alerts
 
     def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
         """Return the alerts of a grant as `GET /alerts` shows them: critical ones first, then oldest first."""

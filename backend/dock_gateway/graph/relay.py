@@ -173,7 +173,13 @@ class Relay:
         for arrival in heard.port.take():
             message = Received(heard.topic.name, heard.kind, arrival, heard.offer)
             for outlet in tuple(self.outlets):
-                await outlet.offer(message)
+                try:
+                    await outlet.offer(message)
+                except GatewayError as error:
+                    log.warning("a message of %s was not taken: %s", heard.topic.name, error.detail)
+                except Exception:
+                    log.exception("a reader of %s failed, and reads no more", heard.topic.name)
+                    self.discard(outlet)
             if heard.listening is not None and heard.listening.latched:
                 self._earlier.add(message)
             else:

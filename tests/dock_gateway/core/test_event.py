@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dock_gateway.core.event import (
+    Event,
     EventClock,
     event_id,
     feedback_event,
@@ -128,3 +129,9 @@ def test_states_of_a_goal_at_the_same_time_are_two_events() -> None:
         goal.advance(status, NOW)
         keys.add(status_event(goal, STAMP).key)
     assert len(keys) == 3
+
+
+def test_what_readers_resume_from_is_the_same_for_all() -> None:
+    """The history cannot store what a limited reader is shown of an event about several robots."""
+    with pytest.raises(ValueError, match="must have no id"):
+        Event(b"{}", "robots", id=f"{1:020d}-robots-/", narrow=lambda document, _: document)

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from typing import Any
+from typing import Any, cast
 
 import orjson
 import pytest
@@ -12,7 +12,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.fleet import alert_kinds
-from dock_gateway.fleet.alert import Acknowledgement, alert_id
+from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
@@ -124,3 +124,13 @@ async def test_after_a_restart_it_holds_where_the_alert_does(scene: Scene) -> No
             break
         await asyncio.sleep(0.01)
     assert list(await scene.store.read()) == [ID]
+
+
+async def test_a_source_that_fails_hides_no_other_alert(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
+    board = scene.board()
+    sources = [lambda: [Alert(alert_kinds.EXTENSION_FAILED, None, utc_now(), "No maps", "")], lambda: [1 / 0]]
+    board.sources += cast("Any", [*sources, sources[0]])
+    for _ in range(3):
+        board.update(LOW, [])
+    assert {document["kind"] for document in board.documents()} == {"low_battery", "extension_failed"}
+    assert caplog.text.count("alerts cannot be read") == 1

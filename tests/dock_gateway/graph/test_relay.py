@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import pytest
 
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.graph import Topic
 from dock_gateway.core.work import Work
 from dock_gateway.graph.received import Received
@@ -75,3 +76,35 @@ async def test_no_message_waits_for_the_next_one(monkeypatch: pytest.MonkeyPatch
         assert await asyncio.wait_for(listener.sizes.get(), PATIENCE) == len(SECOND)
     finally:
         await relay.close()
+
+
+class Faulty:
+    """A reader with a mistake."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+        self.offered = 0
+
+    async def offer(self, _: Received) -> None:
+        self.offered += 1
+        raise self.error
+
+
+@pytest.mark.parametrize(("error", "offered"), [(ZeroDivisionError(), 1), (Unavailable("busy"), 2)])
+async def test_a_reader_that_fails_holds_up_no_other(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, offered: int
+) -> None:
+    monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
+    relay = Relay(cast("Any", FakeBridge()), cast("Any", None), Topic("/chatter", [], []), Work(), tick=3600.0)
+    faulty, listeners = Faulty(error), [Listener(patient=False) for _ in range(8)]
+    for reader in (*listeners[:4], faulty, *listeners[4:]):
+        relay.join(reader)
+        await relay.add(reader)
+    await relay.open("std_msgs/msg/String")
+    try:
+        for listener in listeners:
+            sizes = [await asyncio.wait_for(listener.sizes.get(), PATIENCE) for _ in range(2)]
+            assert sizes == [len(FIRST), len(SECOND)]
+    finally:
+        await relay.close()
+    assert faulty.offered == offered

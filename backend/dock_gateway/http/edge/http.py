@@ -38,6 +38,9 @@ END_OF_TLS = 0.3
 PIECE_COST = 0.0001
 
 EXTENSION = "dock_gateway.socket"
+UNANSWERED = Unavailable(
+    "the gateway shut down before it had answered; what was asked for may have been done", code="shutting_down"
+)
 Send = Callable[[ASGISendEvent], Coroutine[Any, Any, None]]
 
 
@@ -181,12 +184,17 @@ class HttpProtocol(H11Protocol):
             self.scope["extensions"] = {EXTENSION: {"socket": self.transport.get_extra_info("socket")}}
             self._edge.scheduler.charge(REQUEST_COST)
             self.cycle.send = self._in_turn(self.cycle.send)  # type: ignore[method-assign, assignment]
+            self.cycle.send_500_response = self._end_unanswered  # type: ignore[method-assign]
             # A careless proxy takes a connection on which it has seen a WebSocket's upgrade for a tunnel, whatever the
             # answer: its client could send any request through it.
             if not self.transport.connection.regular or super()._get_upgrade() == b"websocket":
                 self.cycle.keep_alive = False
         if self.transport.connection.protocol is self:
             self._watch(incomplete=self._has_begun or self.unread)
+
+    async def _end_unanswered(self) -> None:
+        """Answer a request that is canceled at shutdown. For all exceptions, the application has an answer."""
+        self._answer(UNANSWERED)
 
     def _in_turn(self, send: Send) -> Send:
         """Return a `send` that gives way after each piece of a streamed answer."""

@@ -331,3 +331,19 @@ def test_a_client_that_has_left_before_its_stream_begins_is_no_error() -> None:
         pass
     request = Request({"type": "http", "extensions": {http.EXTENSION: {"socket": TransportSocket(left)}}})
     http.limit_unsent(request, 1)
+
+
+async def test_a_request_that_is_canceled_at_shutdown_is_answered() -> None:
+    running: asyncio.Future[asyncio.Task[object]] = asyncio.get_running_loop().create_future()
+
+    async def wait(_: Request) -> Response:
+        task = asyncio.current_task()
+        assert task is not None
+        running.set_result(task)
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    async with serving(Starlette(routes=[Route("/", wait)])) as edge:
+        asking = asyncio.create_task(edge.ask(START + b"\r\n"))
+        (await running).cancel()
+        assert code(await asking) == (503, "shutting_down")
