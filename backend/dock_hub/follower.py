@@ -75,6 +75,11 @@ class Follower:
         view.behind = True
         self._task = asyncio.create_task(self._run())
 
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes of the goals' messages that are in memory, and of those that are to be stored."""
+        return self._bytes + self._news.size
+
     async def close(self) -> None:
         """Follow no longer."""
         await cancel(self._task)

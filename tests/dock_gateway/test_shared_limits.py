@@ -197,9 +197,8 @@ STEPS = st.lists(
 def test_no_order_of_holds_breaks_a_share(steps: list[Step], most: int, share: int, reserve: int) -> None:
     """Whatever is held and given back: nobody has more than their share, all no more than there is, viewers no more
     than is not reserved, nothing is refused without need, and in the end nothing is left."""
-    quotas = Quotas(Settings(), FURTHER)
     limit = LIMITS["topics"].__class__("topics", most, share, min(reserve, most - 1))
-    quotas._limits["topics"] = limit
+    quotas = Quotas(Settings(), {**FURTHER, "topics": limit})
     held: defaultdict[Principal, list[tuple[str, ExitStack]]] = defaultdict(list)
     for who, topic, give in steps:
         own = {each for each, _ in held[who]}
@@ -220,7 +219,7 @@ def test_no_order_of_holds_breaks_a_share(steps: list[Step], most: int, share: i
     for places in held.values():
         for _, place in places:
             place.close()
-    assert not quotas._places
+    assert quotas.in_use == {}
 
 
 def test_a_topic_of_several_connections_and_users_takes_one_place() -> None:
@@ -228,8 +227,8 @@ def test_a_topic_of_several_connections_and_users_takes_one_place() -> None:
     with ExitStack() as stack:
         for who in (VIEWER, VIEWER, OTHER):
             stack.enter_context(quotas.hold(who, "topics", "/scan"))
-        assert len(quotas._places["topics", ""].all) == 1
-    assert not quotas._places
+        assert quotas.in_use == {"topics": 1}
+    assert quotas.in_use == {}
 
 
 @pytest.mark.parametrize("what", TURNS)
@@ -247,7 +246,7 @@ async def test_a_user_waits_for_their_own_turn_before_those_of_others(what: str)
     await asyncio.sleep(0)
     await asyncio.gather(ask(ADMIN), *many)
     assert order.index("admin") <= 2 * TURNS[what]
-    assert not quotas._turns
+    assert quotas.in_use == {}
 
 
 def test_what_the_gateway_does_by_itself_needs_no_place() -> None:

@@ -194,11 +194,9 @@ async def test_a_site_that_tells_without_end_does_not_hold_up_another(
     event = orjson.dumps(told(Goal(HONEST[0], "/dock", "t", NOW), 1) | {"goal": {"x": text}}).decode()
     endless = (event.replace(HONEST[0], str(UUID(int=number))) for number in itertools.count(10_000))
     async with hub_of(tmp_path, most=10**9) as (history, store):
-        evil = Follower(
-            HostileSite(itertools.chain([snapshot()], endless)),  # type: ignore[arg-type]
-            SiteView("evil"), store, history, Mirror(history),
-        )  # fmt: skip
-        await until(lambda: evil._view.cursor is not None)
+        site: Any = HostileSite(itertools.chain([snapshot()], endless))
+        evil = Follower(site, view := SiteView("evil"), store, history, Mirror(history))
+        await until(lambda: view.cursor is not None)
         kept = 0.0
         for number in range(20):
             goal = honest_goal(str(UUID(int=5000 + number)))
@@ -206,8 +204,7 @@ async def test_a_site_that_tells_without_end_does_not_hold_up_another(
             await store.keep(News("berlin", {goal.goal_id: goal}, ends_of(goal), f"0-z-{number}"))
             kept = max(kept, asyncio.get_running_loop().time() - began)
         assert kept < 5
-        assert evil._bytes <= follower.MAX_GOAL_BYTES
-        assert evil._news.size <= follower.MAX_GOAL_BYTES + 2 * len(text)
+        assert evil.kept_bytes <= 2 * (follower.MAX_GOAL_BYTES + len(text))
         await evil.close()
 
 

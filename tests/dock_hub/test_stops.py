@@ -42,6 +42,7 @@ class FakeSite:
     loses_answers: bool = False
     delay: float = 0.0
     gate: asyncio.Event | None = None  # what holds up the next requests
+    held: int = 0  # requests that came to the gate
     refusal: Answer | None = None
     failed: list[dict[str, Any]] = field(default_factory=list)
     moving: list[str] = field(default_factory=list)  # not stopped
@@ -55,6 +56,7 @@ class FakeSite:
             await asyncio.sleep(request.deadline)
             raise ServerTimeout("the site did not answer", code="site_timeout")
         if self.gate is not None:
+            self.held += 1
             await self.gate.wait()
         await asyncio.sleep(self.delay)
         assert request.path == "/stop"
@@ -172,7 +174,7 @@ async def test_a_site_that_is_away_is_stopped_when_it_is_back_also_by_another_pr
         scene.berlin.reachable = True
         await until(lambda: scene.berlin.latched)
         await until(lambda: not scene.stops.pending(BERLIN))
-        await until(lambda: BERLIN not in scene.store._known)
+        await until(lambda: BERLIN not in scene.store.known)
 
 
 async def test_a_release_drops_what_a_site_has_not_confirmed() -> None:
@@ -240,7 +242,7 @@ async def test_without_its_database_the_hub_stops_and_says_what_a_restart_would_
         assert (await scene.release()).code == "history_unavailable"
         assert scene.stops.pending(BERLIN) is not None
         scene.store.down = False
-        await until(lambda: BERLIN in scene.store._known)
+        await until(lambda: BERLIN in scene.store.known)
 
 
 async def test_nothing_is_released_before_what_the_last_process_left_is_read() -> None:
@@ -269,7 +271,7 @@ async def test_a_stop_that_meets_a_release_is_sent_again() -> None:
         await scene.stop(BERLIN)
         gate = scene.berlin.gate = asyncio.Event()
         releasing = asyncio.create_task(scene.release())
-        await until(lambda: scene.stops._site(BERLIN).release is not None)
+        await until(lambda: scene.berlin.held == 1)
         scene.berlin.gate = None  # so the stop overtakes it
         stopping = asyncio.create_task(scene.stop(BERLIN))
         await until(lambda: scene.berlin.stops == 2)

@@ -74,8 +74,8 @@ def test_this_rclpy_is_supported() -> None:
 @pytest.mark.parametrize(
     ("owner", "name", "sentence"),
     [
-        (rclpy_private._rclpy, "RCLError", "RCLError of rclpy"),
-        (rclpy_private._rclpy, "WaitSet", "wait of rclpy's WaitSet"),
+        (rclpy_private._rclpy, "RCLError", "RCLError of rclpy"),  # noqa: SLF001 - rclpy's C module has no other name
+        (rclpy_private._rclpy, "WaitSet", "wait of rclpy's WaitSet"),  # noqa: SLF001 - as above
         (rclpy_private.ActionServer, "execute", "execute of rclpy.action.ActionServer"),
         (rclpy_private.Client, "get_pending_request", "get_pending_request of rclpy.client.Client"),
         (rclpy_private, "_rcl", "rcl_take of librcl.so"),

@@ -8,13 +8,17 @@ from dock_gateway.storage import Dependency, Entries, EntryT
 
 
 class EntriesInMemory(Entries[EntryT]):
-    """Stores entries, as `Entries` does."""
+    """Stores entries, as `Entries` does.
+
+    Attributes:
+        known: The entries, by key.
+    """
 
     def __init__(self) -> None:
-        self._known: dict[str, EntryT] = {}
+        self.known: dict[str, EntryT] = {}
 
     async def read(self) -> dict[str, EntryT]:
-        return dict(self._known)
+        return dict(self.known)
 
     async def write(
         self,
@@ -26,11 +30,11 @@ class EntriesInMemory(Entries[EntryT]):
         if dependency is not None:
             dependency.check(await dependency.entries.read())
         if check is not None:
-            check(self._known)
+            check(self.known)
         if entry is None:
-            self._known.pop(key, None)
+            self.known.pop(key, None)
         else:
-            self._known[key] = entry
+            self.known[key] = entry
 
 
 class SharedStore(EntriesInMemory[EntryT]):

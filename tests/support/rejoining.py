@@ -13,4 +13,4 @@ def lose_answers(bridge: Bridge, monkeypatch: pytest.MonkeyPatch) -> None:
     def take(client: Any) -> bool:
         return client.handle.take_response(client.srv_type.Response)[0] is not None
 
-    monkeypatch.setattr(bridge._answers, "_take", take)
+    monkeypatch.setattr(bridge._answers, "_take", take)  # noqa: SLF001 - DDS loses nothing on demand

@@ -28,7 +28,7 @@ def test_a_robot_docks_by_what_its_camera_sees(domain: int, observer: Observer) 
         assert seen.pose.position.z == pytest.approx(1.0, abs=0.1)  # straight ahead
         heard["tf"].wait_for(lambda message: message.transforms[0].child_frame_id == "base_footprint")
         assert send_dock_goal(observer).result().status == SUCCEEDED
-        docked = simulator._simulation.robot.pose.relative_to(Pose(-0.2))
+        docked = simulator.simulation.robot.pose.relative_to(Pose(-0.2))
         assert abs(docked.x) < 0.03
         assert abs(docked.y) < 0.02
 

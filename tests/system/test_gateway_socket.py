@@ -1,6 +1,7 @@
 """`/ws`: commands and events on one socket, each answered under its id."""
 
 import itertools
+import signal
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -202,7 +203,7 @@ def test_two_subscriptions_of_one_name(gateway: RunningGateway) -> None:
 def test_the_gateway_says_goodbye() -> None:
     with ros_domain() as domain, running_gateway(domain) as gateway, open_socket(gateway) as socket:
         socket.ask("subscribe")
-        gateway.process._process.terminate()
+        gateway.process.send_signal(signal.SIGTERM)
         socket.until(type="closing", reason="shutting_down")
         with pytest.raises(ConnectionClosed) as closed:
             socket.receive()

@@ -52,7 +52,7 @@ class ParameterReader:
             Unavailable: It is gone, or the ROS thread is down.
         """
         found = await self.messages(names)
-        values = {name: _read(value) for name, value in found.items()}
+        values = {name: read_value(value) for name, value in found.items()}
         return {name: value for name, value in values.items() if value is not None}
 
     async def messages(self, names: Iterable[str]) -> Mapping[str, ParameterValue]:
@@ -85,7 +85,8 @@ class ParameterReader:
         self._getter.close()
 
 
-def _read(value: ParameterValue) -> Any:
+def read_value(value: ParameterValue) -> Any:
+    """Return a parameter's value; None if it is not set, or of an unknown type."""
     try:
         return parameter_value_to_python(value)
     except RuntimeError:  # its type is unknown

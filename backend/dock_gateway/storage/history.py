@@ -76,6 +76,8 @@ class History:
 
     Attributes:
         database: Runs transactions, each on a thread.
+        spool: As given.
+        waiting: What is not in the database yet.
         writer: Writes what waits in memory.
         reader: Reads from the database.
         immediate: Writes what a request waits for.
@@ -87,18 +89,18 @@ class History:
 
     def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
         self.database = open_database(url)
-        self._spool = spool
-        self._waiting = Waiting(max_waiting)
-        self.writer = Writer(self.database, self._spool, self._waiting, self._write_again)
+        self.spool = spool
+        self.waiting = Waiting(max_waiting)
+        self.writer = Writer(self.database, self.spool, self.waiting, self._write_again)
         self._sealer = Sealer(self.database)
         self._newest = ""
         self.shared = self.database.shared
         self.reader = Reader(self.database, self.writer)
         self.immediate = ImmediateWriter(self.database, self.writer)
-        self._keys = IdempotencyKeys(self.database, self.writer, self.reader, self._waiting)
+        self._keys = IdempotencyKeys(self.database, self.writer, self.reader, self.waiting)
         self.notes = Notes(self.reader, self.immediate)
         self.audit = AuditStore(self.reader, self.immediate)
-        self._events = EventReader(self.reader, self._waiting)
+        self._events = EventReader(self.reader, self.waiting)
         self.retention = Retention(self.database, limits)
         self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
@@ -128,7 +130,7 @@ class History:
     def _write_again(self) -> None:
         """After the database lost its data: queue what this process knows, and mark the rest as missing."""
         now = time_id(time.time_ns())
-        self._waiting.gaps |= dict.fromkeys(KEPT_TOPICS, now)
+        self.waiting.gaps |= dict.fromkeys(KEPT_TOPICS, now)
         self._keys.store_again()
         self.on_loss()
 
@@ -182,7 +184,7 @@ class History:
 
     def record(self, goal: Goal) -> None:
         """Record the current state of a goal, new or changed; never waits, never raises."""
-        self._waiting.put_goal(goal)
+        self.waiting.put_goal(goal)
         self.writer.notice()
 
     def record_event(self, event: Event) -> None:
@@ -191,7 +193,7 @@ class History:
         An event without an id is not stored.
         """
         if event.id is not None:
-            self._waiting.put_event(event)
+            self.waiting.put_event(event)
             self.writer.notice()
 
     def seal(self, goal: Goal, events: Sequence[Event]) -> Awaitable[list[Event] | None]:
@@ -205,7 +207,7 @@ class History:
         """
         self.record(goal)
         if events and not self.database.volatile:
-            self._waiting.hold(goal.goal_id)
+            self.waiting.hold(goal.goal_id)
         return self._seal(copy(goal), events)
 
     async def _seal(self, goal: Goal, events: Sequence[Event]) -> list[Event] | None:
@@ -217,7 +219,7 @@ class History:
             return await self._sealer.seal(goal, events)
         finally:
             if events:  # else some may be on the way already
-                self._waiting.let_go(goal.goal_id)
+                self.waiting.let_go(goal.goal_id)
                 self.writer.notice()
 
     def follow(self, publish: Callable[[list[Event], str | None], None]) -> Callable[[], None]:
@@ -239,17 +241,17 @@ class History:
         """Return goals, newest first; with `before`, only goals older than that one."""
         self.reader.require_everything()
         read = partial(queries.page_with_waiting, limit=limit, before=before)
-        return await self.reader.read(read, wanted, dict(self._waiting.goals))
+        return await self.reader.read(read, wanted, dict(self.waiting.goals))
 
     async def action_names(self) -> set[str]:
         """Return the names of the actions that have goals."""
         self.reader.require_everything()
-        waiting = {goal.action_name for goal in self._waiting.goals.values()}
+        waiting = {goal.action_name for goal in self.waiting.goals.values()}
         return waiting | await self.reader.read(queries.action_names)
 
     async def get(self, goal_id: str) -> Goal | None:
         """Return a goal, or None if there is no such goal."""
-        waiting = self._waiting.goals.get(goal_id)
+        waiting = self.waiting.goals.get(goal_id)
         waiting_now = {} if waiting is None else {goal_id: waiting}
         try:
             stored = await self.reader.read(queries.goals_by_id, [goal_id])
@@ -264,7 +266,7 @@ class History:
 
     async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
         """Return the stored goals among these ids, by id."""
-        waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
+        waiting = {goal_id: self.waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self.waiting.goals}
         stored = await self.reader.read(queries.goals_by_id, list(goal_ids))
         found = {**stored, **merge_all(stored, waiting)}
         if len(found) < len(goal_ids):
@@ -290,7 +292,7 @@ class History:
         """
         if complete:
             self.reader.require_everything()
-        waiting = dict(self._waiting.goals)
+        waiting = dict(self.waiting.goals)
         stored: dict[str, Goal] = {}
         try:
             stored = await self.reader.read(queries.unfinished_or, list(waiting))
@@ -337,9 +339,9 @@ class History:
         incident, writer = self.incident, self.writer
         reasons = (writer.last_error or (incident.detail if incident else None), writer.awaited)
         return HistoryStats(
-            waiting=len(self._waiting),
-            spooled=self._spool.count,
-            dropped=self._waiting.dropped,
+            waiting=len(self.waiting),
+            spooled=self.spool.count,
+            dropped=self.waiting.dropped,
             database_reachable=writer.answers,
             last_error="; ".join(filter(None, reasons)) or None,
         )

@@ -141,7 +141,7 @@ class Retention:
         if limits.goals is not None:
             deleted += await self._delete_excess(delete_goals, partial(_last_goal_but, limits.goals))
         async with asyncio.timeout(TIMEOUT):
-            await self._database.write(_delete_old_keys, limits.keys, durable=False)
+            await self._database.write(delete_old_keys, limits.keys, durable=False)
         await self._delete_audit()
         return deleted
 
@@ -183,7 +183,8 @@ class Retention:
             return await self._database.read(find)
 
 
-def _delete_old_keys(connection: sa.Connection, most: int | None) -> None:
+def delete_old_keys(connection: sa.Connection, most: int | None) -> None:
+    """Delete the keys that have expired, and the oldest of those beyond a number."""
     last = datetime.now(UTC)
     if most is not None:
         expiry = idempotency_keys.c.expires_at

@@ -134,11 +134,11 @@ def _tallies(rows: "Iterable[tuple[Any, ...]]") -> Tallies:
         tally.retries += retries or 0
         tally.reported += reported
         if durations:
-            tally.durations += _parse(durations)
+            tally.durations += parse_durations(durations)
     return tallies
 
 
-def _parse(numbers: str) -> Iterator[Durations]:
+def parse_durations(numbers: str) -> Iterator[Durations]:
     """Parse in pieces, so that no other thread waits for long: numpy holds the interpreter for each of them."""
     start = 0
     while start < len(numbers):

@@ -141,8 +141,22 @@ class Sidestep:
             speed = max(motion.v_linear_min, min(speed, braked(max(0.0, room), motion.a_linear_max)))
         else:
             speed = -speed
-        keeping = speed * math.sin(bearing) / max(distance, TOUCHING)  # as the beacon goes by
+        keeping = passing_rate(speed, bearing, distance)
         return Velocity(speed, bounded(STEERING * error + keeping, motion.v_angular_max))
+
+
+def passing_rate(speed: float, bearing: float, distance: float) -> float:
+    """Return how fast the bearing of the beacon changes as the robot drives past it.
+
+    Args:
+        speed: Of the robot, in m/s.
+        bearing: Of the beacon, in rad.
+        distance: Between receivers and beacon, in m; may be 0.
+
+    Returns:
+        The rate in rad/s, always finite.
+    """
+    return speed * math.sin(bearing) / max(distance, TOUCHING)
 
 
 def _agree(one: Crossing, other: Crossing) -> bool:

@@ -104,6 +104,11 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._timer = self.create_timer(PERIOD, self._tick, clock=steady)
         self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._check_graph, clock=steady)
 
+    @property
+    def simulation(self) -> Simulation:
+        """The simulated robot and what surrounds it."""
+        return self._simulation
+
     def _take_settings(self, settings: SimulatorSettings) -> None:
         self._settings = settings
 

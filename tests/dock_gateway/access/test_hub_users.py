@@ -20,6 +20,7 @@ from dock_gateway.settings import Settings
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
+from tests.support.reachable import reachable
 
 ALICE = forwarded("alice", Grant(Role.SUPERVISOR, ("/robot1",)).narrowed(Role.OPERATOR, ("/robot*",)), "key")
 
@@ -98,6 +99,6 @@ def test_streams_are_watched_no_longer_than_they_last() -> None:
     logins = Logins(HistoryInMemory())
     assert logins.is_valid(ALICE)
     with logins.watch(ALICE, lambda: None), logins.watch(ALICE, lambda: None):
-        assert ALICE in logins._streams
-    assert not logins._streams
+        assert ALICE in reachable(logins, Principal)
+    assert reachable(logins, Principal) == []
     assert ALICE.kind is Kind.FORWARDED

@@ -135,13 +135,13 @@ async def test_a_wrong_name_or_password_is_refused_alike(logins: Logins, name: s
 
 async def test_an_unknown_user_takes_as_long(logins: Logins, monkeypatch: pytest.MonkeyPatch) -> None:
     verified: list[str] = []
-    verify = Passwords._verify
+    verify = PasswordHash.verify_and_update
 
-    def count(self: Passwords, password: bytes, hashed: str) -> Any:
+    def count(self: PasswordHash, password: bytes, hashed: str) -> Any:
         verified.append(hashed)
         return verify(self, password, hashed)
 
-    monkeypatch.setattr(Passwords, "_verify", count)
+    monkeypatch.setattr(PasswordHash, "verify_and_update", count)
     for name in ("ada", "nobody"):
         with pytest.raises(NotAuthenticated):
             await log_in(logins, name, OTHER)

@@ -7,7 +7,7 @@ import pytest
 from rcl_interfaces.msg import ParameterValue
 
 from dock_gateway.goals.docks import _read_docks
-from dock_gateway.ros import parameter_reader
+from dock_gateway.ros.parameter_reader import read_value
 
 HOME = {"docks": ["home"], "home.type": "wall", "home.frame": "map", "home.pose": [1.0, 2.5, 0.5]}
 
@@ -53,5 +53,5 @@ async def test_a_file_that_is_none(file: object) -> None:
 
 
 def test_a_parameter_of_an_unknown_type_is_not_set() -> None:
-    assert parameter_reader._read(ParameterValue(type=42)) is None
-    assert parameter_reader._read(ParameterValue(type=4, string_value="home")) == "home"
+    assert read_value(ParameterValue(type=42)) is None
+    assert read_value(ParameterValue(type=4, string_value="home")) == "home"

@@ -123,10 +123,10 @@ async def test_whatever_is_wrong_with_one_action_the_others_are_tried(
     assert {entry.hint for entry in registry.uninstalled()} == {"no type support"}
 
 
-async def test_the_actions_that_robots_share_are_those_of_each_robot() -> None:
+async def test_the_actions_that_robots_share_are_those_of_each_robot(monkeypatch: pytest.MonkeyPatch) -> None:
     registry = make_registry(undock_action="/fleet/undock")
-    for name in ("/fleet/undock", "/fleet/dock", "/robot1/dock", "/robot2/dock"):
-        registry._actions[name] = cast("Any", SimpleNamespace(name=name))
+    names = ("/fleet/undock", "/fleet/dock", "/robot1/dock", "/robot2/dock")
+    monkeypatch.setattr(registry, "all", lambda: [SimpleNamespace(name=name) for name in names])
     assert [action.name for action in registry.under("/robot1")] == ["/fleet/undock", "/robot1/dock"]
 
 

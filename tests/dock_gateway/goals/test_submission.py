@@ -242,12 +242,11 @@ async def test_a_goal_that_is_sent_again_keeps_its_id_and_is_not_stored_anew(sce
 
 async def test_only_so_many_goals_wait_for_an_answer(scene: Scene) -> None:
     with acting(Quotas(scene.settings), user(None, address="192.0.2.1")):
-        for _ in range(2):
-            await scene.send()
+        waiting = [await scene.send() for _ in range(2)]
         with pytest.raises(TooManyRequests, match="2 goals waiting for the answer of /dock: that is the share"):
             scene.delivery.start("{}", sender=ANYBODY)
         scene.answer(ACCEPTED)
-        await until(lambda: len(scene.delivery._tasks) == 1)
+        await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
         await scene.send()
 
 

@@ -6,11 +6,11 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.graph import Topic
+from dock_gateway.core.graph import Endpoint, Quality, Topic
 from dock_gateway.core.work import Work
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
-from dock_gateway.ros.raw_port import Arrival, EchoType
+from dock_gateway.ros.raw_port import Arrival
 from tests.support.bridge import FakeBridge
 from tests.support.waiting import PATIENCE, until
 
@@ -21,9 +21,10 @@ pytestmark = pytest.mark.timeout(PATIENCE)
 
 
 class FakePort:
-    """A subscription without messages, which notes that it was closed."""
+    """A subscription that takes the test's `arrivals`, and notes that it was closed."""
 
     closed: list[str]
+    arrivals: dict[str, list[Arrival]]
 
     def __init__(self, _: object, topic: str, *__: object, **___: object) -> None:
         self._topic = topic
@@ -31,21 +32,22 @@ class FakePort:
     def keep(self, _: int) -> None:
         """Nothing to keep."""
 
-    def tell_next(self) -> None:
-        """Nothing to tell."""
+    def tell_next(self, *_: object) -> None:
+        """Nothing to tell: a topic that is joined is read."""
 
     def take(self) -> list[Arrival]:
-        return []
+        return self.arrivals.pop(self._topic, [])
 
     def close(self) -> None:
         self.closed.append(self._topic)
 
 
 class FakeGraph:
-    """Knows each topic."""
+    """Knows each topic, by one publisher that keeps its last message."""
 
     async def topic(self, name: str) -> Topic:
-        return Topic(name, [], [])
+        kept = Quality("reliable", "transient_local", "keep_last", 1, None, None, "automatic")
+        return Topic(name, [Endpoint("/talker", KIND, kept)], [])
 
 
 class Reader:
@@ -65,14 +67,15 @@ class Reader:
 @pytest.fixture
 async def relays(monkeypatch: pytest.MonkeyPatch) -> Relays:
     monkeypatch.setattr("dock_gateway.graph.subscription.EchoPort", FakePort)
-    FakePort.closed = []
+    FakePort.closed, FakePort.arrivals = [], {}
     return Relays(cast("Any", FakeBridge()), cast("Any", FakeGraph()), Work())
 
 
 async def start_to_join(relays: Relays, reader: Reader) -> "asyncio.Task[None]":
     """Join a topic that has an earlier message, and wait until the reader has been offered that."""
+    FakePort.arrivals[SLOW] = [Arrival(b"1", 1, 2)]
     await relays.join(SLOW, KIND, first := Reader())
-    relays._relays[SLOW]._earlier.add(Received(SLOW, EchoType(KIND), Arrival(b"1", 1, 2)))
+    await until(lambda: bool(first.offered))
     joining = asyncio.create_task(relays.join(SLOW, KIND, reader))
     await until(lambda: bool(reader.offered))
     await asyncio.wait_for(relays.leave(SLOW, first), 5)
@@ -87,7 +90,10 @@ async def test_a_reader_that_takes_its_earlier_messages_slowly_keeps_no_one_wait
     assert FakePort.closed == ["/other"]
     reader.reads.set()
     await joining
-    assert relays._relays[SLOW].outlets == {reader}
+    FakePort.arrivals[SLOW] = [Arrival(b"2", 3, 4)]
+    await relays.join(SLOW, KIND, late := Reader())
+    await until(lambda: len(reader.offered) == 2)
+    await relays.leave(SLOW, late)
     await relays.leave(SLOW, reader)
     assert FakePort.closed == ["/other", SLOW]
 

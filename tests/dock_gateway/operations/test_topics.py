@@ -23,13 +23,13 @@ async def test_a_topic_takes_a_place_and_is_read_until_it_is_closed() -> None:
     with acting(quotas, ada):
         reading = await subscribe(Parts({Relays: relays}), ada, ReadTopic("/scan", outlet, "std_msgs/msg/Bool"))
         assert relays.mock_calls == [call.join("/scan", "std_msgs/msg/Bool", outlet)]
-        assert quotas._places
-        held: list[bool] = []
-        relays.leave.side_effect = lambda *_: held.append(bool(quotas._places))
+        assert quotas.in_use == {"topics": 1}
+        held: list[dict[str, int]] = []
+        relays.leave.side_effect = lambda *_: held.append(quotas.in_use)
         await reading.aclose()
     assert relays.mock_calls[1:] == [call.leave("/scan", outlet)]
-    assert held == [True], "the place is held until the topic is left"
-    assert not quotas._places
+    assert held == [{"topics": 1}], "the place is held until the topic is left"
+    assert quotas.in_use == {}
 
 
 def test_no_door_reads_messages_in_a_way_of_its_own() -> None:

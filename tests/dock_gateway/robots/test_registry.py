@@ -32,29 +32,6 @@ def test_anything_else_is_refused(text: str) -> None:
         read_namespace(text)
 
 
-@pytest.mark.parametrize(
-    ("action", "owner"),
-    [
-        ("/dock", "/"),
-        ("/arm/move", "/"),
-        ("/robot1/dock", "/robot1"),
-        ("/robot1/arm/move", "/robot1/arm"),
-        ("/robot1/legs/move", "/robot1"),
-        ("/robot10/dock", "/"),
-    ],
-)
-def test_an_action_belongs_to_the_nearest_robot(action: str, owner: str) -> None:
-    nothing: Any = None
-    robots = RobotRegistry(Settings(), nothing, nothing, nothing, nothing)
-    fakes: Any = {name: SimpleNamespace(namespace=name) for name in ("/", "/robot1", "/robot1/arm")}
-    robots._robots = fakes
-    found = robots.owner(action)
-    assert found is not None
-    assert found.namespace == owner
-    del fakes["/"]
-    assert (robots.owner(action) is None) is (owner == "/")
-
-
 BATTERY = Scan(topics={"/robot1/battery_status": ["sensor_msgs/msg/BatteryState"]})
 DOCK = Scan(actions={"/robot1/connect_to_charging_dock": []})
 
@@ -97,6 +74,27 @@ class Scene:
 @pytest.fixture
 def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
     return Scene(monkeypatch)
+
+
+@pytest.mark.parametrize(
+    ("action", "owner"),
+    [
+        ("/dock", "/"),
+        ("/arm/move", "/"),
+        ("/robot1/dock", "/robot1"),
+        ("/robot1/arm/move", "/robot1/arm"),
+        ("/robot1/legs/move", "/robot1"),
+        ("/robot10/dock", "/"),
+    ],
+)
+async def test_an_action_belongs_to_the_nearest_robot(scene: Scene, action: str, owner: str) -> None:
+    for name in ("/", "/robot1", "/robot1/arm"):
+        await scene.robots.open(name)
+    found = scene.robots.owner(action)
+    assert found is not None
+    assert found.namespace == owner
+    scene.robots.forget("/")
+    assert (scene.robots.owner(action) is None) is (owner == "/")
 
 
 async def test_a_robot_leaves_all_its_topics(scene: Scene) -> None:

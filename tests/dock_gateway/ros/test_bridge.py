@@ -132,14 +132,14 @@ async def test_a_battery_state_answered_with_503_is_not_published_later(bridge: 
     port = await bridge.call(
         lambda: BatteryPort(TypedTopics(bridge), "/battery_status", lambda *_: None, "/stop_latched")
     )
-    await until(lambda: bool(port._topic.publisher.get_subscription_count() == 2))
-    await port.publish(BatteryState(voltage=1.0), stamp=False)
-    await asyncio.to_thread(heard.wait_for, lambda message: message.voltage == 1)
+    while not heard.messages:  # the observer is not found yet
+        await port.publish(BatteryState(voltage=1.0), stamp=False)
+        await asyncio.sleep(0.1)
     with blocked(bridge), pytest.raises(Unavailable):
         await port.publish(BatteryState(voltage=2.0), stamp=False)
     await port.publish(BatteryState(voltage=3.0), stamp=False)
     await asyncio.to_thread(heard.wait_for, lambda message: message.voltage == 3)
-    assert [message.voltage for message in heard.messages] == [1, 3]
+    assert list(dict.fromkeys(message.voltage for message in heard.messages)) == [1, 3]
 
 
 async def test_zero_velocity_does_not_wait_for_the_ros_thread(bridge: Bridge, observer: Observer) -> None:

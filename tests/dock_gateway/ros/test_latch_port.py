@@ -7,6 +7,9 @@ import pytest
 
 from dock_gateway.ros import latch_port as module
 from dock_gateway.ros.latch_port import LatchPort
+from dock_gateway.ros.listener import Handler
+from dock_gateway.ros.typed_topics import GatewayEndpoints
+from robot_io.qos import LISTEN
 from robot_io.rclpy_private import Taken
 
 
@@ -21,11 +24,16 @@ def test_the_one_that_holds_on_is_named_when_the_other_lets_go(monkeypatch: pyte
     node = SimpleNamespace(create_publisher=lambda *_: None, subscribe=lambda *_: None)
     bridge: Any = SimpleNamespace(inbox=lambda: inbox, node=node)
     names: list[str | None] = []
-    topics: Any = SimpleNamespace(bridge=bridge, join=lambda *_: None)
-    port = LatchPort(topics, "/stop_latched", [], on_latch=lambda *_: None, on_hold=names.append)
+    handlers: dict[str, Handler] = {}
+
+    def join(topic: str, _: type, __: str, endpoints: GatewayEndpoints) -> None:
+        handlers[topic] = next(handler for handler, quality in endpoints.handlers if quality is LISTEN)
+
+    topics: Any = SimpleNamespace(bridge=bridge, join=join)
+    LatchPort(topics, "/stop_latched", ["/e_stop", "/scanner"], on_latch=lambda *_: None, on_hold=names.append)
 
     def say(topic: str, number: int, *, latched: bool) -> None:
-        port._hear_other(topic, Taken(latched, number, 0, topic.encode()))
+        handlers[topic](Taken(latched, number, 0, topic.encode()), None)
 
     say("/e_stop", 1, latched=True)
     say("/scanner", 1, latched=True)

@@ -1,5 +1,6 @@
 """The gateway's endpoints on a topic: all of them, or none."""
 
+import asyncio
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -49,7 +50,7 @@ def node() -> FakeNode:
 
 def join(node: FakeNode, opened: list[bool]) -> TypedTopic:
     topics = TypedTopics(cast("Any", SimpleNamespace(node=node)))
-    topics._types = {}
+    asyncio.run(topics.update({}))
     handlers = ((HANDLER, LATCHED), (HANDLER, LISTEN))
     endpoints = GatewayEndpoints(handlers, publish=LATCHED, on_open=lambda: opened.append(True))
     return topics.join("/stop_latched", Bool, "/stop_latched", endpoints)

@@ -294,7 +294,7 @@ class LateGoals:
             robot_actions=make_robot_actions(settings),
         )
         self.action = Action(port, settings, fanout, history, PendingFacts(0.05), interlock=interlock)
-        actions._actions[NAME] = self.action
+        actions._actions[NAME] = self.action  # noqa: SLF001 - no ROS graph has it
         self.server.on_status = self.action.tracker.on_status
         self.action.tracker.on[News.RETIRED].append(self._ended.append)
         self.stopper = Stopper(robots, actions, interlock)

@@ -104,7 +104,7 @@ async def test_a_goal_is_not_written_as_ended_before_its_end(sqlite_url: str, tm
     """A gateway that is killed in between would leave a goal that nobody tells the end of."""
     async with open_at(sqlite_url, tmp_path) as history:
         goal: Goal = ended(1).goals[0]
-        history._waiting.held[goal.goal_id] += 1
+        history.waiting.hold(goal.goal_id)
         history.record(goal)
         history.record(make_goal(2))
         await history.writer.flush()

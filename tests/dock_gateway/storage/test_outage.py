@@ -334,7 +334,7 @@ async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
         def limit(connection: sa.Connection) -> None:
             connection.exec_driver_sql(f"PRAGMA max_page_count={pages_allowed}")
 
-        sa.event.listen(database._writer, "begin", limit)
+        sa.event.listen(database._writer, "begin", limit)  # noqa: SLF001 - only SQLite can say that it is full
         big = b'"%s"' % (b"x" * 20_000)
         for number in range(1, 20):
             assert await timed(history.add(make_goal(number, result=big))) < QUICK
@@ -381,13 +381,13 @@ async def test_the_spool_stays_while_a_goal_is_held_back(sqlite_url: str, tmp_pa
     """Its events are being stored, so it is not in the database yet: the spool alone would survive a kill."""
     async with open_at(sqlite_url, tmp_path) as history:
         goal = make_goal(1, GoalStatus.EXECUTING)
-        history._waiting.hold(goal.goal_id)
-        await history._spool.append([goal])
-        history._waiting.put_goal(goal, safe=True)
+        history.waiting.hold(goal.goal_id)
+        await history.spool.append([goal])
+        history.waiting.put_goal(goal, safe=True)
         await history.writer.flush()
         assert history.stats().spooled == 1
         assert list((tmp_path / "spool").iterdir()) != []
-        history._waiting.let_go(goal.goal_id)
+        history.waiting.let_go(goal.goal_id)
         await history.writer.flush()
         assert history.stats().spooled == 0
         assert await history.database.read(lambda db: db.scalar(sa.text("SELECT count(*) FROM goals"))) == 1

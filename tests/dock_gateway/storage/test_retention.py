@@ -142,7 +142,7 @@ async def test_memory_keeps_a_number_of_goals_and_of_keys(tmp_path: Path) -> Non
         await history.retention.enforce()
         newest = [f"goal-{120 + number:04d}" for number in range(10)]
         assert await goals_left(history) == ["goal-0000", "goal-0001", "goal-0009", *newest]
-        await history.database.write(retention._delete_old_keys, 1)
+        await history.database.write(retention.delete_old_keys, 1)
         await history.retention.enforce()
         left_over = {number for number, key in enumerate(("key-0", "key-1")) if await history.by_key(key) is not None}
         assert len(await goals_left(history)) == 12

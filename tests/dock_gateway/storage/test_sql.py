@@ -124,7 +124,7 @@ async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path
         past = datetime.now(UTC) - timedelta(seconds=1)
         expire = sa.update(idempotency_keys).values(expires_at=past)
         await history.database.write(lambda connection: connection.execute(expire) and None)
-        history._keys._known.clear()
+    async with open_at(database_url, tmp_path) as history:
         assert await history.by_key("key") is None
         assert await history.claim("key", "g2", "f2") == ("g2", "f2")
 

@@ -187,7 +187,7 @@ def test_a_goal_without_its_end_has_no_duration() -> None:
 
 def test_many_durations_are_parsed_in_pieces() -> None:
     numbers = [*range(0, 3_000_000, 7), 1]
-    pieces = list(tallies._parse(",".join(map(str, numbers))))
+    pieces = list(tallies.parse_durations(",".join(map(str, numbers))))
     assert len(pieces) > 10
     assert np.concatenate(pieces).tolist() == numbers
 

@@ -54,10 +54,12 @@ class Node:
 
 
 class Asleep:
-    """A watchdog without a thread: `Drive._check` is called by the test."""
+    """A watchdog without a thread: the test says when there is silence."""
 
-    def __init__(self, _timeout: float, _on_silence: Callable[[], None]) -> None:
-        pass
+    on_silence: Callable[[], None]
+
+    def __init__(self, _timeout: float, on_silence: Callable[[], None]) -> None:
+        Asleep.on_silence = staticmethod(on_silence)
 
     def feed(self, timeout: float | None = None) -> None:
         pass
@@ -146,6 +148,6 @@ def test_no_zero_is_repeated_once_the_wheels_were_left() -> None:
         drive.leave()
         sent(drive).append(FORWARD)  # the next who drives
 
-    published = every_interruption(Drive.stop, Drive._check, leave)
+    published = every_interruption(Drive.stop, lambda _: Asleep.on_silence(), leave)
     assert len(published) > 5
     assert all(velocities[-1] == FORWARD for velocities in published)

@@ -94,6 +94,7 @@ class Site:
         self.robot = Robot()
         self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[Decision]()
         self.gateways: list[AutomaticDocking] = []
+        self.activities: list[Activity] = []  # of each of them
         self.history = HistoryInMemory()
         self.fanout = Fanout(queue_limit=10)
 
@@ -105,23 +106,25 @@ class Site:
         return activity
 
     def gateway(self, sync_every: int = 2) -> AutomaticDocking:
+        self.activities.append(self.activity())
         gateway = AutomaticDocking(
             cast("Fleet", self.robot),
             cast("ActionRegistry", self.robot),
             cast("RobotActions", self.robot),
             cast("History", self.history),
-            activity=self.activity(),
+            activity=self.activities[-1],
             rules=SharedBook(self.rules, "rule", 50),
             decisions=DecisionLog(self.fanout, self.stored),
             interval=0.01,
             sync_every=sync_every,
         )
         self.gateways.append(gateway)
+        gateway.start()
         return gateway
 
     async def decided(self, count: int = 1) -> list[Decision]:
         def all_final() -> list[Decision]:
-            found = list(self.stored._known.values())
+            found = list(self.stored.known.values())
             return [] if any(each.outcome is DecisionOutcome.SENDING for each in found) else found
 
         await until(lambda: len(all_final()) >= count)
@@ -217,7 +220,7 @@ async def test_a_refused_goal_is_recorded_with_its_code(site: Site) -> None:
 async def test_a_stop_between_the_decision_and_the_goal_wins(site: Site, code: str) -> None:
     gateway = site.gateway()
     site.robot.refusal = Conflict("a stop", code=code)
-    site.robot.on_submit = lambda: gateway._activity.intervened(ROBOT)
+    site.robot.on_submit = lambda: site.activities[0].intervened(ROBOT)
     await gateway.replace("low", AT_ONCE)
     (decision,) = await site.decided()
     assert (decision.outcome, decision.code) == (DecisionOutcome.HELD, code)
@@ -240,8 +243,8 @@ async def test_what_changes_while_the_decision_is_stored_counts(site: Site, monk
 async def test_without_the_history_nothing_docks(site: Site, caplog: pytest.LogCaptureFixture) -> None:
     await site.rules.write("low", AT_ONCE)
     gateway = site.gateway()
-    await until(lambda: bool(site.stored._known))
-    site.stored._known.clear()
+    await until(lambda: bool(site.stored.known))
+    site.stored.known.clear()
     site.robot.sent.clear()
     await gateway.decisions.sync()
     site.rules.away = site.stored.away = True

@@ -11,10 +11,10 @@ from dock_gateway.app import create_app
 from dock_gateway.core.automation import Decision, DecisionOutcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry
+from dock_gateway.fleet.overview import Fleet
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage.shared_entries import SharedBook
@@ -38,12 +38,16 @@ class Client:
         self.history = HistoryInMemory()
         labels = {"/": (), "/robot1": ("hall 1",)}
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
-        docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots
-        docking._rules = SharedBook(self.history.documents("rule", RuleEntry), "rule", 2)
-        docking.decisions = DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", Decision))
-        docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
-        docking._activity = cast("Activity", None)
-        docking._waits = {}
+        unused: Any = None  # it is not started
+        docking = AutomaticDocking(
+            cast("Fleet", SimpleNamespace(states=lambda: states)),
+            unused,
+            unused,
+            self.history,
+            activity=unused,
+            rules=SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
+            decisions=DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", Decision)),
+        )
         parts = Parts({**audit_parts(), Settings: settings, AutomaticDocking: docking})
         self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
 

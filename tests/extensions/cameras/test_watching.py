@@ -114,7 +114,7 @@ async def bench() -> AsyncIterator[Bench]:
 async def take(bench: Bench, pictures: AsyncGenerator[Picture], data: bytes) -> bytes:
     """What a viewer gets that waits for a picture when one comes."""
     taken = asyncio.ensure_future(anext(pictures))
-    await until(lambda: any(watch.viewers for watch in bench.cameras._watches.values()))
+    await until(lambda: bool(bench.relays.joined))
     await bench.relays.publish(data)
     return (await taken).data
 
@@ -158,10 +158,11 @@ async def test_without_a_picture_there_is_a_reason(bench: Bench) -> None:
 async def test_a_hint_while_pictures_cannot_be_shown(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     pictures, _ = await bench.viewer()
     await take(bench, pictures, b"a")
-    watch = bench.cameras._watches[FRONT.topics]
-    for _ in range(3):
+    waiting = asyncio.ensure_future(anext(pictures))
+    for number in range(2, 5):
         await bench.relays.publish(b"!")
-        assert await watch.picture(80) is None
+        await until(lambda count=number: len(COUNTS) == count)  # type: ignore[misc]
+    assert not waiting.done()
     assert bench.cameras.hint(FRONT) == "it is odd"
     assert [record.message for record in caplog.records] == [f"{TOPIC} cannot be shown: it is odd"]
     other, _ = await bench.viewer()
@@ -171,6 +172,8 @@ async def test_a_hint_while_pictures_cannot_be_shown(bench: Bench, caplog: pytes
         await asyncio.sleep(0.01)
     with pytest.raises(Unavailable, match="cannot be shown: it is odd"):
         await refused
+    waiting.cancel()
+    await asyncio.wait([waiting])
     await pictures.aclose()
     again, _ = await bench.viewer()
     taken = asyncio.ensure_future(anext(again))

@@ -1,9 +1,11 @@
 """The folder with the recordings: what is kept, what is deleted, and what a killed process leaves."""
 
 import os
+import shutil
 import time
 import uuid
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from geometry_msgs.msg import Twist
@@ -55,7 +57,7 @@ def test_what_a_killed_process_leaves_is_finished(tmp_path: Path, left: float) -
     for first in range(0, 200, 20):
         opened.file.write(twist(first + each) for each in range(20))
     os.truncate(opened.part, int(opened.part.stat().st_size * left))
-    opened._output.close()
+    opened.close()
     again = store(tmp_path)
     again.recover()
     found = again.find(goal_id)
@@ -114,8 +116,10 @@ def test_a_link_is_neither_read_nor_written(tmp_path: Path) -> None:
     assert secret.read_text() == "of someone else"
 
 
-def test_a_full_disk_is_trouble_until_there_is_room(tmp_path: Path) -> None:
-    full = store(tmp_path, reserve=10**18)
+def test_a_full_disk_is_trouble_until_there_is_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    free = 10**6
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
+    full = store(tmp_path, reserve=10**7)
     with pytest.raises(NoRoomError, match="stay free") as refused:
         full.open(str(uuid.uuid4()))
     full.complain(refused.value)
@@ -123,6 +127,6 @@ def test_a_full_disk_is_trouble_until_there_is_room(tmp_path: Path) -> None:
     full.complain(refused.value)
     full.clean()
     assert full.trouble == first
-    full._reserve = 0
+    free = 10**8
     full.clean()
     assert full.trouble is None

@@ -87,6 +87,9 @@ class AutomaticDocking:
         self._deciding: set[str] = set()  # robots
         self._evaluations = 0
         self._tasks = Tasks("docking automatically")
+
+    def start(self) -> None:
+        """Check the robots from now on."""
         self._tasks.spawn(self._run())
 
     # ------------------------------------------------------------------ rules

@@ -32,7 +32,7 @@ async def open_automation(core: GatewayCore) -> AsyncIterator[AutomaticDocking]:
         closed_by(stack, OnDemand(bridge, activity, "motion", lambda robot: _follow(core, activity, robot)))
         decisions = DecisionLog(core.events, core.history.documents("decision", Decision))
         core.alerts.sources.append(lambda: gave_up(decisions, core.robots.namespaces()))
-        yield closed_by(
+        docking = closed_by(
             stack,
             AutomaticDocking(
                 core.fleet,
@@ -45,6 +45,8 @@ async def open_automation(core: GatewayCore) -> AsyncIterator[AutomaticDocking]:
                 decisions=decisions,
             ),
         )
+        docking.start()
+        yield docking
 
 
 def _follow(core: GatewayCore, activity: Activity, robot: str) -> ExitStack:

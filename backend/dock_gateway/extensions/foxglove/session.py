@@ -141,7 +141,8 @@ class FoxgloveSession(SocketSession):
 
     async def subscribe(self, fields: Json) -> None:
         """Send the messages of channels."""
-        await self._each("subscribe", read_fields(Subscribe, fields).subscriptions, self._subscribe)
+        errors = await do_each(read_fields(Subscribe, fields).subscriptions, self._subscribe)
+        await self._report_all("subscribe", errors)
 
     async def _subscribe(self, wanted: ChannelSubscription) -> None:
         self._subscriptions.require_room()
@@ -157,7 +158,8 @@ class FoxgloveSession(SocketSession):
 
     async def advertise(self, fields: Json) -> None:
         """Prepare for messages on channels of the client."""
-        await self._each("advertise", read_fields(Advertise, fields).channels, self._publications.advertise)
+        errors = await do_each(read_fields(Advertise, fields).channels, self._publications.advertise)
+        await self._report_all("advertise", errors)
 
     async def unadvertise(self, fields: Json) -> None:
         """Forget channels of the client."""
@@ -200,19 +202,6 @@ class FoxgloveSession(SocketSession):
     async def unsubscribe_connections(self, _: Json) -> None:
         """Send nodes at topics and services no more."""
         self._view.hide_connections()
-
-    async def _each(self, op: str, items: Iterable[Item], do: Callable[[Item], Awaitable[None]]) -> None:
-        """Do something with each item, and report those with which it was not possible."""
-        errors: list[str] = []
-        async for item in in_turns(items):
-            try:
-                await do(item)
-            except TooManyRequests as error:
-                errors.append(error.detail)
-                break
-            except GatewayError as error:
-                errors.append(error.detail)
-        await self._report_all(op, errors)
 
     # ------------------------------------------------------------------ sending
 
@@ -261,3 +250,21 @@ OTHERS: dict[str, Operate] = {
     "getParameters": FoxgloveSession.get_parameters,
     "setParameters": FoxgloveSession.set_parameters,
 }
+
+
+async def do_each(items: Iterable[Item], do: Callable[[Item], Awaitable[None]]) -> list[str]:
+    """Do something with each item, until there are too many; others have their turn in between.
+
+    Returns:
+        Why it was not possible, for each item with which it was not.
+    """
+    errors: list[str] = []
+    async for item in in_turns(items):
+        try:
+            await do(item)
+        except TooManyRequests as error:
+            errors.append(error.detail)
+            break
+        except GatewayError as error:
+            errors.append(error.detail)
+    return errors

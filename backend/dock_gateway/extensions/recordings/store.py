@@ -249,12 +249,16 @@ class OpenRecording:
             OSError: The disk does not take it.
         """
         self.file.finish(about)
+        self.close()
+
+    def close(self) -> None:
+        """Close the file as it is; `RecordingStore.recover` finishes it."""
         self._output.close()
 
     def drop(self) -> None:
         """Close the file, and delete it."""
         with suppress(OSError):
-            self._output.close()
+            self.close()
         with suppress(OSError):
             self.part.unlink(missing_ok=True)
 

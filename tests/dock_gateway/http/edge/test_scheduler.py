@@ -73,4 +73,4 @@ async def test_a_task_waits_for_its_turn_and_is_charged_for_it(clock: list[float
         turn += 1
         await asyncio.sleep(0)
     assert max(turns.count(one) for one in turns) == 2
-    assert not scheduler._queue
+    assert scheduler.free

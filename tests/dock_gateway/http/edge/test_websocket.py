@@ -167,25 +167,30 @@ async def test_all_clients_together_send_too_much() -> None:
 async def test_pongs_that_are_not_read_are_not_kept() -> None:
     """But for the last one, which is sent as soon as the client reads again."""
     protocols: list[edge_websocket.WebSocketProtocol] = []
+    all_read = asyncio.Event()
 
     async def endpoint(websocket: WebSocket) -> None:
         protocols.append(websocket.scope["extensions"][edge_websocket.EXTENSION]["writer"])
         await websocket.accept()
+        await websocket.receive_text()
+        all_read.set()
         await websocket.receive()
 
     application = Starlette(routes=[WebSocketRoute("/", endpoint)])
     async with serving(application, **UNLIMITED) as edge, raw_websocket(edge) as (reader, writer):
-        reader._transport.pause_reading()
+        writer.transport.pause_reading()
         protocol = protocols[0]
         flooding = asyncio.create_task(flood(writer, None, Frame(Opcode.PING, b"x" * 100)))
-        await until(lambda: protocol._last_pong != b"")
+        await until(lambda: not protocol.writable.is_set())
         kept = protocol.transport.get_write_buffer_size()
         await asyncio.sleep(0.5)
         assert protocol.transport.get_write_buffer_size() <= kept + 65_536
         flooding.cancel()
-        writer.write(Frame(Opcode.PING, b"the last one").serialize(mask=True))
-        await until(lambda: b"the last one" in protocol._last_pong)
-        reader._transport.resume_reading()
+        for frame in (Frame(Opcode.PING, b"the last one"), Frame(Opcode.TEXT, b"the end")):
+            writer.write(frame.serialize(mask=True))
+        async with asyncio.timeout(10):
+            await all_read.wait()
+        writer.transport.resume_reading()
         async with asyncio.timeout(10):
             while b"the last one" not in await reader.read(65_536):
                 pass
