@@ -12,18 +12,19 @@ const requests = Object.entries(paths)
   )
   .sort((one, other) => (one.name < other.name ? -1 : 1));
 
-const LIMITS = ["minimum", "maximum", "maxLength", "maxItems"];
+const LIMITS = ["minimum", "maximum", "minLength", "maxLength", "maxItems"];
 
 /** The limits of the fields of a schema, by their dotted paths; an element of a list is its field `[]`. */
 function limitsIn(schema, path = "") {
-  const { $ref, anyOf = [], properties = {}, items } = schema;
+  const { $ref, anyOf = [], oneOf = [], properties = {}, items } = schema;
   if ($ref !== undefined) return limitsIn(components.schemas[$ref.split("/").at(-1)], path);
   const own = LIMITS.flatMap((limit) => (limit in schema ? [`${limit}: ${schema[limit]}`] : []));
   const fields = Object.entries(properties).map(([name, field]) => [
     field,
     path === "" ? name : `${path}.${name}`,
   ]);
-  const inner = [...fields, ...anyOf.map((each) => [each, path]), ...(items ? [[items, `${path}[]`]] : [])];
+  const choices = [...anyOf, ...oneOf].map((each) => [each, path]);
+  const inner = [...fields, ...choices, ...(items ? [[items, `${path}[]`]] : [])];
   return [
     ...(own.length === 0 ? [] : [`    "${path}": { ${own.join(", ")} },\n`]),
     ...inner.flatMap(([field, name]) => limitsIn(field, name)),
@@ -34,7 +35,8 @@ const roles = requests.flatMap(({ name, operation }) => {
   const { "x-role": role, "x-every-robot": everyRobot = false } = operation;
   return role === undefined ? [] : `  "${name}": { role: "${role}", everyRobot: ${everyRobot} },\n`;
 });
-const LIMITED = /^PUT \/(automation|webhooks|robots)\//;
+const LIMITED =
+  /^(PUT \/(automation|webhooks|robots|users)\/.*|PUT \/session\/password|POST \/(session|tokens|goals\/{goal_id}\/notes))$/;
 const limits = requests.flatMap(({ name, operation }) => {
   const schema = operation.requestBody?.content["application/json"]?.schema;
   const lines = schema !== undefined && LIMITED.test(name) ? limitsIn(schema) : [];

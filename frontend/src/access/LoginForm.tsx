@@ -2,6 +2,7 @@ import { Button, Group, PasswordInput, Stack, Text, TextInput } from "@mantine/c
 import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { type LoginBody, logIn } from "../api/access";
+import { LIMITS } from "../api/limits.gen";
 import { session } from "../api/session";
 import { Parts } from "../extension/context";
 import { useFleet } from "../fleet/context";
@@ -9,6 +10,7 @@ import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
 
+const { user: USER, password: PASSWORD } = LIMITS["POST /session"];
 const ADD_USER = "dock-gateway user add NAME --role operator";
 const CREATE_TOKEN = "dock-gateway token create NAME --role operator";
 
@@ -73,7 +75,7 @@ function PasswordFields({ login, submit }: FieldsProps) {
           autoComplete="username"
           autoCapitalize="none"
           spellCheck={false}
-          maxLength={60}
+          maxLength={USER.maxLength}
           value={name}
           error={tried && name.trim() === "" && "Enter your name."}
           onChange={(event) => {
@@ -86,7 +88,7 @@ function PasswordFields({ login, submit }: FieldsProps) {
           label="Password"
           name="password"
           autoComplete="current-password"
-          maxLength={200}
+          maxLength={PASSWORD.maxLength}
           visibilityToggleButtonProps={{ "aria-label": "Show the password", tabIndex: 0 }}
           value={password}
           error={

@@ -2,6 +2,7 @@ import { PasswordInput, Stack, Text } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { type FormEvent, useState } from "react";
 import { changePassword } from "../api/access";
+import { LIMITS } from "../api/limits.gen";
 import { session } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { Dialog, SaveBar } from "../ui/Dialog";
@@ -45,7 +46,7 @@ function PasswordForm({ onDone }: { onDone: () => void }) {
         <PasswordInput
           label="Old password"
           autoComplete="current-password"
-          maxLength={200}
+          maxLength={LIMITS["PUT /session/password"].old.maxLength}
           visibilityToggleButtonProps={{ "aria-label": "Show the old password", tabIndex: 0 }}
           value={old}
           error={tried && old === "" ? "Enter your old password." : wrong && "The old password is wrong."}
@@ -70,9 +71,7 @@ function PasswordForm({ onDone }: { onDone: () => void }) {
   );
 }
 
-/** As the gateway allows. */
-const SHORTEST = 12;
-const LONGEST = 200;
+const { minLength: SHORTEST, maxLength: LONGEST } = LIMITS["PUT /session/password"].new;
 
 /** What is wrong with a new password; null where nothing is. */
 export function passwordProblem(password: string): string | null {

@@ -3,6 +3,7 @@ import { Fieldset, NativeSelect, NumberInput, Stack, Switch, TagsInput, TextInpu
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import type { CreatedToken, Token, TokenBody, User, UserBody } from "../api/access";
+import { LIMITS } from "../api/limits.gen";
 import { ROLES, type Role } from "../api/session";
 import { useFleetTopic } from "../fleet/context";
 import { SaveBar } from "../ui/Dialog";
@@ -57,7 +58,7 @@ export function UserForm({ user, example, taken, save, onDone }: UserFormProps) 
             autoComplete="off"
             autoCapitalize="none"
             spellCheck={false}
-            maxLength={60}
+            maxLength={LIMITS["POST /session"].user.maxLength}
             value={name}
             error={tried && wrongName}
             onChange={(event) => setName(event.currentTarget.value.toLowerCase())}
@@ -101,9 +102,7 @@ function nameProblem(name: string, taken: readonly string[]): string | null {
   return taken.includes(name) ? "There is a user of this name." : null;
 }
 
-/** As the gateway allows. */
-const MAX_NAME = 60;
-const MAX_DAYS = 3650;
+const { name: TOKEN_NAME, days: DAYS } = LIMITS["POST /tokens"];
 const USUAL_DAYS = 90;
 
 interface TokenFormProps {
@@ -135,7 +134,7 @@ export function TokenForm({ example, create, onDone, onCancel }: TokenFormProps)
           description="The person or the script that uses it; shown with what is done with it."
           placeholder="Ada"
           autoComplete="off"
-          maxLength={MAX_NAME}
+          maxLength={TOKEN_NAME.maxLength}
           value={name}
           error={tried && missing && "Type a name."}
           onChange={(event) => setName(event.currentTarget.value)}
@@ -145,8 +144,8 @@ export function TokenForm({ example, create, onDone, onCancel }: TokenFormProps)
         <NumberInput
           label="Valid for (days)"
           description="Leave empty for a token that is valid until it is revoked."
-          min={1}
-          max={MAX_DAYS}
+          min={DAYS.minimum}
+          max={DAYS.maximum}
           allowDecimal={false}
           clampBehavior="strict"
           value={days}
@@ -163,9 +162,8 @@ export type Grant = Pick<Token, "role" | "robots" | "actions" | "topics">;
 const NO_LIMITS = { robots: [], actions: [], topics: [] };
 
 /** As the gateway allows. */
-const MAX_PATTERNS = 50;
 const PATTERN = /^(?!.*\/\/)(?:\/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)$/;
-const LIMITS = [
+const PATTERNS = [
   ["robots", "Robots", "/robot1 or /hall_a/*; empty for every robot.", "Every robot"],
   ["actions", "Actions", "*/connect_to_charging_dock; empty for every action of the robots.", "Every action"],
   ["topics", "Topics", "*/battery_status; empty for every topic of the robots.", "Every topic"],
@@ -173,7 +171,7 @@ const LIMITS = [
 
 /** The limits that are not patterns of names. */
 function wrongLimits(grant: Grant): string[] {
-  return LIMITS.flatMap(([name]) => grant[name]).filter((pattern) => !PATTERN.test(pattern));
+  return PATTERNS.flatMap(([name]) => grant[name]).filter((pattern) => !PATTERN.test(pattern));
 }
 
 interface GrantFieldsProps {
@@ -199,14 +197,14 @@ function GrantFields({ grant, tried, onChange }: GrantFieldsProps) {
       {grant.role !== "admin" && (
         <Fieldset legend="Only for">
           <Stack gap="sm">
-            {LIMITS.map(([name, label, description, placeholder]) => (
+            {PATTERNS.map(([name, label, description, placeholder]) => (
               <TagsInput
                 key={name}
                 label={label}
                 description={description}
                 placeholder={grant[name].length === 0 ? placeholder : ""}
                 data={name === "robots" ? robots : []}
-                maxTags={MAX_PATTERNS}
+                maxTags={LIMITS["POST /tokens"][name].maxItems}
                 value={grant[name]}
                 error={
                   tried && wrongLimits({ ...grant, ...NO_LIMITS, [name]: grant[name] }).length > 0 && WRONG
@@ -226,7 +224,7 @@ const WRONG = "Names begin with / or *, and have letters, digits, _, / and *.";
 
 /** A grant's limits in words; empty without any. */
 export function limitWords(grant: Grant): string {
-  return LIMITS.flatMap(([name]) => grant[name]).join(", ");
+  return PATTERNS.flatMap(([name]) => grant[name]).join(", ");
 }
 
 /** What somebody with a role may do besides what those before it may. */

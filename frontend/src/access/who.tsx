@@ -1,11 +1,12 @@
 import { Text, TextInput } from "@mantine/core";
 import { useState } from "react";
+import { LIMITS } from "../api/limits.gen";
 import { session } from "../api/session";
 import { keep, readKept } from "../ui/kept";
 
 const KEY = "dock-gateway-name";
 const DASHBOARD = "the dashboard";
-export const MAX_NAME = 60;
+export const { maxLength: MAX_NAME } = LIMITS["POST /goals/{goal_id}/notes"].by;
 
 /** The name of the login, which the gateway uses whatever it is sent; null without a login. */
 export function loginName(): string | null {

@@ -2,6 +2,24 @@
 
 /** By request, of those that a form is for: the limits of the fields of its body. */
 export const LIMITS = {
+  "POST /goals/{goal_id}/notes": {
+    "by": { maxLength: 60 },
+    "text": { maxLength: 2000 },
+  },
+  "POST /session": {
+    "user": { maxLength: 60 },
+    "password": { minLength: 1, maxLength: 200 },
+  },
+  "POST /tokens": {
+    "robots": { maxItems: 50 },
+    "robots[]": { maxLength: 255 },
+    "actions": { maxItems: 50 },
+    "actions[]": { maxLength: 255 },
+    "topics": { maxItems: 50 },
+    "topics[]": { maxLength: 255 },
+    "name": { maxLength: 60 },
+    "days": { minimum: 1, maximum: 3650 },
+  },
   "PUT /automation/rules/{rule_id}": {
     "name": { maxLength: 60 },
     "robots.names": { maxItems: 500 },
@@ -20,6 +38,19 @@ export const LIMITS = {
     "display_name": { maxLength: 60 },
     "groups": { maxItems: 20 },
     "groups[]": { maxLength: 40 },
+  },
+  "PUT /session/password": {
+    "old": { minLength: 1, maxLength: 200 },
+    "new": { minLength: 12, maxLength: 200 },
+  },
+  "PUT /users/{user}": {
+    "robots": { maxItems: 50 },
+    "robots[]": { maxLength: 255 },
+    "actions": { maxItems: 50 },
+    "actions[]": { maxLength: 255 },
+    "topics": { maxItems: 50 },
+    "topics[]": { maxLength: 255 },
+    "password": { minLength: 12, maxLength: 200 },
   },
   "PUT /webhooks/{webhook_id}": {
     "name": { maxLength: 60 },

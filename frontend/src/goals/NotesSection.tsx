@@ -3,6 +3,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, type KeyboardEvent, useMemo, useState } from "react";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { createNotesApi, type GoalNotes, type Note, type NotesApi } from "../api/goals";
+import { LIMITS } from "../api/limits.gen";
 import { useFleet, useWhyNot } from "../fleet/context";
 import { CommandErrorAlert, Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -49,8 +50,7 @@ export function NotesSection({ goalId }: { goalId: string }) {
   );
 }
 
-/** As the gateway allows. */
-const MAX_TEXT = 2000;
+const { maxLength: MAX_TEXT } = LIMITS["POST /goals/{goal_id}/notes"].text;
 
 interface NoteFormProps {
   /** Why none can be added now; null where it can. */

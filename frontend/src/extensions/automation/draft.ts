@@ -4,9 +4,12 @@ import { zoneName } from "../../ui/zone";
 import type { Rule, RuleBody, RuleMode } from "./requests";
 import { WEEKDAYS } from "./words";
 
+/** In percent: as small as the form takes. */
+export const MIN_BELOW = 0.1;
 const LIMITS_OF_RULE = LIMITS["PUT /automation/rules/{rule_id}"];
 export const { maxLength: MAX_NAME } = LIMITS_OF_RULE.name;
 export const { minimum: MIN_IDLE_S, maximum: MAX_IDLE_S } = LIMITS_OF_RULE["battery.idle_s"];
+export const MAX_BELOW = 100 * LIMITS_OF_RULE["battery.below"].maximum;
 export const { maxItems: MAX_TIMES } = LIMITS_OF_RULE["schedule.times"];
 const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
 
@@ -50,7 +53,7 @@ export function errorsOf(draft: Draft): DraftErrors {
   const wrong = choiceError(draft);
   if (wrong !== undefined) errors.names = wrong;
   if (draft.condition === "battery") {
-    if (!isWithin(draft.below, 0.1, 100)) errors.below = "From 0.1 to 100 %";
+    if (!isWithin(draft.below, MIN_BELOW, MAX_BELOW)) errors.below = "From 0.1 to 100 %";
     if (!isWithin(draft.idleSeconds, MIN_IDLE_S, MAX_IDLE_S)) errors.idleSeconds = "From 10 s to one day";
     return errors;
   }
