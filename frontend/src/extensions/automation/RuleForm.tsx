@@ -9,24 +9,23 @@ import {
   Stack,
   TagsInput,
   Text,
-  TextInput,
 } from "@mantine/core";
-import { type FormEvent, useMemo, useState } from "react";
-import { NameInput, ownName, setOwnName } from "../../access/who";
+import { useMemo } from "react";
+import { EntryForm } from "../../access/EntryForm";
 import { useFleetTopic, useNaming } from "../../fleet/context";
 import { RobotFields } from "../../fleet/RobotFields";
 import { isCovered } from "../../fleet/robotChoice";
-import { SaveBar } from "../../ui/Dialog";
-import { newId } from "../../ui/text";
 import {
   bodyOf,
   type Draft,
   type DraftErrors,
   draftOf,
   errorsOf,
+  MAX_BELOW,
   MAX_IDLE_S,
   MAX_NAME,
   MAX_TIMES,
+  MIN_BELOW,
   MIN_IDLE_S,
 } from "./draft";
 import type { Rule } from "./requests";
@@ -45,67 +44,49 @@ interface RuleFormProps {
 
 /** Adds a rule, which is off, or changes one, which keeps its mode. */
 export function RuleForm({ rule, example, rules, onDone }: RuleFormProps) {
-  const [draft, setDraft] = useState(() => ({ ...draftOf(rule), ...example }));
-  const [by, setBy] = useState(ownName);
-  const [tried, setTried] = useState(false);
   const { save } = useRuleCommands();
   // The current mode: the rule may have been switched since the form was opened. A removed rule is saved as off.
   const mode = rules.find(({ id }) => id === rule?.id)?.mode ?? "off";
-  const errors = errorsOf(draft);
-  const shown = tried ? errors : {};
-  const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
-    setTried(true);
-    if (Object.keys(errors).length > 0) return;
-    setOwnName(by.trim());
-    const id =
-      rule?.id ??
-      newId(
-        draft.name,
-        rules.map((each) => each.id),
-        "rule",
-      );
-    const body = bodyOf(draft, mode, by.trim() || null);
-    save.mutate({ id, body }, { onSuccess: onDone });
-  };
   return (
-    <form onSubmit={submit} noValidate>
-      <Stack gap="md">
-        <TextInput
-          label="Name"
-          placeholder="Low battery"
-          maxLength={MAX_NAME}
-          value={draft.name}
-          error={shown.name}
-          onChange={(event) => change({ name: event.currentTarget.value })}
-          data-autofocus
-        />
-        <SegmentedControl
-          aria-label="Condition"
-          data={[
-            { value: "battery", label: "Low battery" },
-            { value: "schedule", label: "Times of day" },
-          ]}
-          value={draft.condition}
-          onChange={(value) => change({ condition: value as Draft["condition"] })}
-        />
-        {draft.condition === "battery" ? (
-          <BatteryFields draft={draft} errors={shown} onChange={change} />
-        ) : (
-          <ScheduleFields draft={draft} errors={shown} onChange={change} />
-        )}
-        <RobotFields chosen={draft} error={shown.names} onChange={change} />
-        <Covered draft={draft} />
-        {mode === "on" && (
-          <Alert color="orange" title="This rule is on">
-            What you save applies at once.
-          </Alert>
-        )}
-        <NameInput value={by} description="Shown with the rule." onChange={setBy} />
-        <SaveBar save={save} onCancel={onDone} />
-      </Stack>
-    </form>
+    <EntryForm
+      noun="rule"
+      id={rule?.id}
+      start={{ ...draftOf(rule), ...example }}
+      entries={rules}
+      placeholder="Low battery"
+      maxName={MAX_NAME}
+      errorsOf={errorsOf}
+      bodyOf={(draft, by) => bodyOf(draft, mode, by)}
+      save={save}
+      onSaved={onDone}
+      onCancel={onDone}
+    >
+      {(draft, errors, change) => (
+        <>
+          <SegmentedControl
+            aria-label="Condition"
+            data={[
+              { value: "battery", label: "Low battery" },
+              { value: "schedule", label: "Times of day" },
+            ]}
+            value={draft.condition}
+            onChange={(value) => change({ condition: value as Draft["condition"] })}
+          />
+          {draft.condition === "battery" ? (
+            <BatteryFields draft={draft} errors={errors} onChange={change} />
+          ) : (
+            <ScheduleFields draft={draft} errors={errors} onChange={change} />
+          )}
+          <RobotFields chosen={draft} error={errors.names} onChange={change} />
+          <Covered draft={draft} />
+          {mode === "on" && (
+            <Alert color="orange" title="This rule is on">
+              What you save applies at once.
+            </Alert>
+          )}
+        </>
+      )}
+    </EntryForm>
   );
 }
 
@@ -136,8 +117,8 @@ function BatteryFields({ draft, errors, onChange }: FieldsProps) {
       <NumberInput
         label="Battery below"
         suffix=" %"
-        min={0.1}
-        max={100}
+        min={MIN_BELOW}
+        max={MAX_BELOW}
         step={5}
         decimalScale={1}
         value={draft.below}

@@ -1,12 +1,9 @@
-import { SegmentedControl, Stack, TextInput } from "@mantine/core";
-import { type FormEvent, useState } from "react";
-import { NameInput, ownName, setOwnName } from "../../access/who";
+import { SegmentedControl, TextInput } from "@mantine/core";
+import { EntryForm } from "../../access/EntryForm";
 import { LIMITS } from "../../api/limits.gen";
 import { RobotFields } from "../../fleet/RobotFields";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
 import { SEVERITY_OPTIONS } from "../../notifications/severities";
-import { SaveBar } from "../../ui/Dialog";
-import { newId } from "../../ui/text";
 import type { StoredWebhook, Webhook, WebhookBody } from "./requests";
 import { useWebhookCommands } from "./useWebhooks";
 
@@ -23,55 +20,42 @@ interface WebhookFormProps {
 
 /** Adds a webhook, or changes one. */
 export function WebhookForm({ webhook, example, webhooks, onDone }: WebhookFormProps) {
-  const [draft, setDraft] = useState(() => ({ ...draftOf(webhook), ...example }));
-  const [by, setBy] = useState(ownName);
-  const [tried, setTried] = useState(false);
   const { save } = useWebhookCommands();
-  const errors = errorsOf(draft);
-  const shown = tried ? errors : {};
-  const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
-    setTried(true);
-    if (Object.keys(errors).length > 0) return;
-    setOwnName(by.trim());
-    const taken = webhooks.map(({ id }) => id);
-    const id = webhook?.id ?? newId(draft.name, taken, "webhook");
-    const body = bodyOf(draft, webhook?.enabled ?? true, by.trim() || null);
-    save.mutate({ id, body }, { onSuccess: onDone });
-  };
   return (
-    <form onSubmit={submit} noValidate>
-      <Stack gap="md">
-        <TextInput
-          label="Name"
-          placeholder="Control room"
-          maxLength={NAME.maxLength}
-          value={draft.name}
-          error={shown.name}
-          onChange={(event) => change({ name: event.currentTarget.value })}
-          data-autofocus
-        />
-        <TextInput
-          label="Address"
-          type="url"
-          placeholder="https://hooks.example.com/robots"
-          maxLength={URL_FIELD.maxLength}
-          value={draft.url}
-          error={shown.url}
-          onChange={(event) => change({ url: event.currentTarget.value })}
-        />
-        <SegmentedControl
-          aria-label="Alerts"
-          data={SEVERITY_OPTIONS}
-          value={draft.warnings ? "all" : "critical"}
-          onChange={(value) => change({ warnings: value === "all" })}
-        />
-        <RobotFields chosen={draft} error={shown.robots} onChange={change} />
-        <NameInput value={by} description="Shown with the webhook." onChange={setBy} />
-        <SaveBar save={save} onCancel={() => onDone(null)} />
-      </Stack>
-    </form>
+    <EntryForm
+      noun="webhook"
+      id={webhook?.id}
+      start={{ ...draftOf(webhook), ...example }}
+      entries={webhooks}
+      placeholder="Control room"
+      maxName={NAME.maxLength}
+      errorsOf={errorsOf}
+      bodyOf={(draft, by) => bodyOf(draft, webhook?.enabled ?? true, by)}
+      save={save}
+      onSaved={onDone}
+      onCancel={() => onDone(null)}
+    >
+      {(draft, errors, change) => (
+        <>
+          <TextInput
+            label="Address"
+            type="url"
+            placeholder="https://hooks.example.com/robots"
+            maxLength={URL_FIELD.maxLength}
+            value={draft.url}
+            error={errors.url}
+            onChange={(event) => change({ url: event.currentTarget.value })}
+          />
+          <SegmentedControl
+            aria-label="Alerts"
+            data={SEVERITY_OPTIONS}
+            value={draft.warnings ? "all" : "critical"}
+            onChange={(value) => change({ warnings: value === "all" })}
+          />
+          <RobotFields chosen={draft} error={errors.robots} onChange={change} />
+        </>
+      )}
+    </EntryForm>
   );
 }
 
