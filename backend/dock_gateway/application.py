@@ -16,7 +16,7 @@ from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import HeadAsGet, allowed_methods
 from dock_gateway.http.openapi import Models, Union, install_openapi, serve_document
-from dock_gateway.http.operation import require_declared
+from dock_gateway.http.operation import require_declared, require_distinct
 from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems
@@ -71,6 +71,9 @@ def build_app(
         routers: The routers of the API, in the order in which they are asked.
         open_parts: Opens the parts, which the routes find by their types, until the application has shut down.
         contents: What its documents say besides.
+
+    Raises:
+        Undeclared: A route does not say what it needs, or is there twice.
     """
 
     @asynccontextmanager
@@ -90,6 +93,8 @@ def build_app(
         swagger_ui_oauth2_redirect_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
+    routes = [route for router in routers for route in router.routes]
+    require_distinct(routes)
     for router in routers:
         require_declared(router.routes)
         app.include_router(router, dependencies=[Depends(authorize)])
@@ -105,7 +110,6 @@ def build_app(
         serve_document(app, "/asyncapi.json", partial(_asyncapi, app, contents.asyncapi))
     install_docs(app)
     install_dashboard(app, settings)
-    routes = [route for router in routers for route in router.routes]
     install_upgrades(app, routes)
     allowed = allowed_methods([*routes, *app.routes])
     if settings.allowed_origins:

@@ -50,6 +50,17 @@ def missing_extension() -> str | None:
             return f"extensions: {name} is one of the gateway's own, which are always there"
         if find_entry_point(name) is None:
             return f"extensions: no installed distribution has an extension {name} (entry points of {GROUP})"
+    return _setting_declared_twice()
+
+
+def _setting_declared_twice() -> str | None:
+    taken = set(Settings.model_fields).union(*(kind.model_fields for kind in _ours()))
+    for kind in _further():
+        if clash := sorted(taken & kind.model_fields.keys()):
+            return (
+                f"extensions: {kind.__module__} has a setting {clash[0]}, and so has the gateway or another extension"
+            )
+        taken |= kind.model_fields.keys()
     return None
 
 

@@ -13,16 +13,18 @@ from typing import Any, cast
 import pytest
 from fastapi import APIRouter
 from fastapi.testclient import TestClient
+from pydantic import create_model
 
 from dock_gateway import extension as extension_module
 from dock_gateway import extension_list
 from dock_gateway.app import create_app
 from dock_gateway.cli.options import TYPE
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.grant import Role
 from dock_gateway.extension import Core, Extension, GatewayCore, Installed, extensions
 from dock_gateway.extension_list import GROUP, OURS
 from dock_gateway.fleet import alert_kinds
-from dock_gateway.http.operation import Undeclared
+from dock_gateway.http.operation import Scope, Undeclared, operation
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import ExtensionSettings, Settings
@@ -165,6 +167,27 @@ def test_one_with_a_route_that_does_not_say_what_it_needs_keeps_the_app_from_bei
 
     with pytest.raises(Undeclared):
         create_app(Settings(), installed=Installed([Extension("bad", routes=routes)]))
+
+
+def test_a_route_that_is_there_already_keeps_the_app_from_being_made() -> None:
+    def routes(_: Settings) -> list[APIRouter]:
+        router = APIRouter(route_class=ApiRoute)
+        router.get("/robots")(operation(Role.VIEWER, Scope.ANY)(test_each_has_a_page_and_tests))
+        return [router]
+
+    with pytest.raises(Undeclared, match="two routes are GET /robots"):
+        create_app(Settings(), installed=Installed([Extension("bad", routes=routes)]))
+
+
+@pytest.mark.parametrize("field", ["heartbeat_interval", *extension_list.extension_settings()[0].model_fields])
+def test_a_setting_that_is_there_already_keeps_the_gateway_from_starting(
+    monkeypatch: pytest.MonkeyPatch, field: str
+) -> None:
+    kind = create_model("TakenSettings", __base__=ExtensionSettings, **{field: (str, "mine")})  # type: ignore[call-overload]
+    found = SimpleNamespace(load=lambda: Extension("taken", settings=kind))
+    monkeypatch.setenv("DOCK_GATEWAY_EXTENSIONS", "taken")
+    monkeypatch.setattr(extension_list, "find_entry_point", lambda _: found)
+    assert f"has a setting {field}," in (extension_list.missing_extension() or "")
 
 
 def test_the_list_is_that_of_the_application(broken: str) -> None:

@@ -195,3 +195,18 @@ def require_declared(routes: Iterable[BaseRoute]) -> None:
         declared = operation_of(getattr(route, "endpoint", route))
         if declared.audit is Audit.NEVER and (getattr(route, "methods", None) or set()) - READS:
             raise Undeclared(f"{getattr(route, 'path', route)} may change something: the audit log must have it")
+
+
+def require_distinct(routes: Iterable[BaseRoute]) -> None:
+    """Refuse a second route for a method and a path: it would never be asked, or in place of the first.
+
+    Raises:
+        Undeclared: There is such a route.
+    """
+    seen: set[tuple[str, str]] = set()
+    for route in routes:
+        path = getattr(route, "path", "")
+        for asked in {(method, path) for method in getattr(route, "methods", None) or ()}:
+            if asked in seen:
+                raise Undeclared(f"two routes are {' '.join(asked)}")
+            seen.add(asked)
