@@ -15,6 +15,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter, is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
 from dock_gateway.core.tasks import Tasks
@@ -90,7 +91,7 @@ class Overview:
         self._own: dict[str, Alert] = {}
         self._ids: set[str] = set()
         self._published: dict[str, bytes] = {}
-        self.on_change: list[Callable[[], None]] = []
+        self.on_change = Listeners[[]]("an alert begins or ends")
         self.sources: list[Callable[[], Iterable[Alert]]] = []
         self._tasks = Tasks("updating the overview of sites")
         self._tasks.spawn(self._run())
@@ -251,8 +252,7 @@ class Overview:
         ids = {alert["id"] for view in views for alert in view.alerts} | self._own.keys()
         if ids != self._ids:
             self._ids = ids
-            for callback in self.on_change:
-                callback()
+            self.on_change()
         if not self._fanout.watched(TOPIC):
             self._published.clear()
             for view in views:

@@ -14,6 +14,7 @@ from dock_gateway import __version__
 from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, NoResponder
@@ -89,7 +90,7 @@ class Sites:
         self._hellos = Tasks("answering hellos")
         self._second, self._heard = 0, Counter[str]()  # hellos of each site in this second
         self._following = asyncio.Lock()
-        self.on_connect: list[Callable[[str], object]] = []
+        self.on_connect = Listeners[[str]]("a site is welcome")
         self.pending_stop: Callable[[str], dict[str, Any] | None] = lambda _: None
 
     async def open(self) -> None:
@@ -229,8 +230,7 @@ class Sites:
         client = self._client_of(name, instance)
         follower = Follower(client, self.view(name), self._store, self._history, self._store.mirror)
         self._followers[name] = instance, follower
-        for callback in self.on_connect:
-            callback(name)
+        self.on_connect(name)
 
     async def _leave(self, name: str) -> None:
         _, follower = self._followers.pop(name, (None, None))

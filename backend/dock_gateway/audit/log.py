@@ -4,7 +4,7 @@ import asyncio
 import logging
 import uuid
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
@@ -14,6 +14,7 @@ import orjson
 from dock_gateway.core.audit import AuditEntry, AuditRow
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.storage import AuditSpool, AuditStore
 
@@ -67,7 +68,7 @@ class AuditLog:
     def __init__(self, store: AuditStore, spool: AuditSpool | None = None, limits: AuditLimits = LIMITS) -> None:
         self._limits = limits
         self.lost = 0  # entries since the start
-        self.on_entry: list[Callable[[AuditEntry], None]] = []  # called with each entry; it must not raise
+        self.on_entry = Listeners[[AuditEntry]]("an entry is recorded")
         self._store = store
         self._spool = spool
         self._spooled: set[str] = set()  # which of those that wait are in the spool
@@ -134,8 +135,7 @@ class AuditLog:
             return
         self._waiting[entry.entry_id] = entry
         self._wake.set()
-        for heard in self.on_entry:
-            heard(entry)
+        self.on_entry(entry)
 
     def _most(self, user: str | None) -> int:
         return self._limits.unknown if user == UNKNOWN else self._limits.of_user

@@ -1,9 +1,9 @@
 """What is known of the active alerts, wherever they come from."""
 
-from collections.abc import Callable
 from typing import Any, Protocol
 
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.listeners import Listeners
 
 # Seconds after the start after which what was known of an alert that has not recurred is forgotten: it has ended.
 SETTLED_AFTER = 60.0
@@ -16,7 +16,7 @@ class Alerts(Protocol):
         on_change: Called when an alert begins or ends.
     """
 
-    on_change: list[Callable[[], None]]
+    on_change: Listeners[[]]
 
     def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
         """Return the alerts of a grant as `GET /alerts` shows them: critical ones first, then oldest first."""

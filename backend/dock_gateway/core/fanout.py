@@ -13,6 +13,7 @@ from dock_gateway.core.event import Event, EventClock
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.line import Line
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.narrowing import narrow
 
 
@@ -187,7 +188,7 @@ class Fanout:
         self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
         self._on_watch: dict[str, Callable[[], None]] = {}
         self.closing = False
-        self.on_close: list[Callable[[], None]] = []  # called when streams are to end, maybe twice
+        self.on_close = Listeners[[]]("streams are to end")  # maybe twice
 
     def __len__(self) -> int:
         return len(self._subscribers)
@@ -269,8 +270,7 @@ class Fanout:
         self.closing = True
         for subscriber in self._subscribers:
             subscriber.wake()
-        for listener in self.on_close:
-            listener()
+        self.on_close()
 
 
 def _keys(event_filter: EventFilter) -> Iterator[tuple[str, str | None]]:

@@ -12,6 +12,7 @@ from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.narrowing import narrow_alerts
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
@@ -67,7 +68,7 @@ class AlertBoard:
         self._settled_after = settled_after
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
-        self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
+        self.on_change = Listeners[[]]("an alert begins or ends")
         self.sources: list[Source] = []  # return further alerts, which are active
         self._failing: list[Source] = []
         self.kinds: set[AlertKind] = {*CORE_KINDS}  # a source returns alerts of these
@@ -109,8 +110,8 @@ class AlertBoard:
         changed = alerts.keys() != self._alerts.keys()
         self._alerts = alerts
         self._publish()
-        for heard in self.on_change if changed else ():
-            heard()
+        if changed:
+            self.on_change()
 
     def _ask(self, source: Source) -> Iterable[Alert]:
         """Return the alerts of a source. One that fails has none, and the log says so once."""

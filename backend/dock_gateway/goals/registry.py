@@ -5,7 +5,6 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 from dock_gateway.core.discovery import Discovery
@@ -15,6 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
@@ -98,10 +98,10 @@ class ActionRegistry:
         self._limits = limits
         self._forget_after = forget_after
         self.before_send: list[BeforeSend] = []
-        self.on_sent: list[Callable[[Goal], None]] = []
-        self.on_change: list[Callable[[Goal], None]] = []
-        self.on_end: list[Callable[[Goal], None]] = []
-        self.on_lost: list[Callable[[Goal], None]] = []
+        self.on_sent = Listeners[[Goal]]("a goal is sent")
+        self.on_change = Listeners[[Goal]]("a goal has changed")
+        self.on_end = Listeners[[Goal]]("a goal has ended")
+        self.on_lost = Listeners[[Goal]]("a goal is lost")
         self._publisher = GoalPublisher(fanout, history)
         interlock.on_heard.append(self._hear_stop)
         interlock.on_latch.append(self._cancel_under)
@@ -180,7 +180,7 @@ class ActionRegistry:
             (News.RETIRED, self.on_end),
             (News.LOST, self.on_lost),
         ):
-            action.tracker.on[news].append(partial(_notify, listeners))
+            action.tracker.on[news].append(listeners)
         self._actions[name] = action
         self.robot_actions.add(action)
         unfinished = self._unfinished.pop(name, {})
@@ -241,7 +241,7 @@ class ActionRegistry:
             detail = "; ".join(filter(None, ("the action has no server any more", self.halt(goal))))
             if goal.lose(GoalError("action_server_lost", detail), utc_now()):
                 self._publisher.publish_now(status_event, goal)
-                _notify(self.on_lost, goal)
+                self.on_lost(goal)
 
     async def _take_up(self, name: str) -> None:
         types = self._types[name]
@@ -419,8 +419,3 @@ class ActionRegistry:
             except GatewayError as error:
                 log.debug("while closing %s: %s", action.name, error)
         await self._publisher.drain()
-
-
-def _notify(listeners: list[Callable[[Goal], None]], goal: Goal) -> None:
-    for listener in listeners:
-        listener(goal)

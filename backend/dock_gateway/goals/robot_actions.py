@@ -1,13 +1,14 @@
 """Which actions a robot has, those that dock and undock it among them, and which robot an action belongs to."""
 
 import logging
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog, DockingPair
 from dock_gateway.core.filters import lineage, parent_of, prefix_of
 from dock_gateway.core.goal import Verb
 from dock_gateway.core.grant import Grant
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.robots.robots import RobotLabels, RobotNames
 from dock_gateway.settings import Settings
@@ -58,7 +59,7 @@ class RobotActions:
 
     def __init__(self, settings: Settings, robots: RobotNames, labels: RobotLabels, history: History) -> None:
         self.catalog = DockingCatalog(settings)
-        self.on_change: list[Callable[[str], None]] = []
+        self.on_change = Listeners[[str]]("another docking action is picked")
         self._robots = robots
         self._labels = labels
         self._history = history
@@ -85,8 +86,7 @@ class RobotActions:
             self._picked[robot] = pair
             if any(map(self._on_graph, pair)):
                 log.info("robot %s docks with %s, undocks with %s", robot, *map(self._describe, pair))
-            for listener in self.on_change:
-                listener(robot)
+            self.on_change(robot)
 
     def forget(self, robot: str) -> None:
         """Forget what was picked for a robot that is gone."""

@@ -6,7 +6,6 @@ Runs on the event loop only, and waits for nothing but the action server and the
 import asyncio
 import logging
 import time
-from collections import defaultdict
 from collections.abc import Callable
 from datetime import datetime
 from typing import Concatenate, ParamSpec
@@ -17,6 +16,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, Json, Origin, ResultAnswer
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
@@ -79,7 +79,7 @@ class GoalTracker:
         self.port = port
         self.tasks = Tasks("tracking goals")
         self._results = Results(port, reasons, self.heard, self._settle, remark, limits=limits)
-        self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
+        self.on = {news: Listeners[[Goal]](f"{news.name.lower()}, of a goal") for news in News}
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)
         self._fanout = fanout
@@ -158,8 +158,7 @@ class GoalTracker:
             self._lookups.spawn(self._look_up())
 
     def _notify(self, news: News, goal: Goal) -> None:
-        for listener in self.on[news]:
-            listener(goal)
+        self.on[news](goal)
 
     async def _look_up(self) -> None:
         """Look up unknown goals in the history, as long as there are any."""

@@ -8,7 +8,7 @@ import asyncio
 import logging
 import math
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 from typing import Any, Protocol
 
@@ -16,6 +16,7 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.core.tasks import cancel
 from dock_gateway.latch.latch_file import RETRY_AFTER, LatchFile, LatchWriter
@@ -77,9 +78,9 @@ class Interlock:
         publish_again_after: float = PUBLISH_AGAIN_AFTER,
         retry_after: float = RETRY_AFTER,
     ) -> None:
-        self.on_latch: list[Callable[[str], None]] = []
-        self.on_heard: list[Callable[[str], None]] = []
-        self.on_release: list[Callable[[str], None]] = []
+        self.on_latch = Listeners[[str]]("a stop is latched")
+        self.on_heard = Listeners[[str]]("a stop is heard")
+        self.on_release = Listeners[[str]]("a stop is released")
         self._fanout = fanout
         self._echo_after = echo_after
         self._publish_again_after = publish_again_after
@@ -309,8 +310,8 @@ class Interlock:
             self._let_go(namespace)
         self._changed()
         self._echo(namespace)
-        for notify in self.on_heard if latched else ():
-            notify(namespace)
+        if latched:
+            self.on_heard(namespace)
 
     def held_by_another(self, namespace: str, by: str | None) -> None:
         """Hold a robot while another node, such as an emergency stop, wants it.
@@ -326,8 +327,7 @@ class Interlock:
         if by is not None and self._latches.latch(namespace, Latch(utc_now(), by)):
             log.warning("%s holds %s stopped", by, namespace)
             self._held_by_others.add(namespace)
-            for notify in self.on_latch:
-                notify(namespace)
+            self.on_latch(namespace)
             self._changed()
         elif by is not None:
             if namespace in self._held_by_others and self._latches.rename(namespace, by):
@@ -342,8 +342,7 @@ class Interlock:
         self._stop_published_at.pop(namespace, None)
         released = self._latches.release(namespace)
         if released:
-            for notify in self.on_release:
-                notify(namespace)
+            self.on_release(namespace)
         return released
 
     def _echo(self, namespace: str) -> None:
@@ -379,8 +378,7 @@ class Interlock:
             self._published[namespace] = False
             return False  # a stop may have been latched meanwhile
         if over is not None:
-            for notify in self.on_latch:
-                notify(namespace)
+            self.on_latch(namespace)
         return self._publish_to(namespace)
 
     # ------------------------------------------------------------------ storing and notifying

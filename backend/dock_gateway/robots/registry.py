@@ -11,6 +11,7 @@ from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace, read_namespace
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.latch.interlock import Interlock
@@ -85,13 +86,12 @@ class RobotRegistry:
         self.topics = TypedTopics(bridge)
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
         self.default_namespace = normalize_namespace(settings.namespace)
-        self.on_scan: list[Callable[[Scan], None]] = []  # called with each scan of the ROS graph
+        self.on_scan = Listeners[[Scan]]("the ROS graph was scanned")
         self.before_removal: list[Callable[[str], Awaitable[None]]] = []  # called with the robot
 
     async def scanned(self, found: Scan) -> None:
         """Pass on a scan of the ROS graph."""
-        for follow in self.on_scan:
-            follow(found)
+        self.on_scan(found)
 
     async def leave(self, namespace: str) -> None:
         """Let all leave the topics of a robot that is about to be removed.
@@ -99,7 +99,10 @@ class RobotRegistry:
         Afterwards this gateway is not known as a node there, and its subscriptions would count as the robot's.
         """
         for leave in self.before_removal:
-            await leave(namespace)
+            try:
+                await leave(namespace)
+            except Exception:
+                log.exception("while leaving the topics of %s", namespace)
 
     async def open(self, namespace: str) -> Robot:
         """Join the topics of a robot."""

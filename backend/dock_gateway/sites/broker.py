@@ -11,12 +11,12 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from nats import errors
 from nats.aio.msg import Msg
 
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.sites.nats_client import ConnectFailed, NatsClient
 from dock_gateway.sites.servers import read_server
 from dock_gateway.sites.subjects import new_id
@@ -72,8 +72,8 @@ class Broker:
     """
 
     def __init__(self, options: BrokerOptions) -> None:
-        self.on_connect: list[Callable[[], object]] = []
-        self.on_loss: list[Callable[[], object]] = []
+        self.on_connect = Listeners[[]]("the NATS server is connected")
+        self.on_loss = Listeners[[]]("the NATS server is lost")
         self.refused: Counter[str] = Counter()
         self._options = options
         self._client: NatsClient | None = None
@@ -229,7 +229,7 @@ class Broker:
         self._client = client
         self._complaint = ""
         log.info("connected to the NATS server %s", client.server)
-        _call(self.on_connect)
+        self.on_connect()
 
     async def _watch(self, client: NatsClient) -> None:
         interval, patience = self._options.check
@@ -251,7 +251,7 @@ class Broker:
             for answer in self._replies.values():
                 if not answer.done():
                     answer.set_exception(TimeoutError("the connection to the broker was lost"))
-            _call(self.on_loss)
+            self.on_loss()
         await client.abandon()
 
     async def flush(self, timeout: float) -> None:
@@ -275,14 +275,6 @@ class Broker:
 
 def _unavailable() -> Unavailable:
     return Unavailable("there is no connection to a NATS server", code="broker_unavailable")
-
-
-def _call(listeners: list[Callable[[], Any]]) -> None:
-    for listener in list(listeners):
-        try:
-            listener()
-        except Exception:
-            log.exception("after a change of the connection to a NATS server")
 
 
 @asynccontextmanager

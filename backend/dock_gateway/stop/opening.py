@@ -20,5 +20,6 @@ def open_stop(parts: Parts, stack: AsyncExitStack) -> None:
     robots, interlock = parts[RobotRegistry], parts[Interlock]
     stopper = closed_by(stack, Stopper(robots, parts[ActionRegistry], interlock, share=parts[Share]))
     parts.add(Stopper, stopper)
-    stopper.on_stop += [parts[Approvals].drop, parts[Publishing].withdraw]
+    stopper.on_stop.append(parts[Approvals].drop)
+    stopper.on_stop.append(parts[Publishing].withdraw)
     parts.add(StopOfAll, closed_by(stack, StopOfAll(parts[Settings], robots, interlock, stopper)))

@@ -3,13 +3,14 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError, NotFound, ServedElsewhere, Unavailable
 from dock_gateway.core.filters import lineage
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
@@ -163,7 +164,7 @@ class Stopper:
     ) -> None:
         self.timing = timing
         self._share = share
-        self.on_stop: list[Callable[[str], None]] = []
+        self.on_stop = Listeners[[str]]("a robot is stopped")
         self._robots = robots
         self._actions = actions
         self._interlock = interlock
@@ -306,9 +307,7 @@ class Stopper:
 
     def _notify(self, robots: list[Robot]) -> None:
         for robot in robots:
-            for notify in self.on_stop:
-                with _keeping_on():
-                    notify(robot.namespace)
+            self.on_stop(robot.namespace)
 
     def _cancel(self, halt: Halt, action: Action) -> None:
         with _keeping_on():

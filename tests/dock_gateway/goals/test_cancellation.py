@@ -350,8 +350,7 @@ async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
 
 async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
     scene.held = True
-    for seen in scene.tracker.on[News.SEEN]:
-        seen(goal := scene.goal(S.EXECUTING))
+    scene.tracker.on[News.SEEN](goal := scene.goal(S.EXECUTING))
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error is not None
     assert goal.error.code == "stopped"
