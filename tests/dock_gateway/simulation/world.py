@@ -112,10 +112,14 @@ class World:
         """Wait until all is told, or nothing more can come."""
         for _ in range(600):
             await asyncio.sleep(0.1)
-            told = [goal for _, _, kind, goal in self.reader.seen if kind == "result succeeded"]
-            if self.server.idle and set(told) == self.server.goals.keys():
-                await asyncio.sleep(0.5)  # enough for one that comes twice
-                return
+            if self._all_told():
+                await asyncio.sleep(0.5)  # enough for one that comes twice, and for a goal that is on its way
+                if self._all_told():
+                    return
+
+    def _all_told(self) -> bool:
+        told = {goal for _, _, kind, goal in self.reader.seen if kind == "result succeeded"}
+        return self.server.idle and told == self.server.goals.keys()
 
     # ------------------------------------------------------------------ what must hold
 
