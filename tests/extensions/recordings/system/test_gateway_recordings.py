@@ -81,7 +81,9 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
             assert gateway.http.get(f"/goals/{goal_id}/thumbnail").json()["code"] == "picture_not_found"
 
             interrupted = send(gateway, ABORTED)
-            wait_until(lambda: size_of(recordings / f"{interrupted}.part") > 1000, "the beginning of the recording")
+            wait_until(lambda: gateway.http.get(f"/goals/{interrupted}").json()["feedback"], "feedback")
+            begun = size_of(part := recordings / f"{interrupted}.part")
+            wait_until(lambda: size_of(part) > max(begun, 1000), "the beginning of the recording")
             gateway.process.send_signal(signal.SIGKILL)
             gateway.process.wait()
         with running_gateway(domain, **kept) as again:
