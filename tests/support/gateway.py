@@ -14,7 +14,7 @@ from websockets.sync.client import ClientConnection
 from dock_gateway.settings import Settings
 from tests.support.clients import HttpClient, connect
 from tests.support.processes import ForkedProcess, Process, ros_environment
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import PATIENCE, wait_until
 
 LOW = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}
 CHARGING = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 1}
@@ -209,3 +209,16 @@ def running_hostile_node(domain: int, *arguments: str) -> Iterator[Process]:
     with ForkedProcess("-m", "tests.support.hostile_node", *arguments, env=ros_environment(domain)) as process:
         process.wait_for("flooding")
         yield process
+
+
+@contextmanager
+def running_gateway_with_talker(domain: int, **settings: str) -> Iterator[RunningGateway]:
+    """Run a gateway beside an action, a topic of scans and one that keeps its last message, and wait for them."""
+    with ExitStack() as stack:
+        topics = ("--topic", "scan:sensor_msgs/msg/LaserScan:20", "--topic", "latched:std_msgs/msg/String:latched")
+        stack.enter_context(running_talker(domain, "--long", "720", *topics))
+        stack.enter_context(running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.2"))
+        gateway = stack.enter_context(running_gateway(domain, server_wait="1", **settings))
+        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+        wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
+        yield gateway

@@ -10,7 +10,7 @@ P = ParamSpec("P")
 
 
 class Listeners(Generic[P]):
-    """Functions that are called, in order, when something has happened. One that fails keeps nobody from the rest.
+    """Functions that are called, in order, when something has happened. The others are called if one fails.
 
     Args:
         what: What has happened, for the log.

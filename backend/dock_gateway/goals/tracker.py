@@ -129,7 +129,7 @@ class GoalTracker:
 
     def take_up(self, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
-        self._notify(News.RESUMED, goal)
+        self.on[News.RESUMED](goal)
         self._publisher.publish_first(goal)
         self.apply(GoalMachine.take_up, goal)
 
@@ -144,7 +144,7 @@ class GoalTracker:
             match self._machine.outputs.popleft():
                 case Publish(event, goal):
                     self._publisher.publish(event, goal)
-                    self._notify(News.CHANGED, goal)
+                    self.on[News.CHANGED](goal)
                 case Store(goal):
                     self._history.record(goal)
                 case AwaitResult(goal, reported):
@@ -152,13 +152,10 @@ class GoalTracker:
                 case PublishEnd(goal, source_ns):
                     self._publisher.publish_end(goal, source_ns, self._release)
                 case Notify(news, goal):
-                    self._notify(news, goal)
+                    self.on[news](goal)
         if self._machine.newcomers and not self._looking_up:
             self._looking_up = True
             self._lookups.spawn(self._look_up())
-
-    def _notify(self, news: News, goal: Goal) -> None:
-        self.on[news](goal)
 
     async def _look_up(self) -> None:
         """Look up unknown goals in the history, as long as there are any."""
@@ -170,7 +167,7 @@ class GoalTracker:
                 for number, goal_id in enumerate(ready, 1):
                     try:
                         if (goal := (known or {}).get(goal_id)) is not None:
-                            self._notify(News.RESUMED, goal)
+                            self.on[News.RESUMED](goal)
                             self._publisher.publish_first(goal)
                         self.apply(GoalMachine.adopt, goal_id, goal)
                     except Exception:

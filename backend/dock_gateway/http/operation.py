@@ -205,8 +205,8 @@ def require_distinct(routes: Iterable[BaseRoute]) -> None:
     """
     seen: set[tuple[str, str]] = set()
     for route in routes:
-        path = getattr(route, "path", "")
-        for asked in {(method, path) for method in getattr(route, "methods", None) or ()}:
+        for method in getattr(route, "methods", None) or ():
+            asked = (method, getattr(route, "path", ""))
             if asked in seen:
                 raise Undeclared(f"two routes are {' '.join(asked)}")
             seen.add(asked)

@@ -2,7 +2,6 @@
 
 import struct
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,11 @@ from websockets.typing import Subprotocol
 from action_tutorials_interfaces.action import Fibonacci
 from tests.extensions.foxglove.door import Client, client_of
 from tests.support.access import Site, bearer, ends_with
-from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.gateway import (
+    RunningGateway,
+    running_gateway_with_talker,
+    running_talker,
+)
 from tests.support.processes import free_port
 from tests.support.waiting import wait_until
 
@@ -45,14 +48,7 @@ NO_TEXT = b"\0\1\0\0\1\0\0\0\0"
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with ExitStack() as stack:
-        topics = ("--long", "720", "--topic", "scan:sensor_msgs/msg/LaserScan:20")
-        latched = ("--topic", "latched:std_msgs/msg/String:latched")
-        stack.enter_context(running_talker(shared_domain, *topics, *latched))
-        stack.enter_context(running_program(shared_domain, "fibonacci_action_server", "-p", "step_period:=0.2"))
-        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1", **ALLOWED))
-        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
-        wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
+    with running_gateway_with_talker(shared_domain, **ALLOWED) as gateway:
         yield gateway
 
 

@@ -2,7 +2,6 @@
 
 import base64
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,10 @@ from websockets.sync.client import connect as open_websocket
 
 from tests.extensions.rosbridge.door import Client, client_of
 from tests.support.access import Site, bearer
-from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.gateway import (
+    RunningGateway,
+    running_gateway_with_talker,
+)
 from tests.support.processes import free_port
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -29,13 +31,7 @@ SCAN = "sensor_msgs/msg/LaserScan"
 
 @pytest.fixture(scope="module")
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with ExitStack() as stack:
-        topics = ("--long", "720", "--topic", f"scan:{SCAN}:20", "--topic", "latched:std_msgs/msg/String:latched")
-        stack.enter_context(running_talker(shared_domain, *topics))
-        stack.enter_context(running_program(shared_domain, "fibonacci_action_server", "-p", "step_period:=0.2"))
-        gateway = stack.enter_context(running_gateway(shared_domain, server_wait="1", **ALLOWED))
-        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
-        wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
+    with running_gateway_with_talker(shared_domain, **ALLOWED) as gateway:
         yield gateway
 
 
