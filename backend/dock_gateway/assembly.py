@@ -7,28 +7,24 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from prometheus_client import CollectorRegistry
 
 from dock_gateway.access.opening import open_access
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.opening import open_storage
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import Tasks, closed_by
-from dock_gateway.extension import GatewayCore, Installed
+from dock_gateway.extension import Installed
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.graph_scan import scan_graph
-from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.opening import open_fleet
-from dock_gateway.fleet.overview import Fleet
 from dock_gateway.gateways.claims import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.opening import open_goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.unfinished import take_over_unfinished
-from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.opening import open_graph
-from dock_gateway.graph.relays import Relays
 from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -39,13 +35,11 @@ from dock_gateway.observability.goal_metrics import GoalMetrics
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.opening import open_robots
 from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from dock_gateway.stop.opening import open_stop
 from dock_gateway.stop.stop_of_all import StopOfAll
-from dock_gateway.stop.stopper import Stopper
-from dock_gateway.storage import AuditSpool, History, open_history
+from dock_gateway.storage import History
 from dock_gateway.streams.gateway_present import GatewayPresent
 from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
@@ -62,7 +56,7 @@ async def open_gateway(settings: Settings, installed: Installed, limits: GoalLim
     """
     parts = Parts({Settings: settings, Installed: installed, GoalLimits: limits})
     async with AsyncExitStack() as stack:
-        await _open_storage(parts, stack)
+        await open_storage(parts, stack)
         await _claim_robots(parts, stack)  # before anything of a robot is touched
         _join_ros(parts, stack)
         await open_robots(parts, stack)
@@ -78,14 +72,6 @@ async def open_gateway(settings: Settings, installed: Installed, limits: GoalLim
         await _open_extensions(parts, stack)
         await _begin(parts, stack)
         yield parts
-
-
-async def _open_storage(parts: Parts, stack: AsyncExitStack) -> None:
-    settings = parts[Settings]
-    history = parts.add(History, await stack.enter_async_context(open_history(settings)))
-    spool = None if settings.database_url == "memory:" else AuditSpool(settings.spool_folder / "audit")
-    audit = parts.add(AuditLog, closed_by(stack, AuditLog(history.audit, spool)))
-    await audit.open()
 
 
 async def _claim_robots(parts: Parts, stack: AsyncExitStack) -> None:
@@ -116,25 +102,7 @@ async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     settings, installed, alerts = parts[Settings], parts[Installed], parts[AlertBoard]
     parts.add(Quotas, Quotas(settings, installed.limits(settings)))
     parts.add(Includes, Includes(installed.includes))
-    core = GatewayCore(
-        settings=settings,
-        history=parts[History],
-        events=parts[Fanout],
-        alerts=alerts,
-        labels=parts[RobotLabels],
-        share=parts[Share],
-        requests=parts[AuditLog],
-        robots=parts[RobotRegistry],
-        goals=parts[ActionRegistry],
-        graph=parts[GraphCache],
-        graph_watch=parts[GraphWatch],
-        topics=parts[Relays],
-        stop=parts[Stopper],
-        interlock=parts[Interlock],
-        fleet=parts[Fleet],
-        ways=parts[FurtherWays],
-    )
-    await installed.open(core, parts, stack)
+    await installed.open(parts, stack)
     alerts.sources.append(installed.alerts)
     alerts.kinds.update(installed.kinds)
     registry = CollectorRegistry()

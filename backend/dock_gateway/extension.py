@@ -1,7 +1,7 @@
 """What an extension is: a feature that can be taken out, with all that it adds to a gateway in one object.
 
-`extension_list` names the extensions; nothing else does. An extension reaches the gateway by its core, and never
-imports another one.
+`extension_list` names the extensions; nothing else does. An extension reaches the gateway by its parts, as a route
+does, and never imports another one.
 """
 
 import asyncio
@@ -12,39 +12,21 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from fastapi import APIRouter
 from prometheus_client import Metric
 from pydantic import BaseModel
 
-from dock_gateway.audit.log import AuditLog
-from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.share import Share
 from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further_names
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
-from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.operation import Undeclared
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Limit
-from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.settings import ExtensionSettings, Settings
-from dock_gateway.storage import History
-
-if TYPE_CHECKING:  # an extension that a hub has, too, needs no ROS
-    from dock_gateway.fleet.alerts import AlertBoard
-    from dock_gateway.fleet.graph_watch import GraphWatch
-    from dock_gateway.fleet.overview import Fleet
-    from dock_gateway.goals.registry import ActionRegistry
-    from dock_gateway.graph.cache import GraphCache
-    from dock_gateway.graph.relays import Relays
-    from dock_gateway.latch.interlock import Interlock
-    from dock_gateway.robots.registry import RobotRegistry
-    from dock_gateway.stop.stopper import Stopper
 
 log = logging.getLogger(__name__)
 
@@ -54,69 +36,17 @@ OPEN_WITHIN, CLOSE_WITHIN = 30.0, 10.0
 NO_FAILURE: Mapping[str, Exception] = {}
 
 
-@dataclass(frozen=True)
-class Core:
-    """What an extension may reach of an open gateway or hub.
-
-    Attributes:
-        settings: The settings; `settings.of` has those of the extension.
-        history: Goals, events and documents that last.
-        events: Publishes events to streams.
-        alerts: The active alerts.
-        labels: The display names and groups of robots.
-        share: The robots of this gateway, if others share its database.
-        requests: The record of requests; says when one is added.
-    """
-
-    settings: Settings
-    history: History
-    events: Fanout
-    alerts: Alerts
-    labels: RobotLabels
-    share: Share
-    requests: AuditLog
-
-
-@dataclass(frozen=True)
-class GatewayCore(Core):
-    """What an extension may reach of an open gateway, besides what a hub has.
-
-    Attributes:
-        alerts: An extension adds a source of its own.
-        robots: The robots; says what is on the ROS graph, and which robot is about to be removed.
-        goals: The actions and their goals; says when one is sent, changes, ends or is lost.
-        graph: What is on the ROS graph.
-        graph_watch: Faults on the ROS graph.
-        topics: Reads topics, one subscription for all readers.
-        stop: Stops robots; says when one is stopped.
-        interlock: Which robots are stopped; says when one is released.
-        fleet: The state of each robot.
-        ways: Ways to the application besides the ports; an extension adds its own.
-    """
-
-    alerts: "AlertBoard"
-    robots: "RobotRegistry"
-    goals: "ActionRegistry"
-    graph: "GraphCache"
-    graph_watch: "GraphWatch"
-    topics: "Relays"
-    stop: "Stopper"
-    interlock: "Interlock"
-    fleet: "Fleet"
-    ways: FurtherWays
-
-
 T = TypeVar("T")
-Core_contra = TypeVar("Core_contra", bound=Core, contravariant=True)
 
 
 @dataclass(frozen=True)
-class Extension(Generic[Core_contra]):
+class Extension:
     """A feature.
 
     Attributes:
         name: Its name, which is that of its folder and of its page in docs/extensions.
-        open: Opens its part, which its routes find by its type, until the gateway closes; None if it is switched off.
+        open: Opens its part until the gateway closes, given the parts that are open: `parts[RobotRegistry]`. Its routes
+            find it by its type; None if it is switched off.
         settings: Its settings: options of the command line, variables of the environment.
         routes: Returns its routers: a function, so that what is off is not imported.
         includes: Topics of events that streams can ask for with `include`.
@@ -129,7 +59,7 @@ class Extension(Generic[Core_contra]):
     """
 
     name: str
-    open: Callable[[Core_contra], AbstractAsyncContextManager[object]] | None = None
+    open: Callable[[Parts], AbstractAsyncContextManager[object]] | None = None
     settings: type[ExtensionSettings] | None = None
     routes: Callable[[Settings], Sequence[APIRouter]] = field(default=lambda _: ())
     includes: Sequence[str] = ()
@@ -152,7 +82,7 @@ class Installed:
         metrics: What measures those that are open.
     """
 
-    def __init__(self, extensions: Iterable[Extension[Any]], failed: Mapping[str, Exception] = NO_FAILURE) -> None:
+    def __init__(self, extensions: Iterable[Extension], failed: Mapping[str, Exception] = NO_FAILURE) -> None:
         self._extensions = tuple(extensions)
         self.failed: dict[str, Alert] = {}
         self.metrics: list[Callable[[], Iterable[Metric]]] = []
@@ -166,7 +96,7 @@ class Installed:
         Raises:
             Undeclared: A route of one does not say which role it needs.
         """
-        found: list[Extension[Any]] = []
+        found: list[Extension] = []
         failed: dict[str, Exception] = {}
         for name in names:
             try:
@@ -177,7 +107,7 @@ class Installed:
                 failed[name] = error
         return cls(found, failed)
 
-    def __iter__(self) -> Iterator[Extension[Any]]:
+    def __iter__(self) -> Iterator[Extension]:
         return iter(self._extensions)
 
     @property
@@ -220,21 +150,21 @@ class Installed:
                 self._fail(each.name, error)
         return routers
 
-    async def open(self, core: Core, parts: Parts, stack: AsyncExitStack) -> None:
+    async def open(self, parts: Parts, stack: AsyncExitStack) -> None:
         """Open them, in order, and register them with the stack for closing. One that fails is left out.
 
         Args:
-            core: What they may reach.
-            parts: Get what each has opened, for its routes.
+            parts: What they reach, and where the part of each is added.
             stack: Closes them.
         """
         for each in self:
             if each.open is None or each.name in self.failed:
                 continue
             try:
-                part = await stack.enter_async_context(_within_deadlines(each.name, each.open(core)))
+                part = await stack.enter_async_context(_within_deadlines(each.name, each.open(parts)))
             except Exception as error:  # noqa: BLE001 - logged by `_fail`
                 self._fail(each.name, error)
+                parts.mark_failed(each.name, each.open.__module__.rpartition(".")[0] or each.open.__module__)
             else:
                 if part is not None:
                     parts.add(type(part), part)
@@ -273,7 +203,7 @@ def extensions() -> Installed:
     return Installed.load((*OURS, *further_names()))
 
 
-def find_extension(name: str) -> Extension[Any]:
+def find_extension(name: str) -> Extension:
     """Return an extension of ours, or of another distribution.
 
     Raises:

@@ -1,20 +1,19 @@
 """Assembles the hub: makes its parts in order and closes them in reverse order. No ROS."""
 
-import logging
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 
 from prometheus_client import CollectorRegistry
 
 from dock_gateway.access.opening import open_access
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.opening import open_storage
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import closed_by
-from dock_gateway.extension import Core, Installed
+from dock_gateway.extension import Installed
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.further_ways import FurtherWays
@@ -27,7 +26,7 @@ from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
-from dock_gateway.storage import AuditSpool, History, open_history
+from dock_gateway.storage import History
 from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
@@ -40,8 +39,6 @@ from dock_hub.sites import Sites
 from dock_hub.stop_requests import StopEntry
 from dock_hub.stops import Stops
 from dock_hub.store import HubStore
-
-log = logging.getLogger(__name__)
 
 
 class NoLiveGoals:
@@ -63,74 +60,66 @@ async def open_hub(settings: HubSettings, installed: Installed) -> AsyncIterator
         settings: The settings.
         installed: The extensions.
     """
+    parts = Parts({Settings: settings, Installed: installed, Share: EVERYTHING, FurtherWays: FurtherWays()})
     async with AsyncExitStack() as stack:
-        history = await stack.enter_async_context(open_history(settings))
-        audit = closed_by(stack, AuditLog(history.audit, AuditSpool(settings.spool_folder / "audit")))
-        await audit.open()
-        options = BrokerOptions(
-            urls=settings.nats,
-            credentials=settings.nats_credentials,
-            ca=settings.nats_ca,
-            name="dock-gateway-hub",
-            inbox=inbox(HUB),
-        )
-        broker = await stack.enter_async_context(open_broker(options))
-        yield await _open(settings, installed, history, audit, broker, stack)
+        await open_storage(parts, stack)
+        await _connect(settings, parts, stack)
+        _open_sites(settings, parts, stack)
+        _open_overview(settings, parts, stack)
+        await open_access(parts, stack)
+        parts.add(Subjects, Subjects(settings, lambda _: None, parts[Overview].namespaces))
+        await _open_extensions(parts, stack)
+        parts[Stops].open()
+        await parts[Sites].open()
+        stack.callback(parts[Fanout].close)
+        yield parts
 
 
-async def _open(  # noqa: PLR0917 - one after another
-    settings: HubSettings,
-    installed: Installed,
-    history: History,
-    audit: AuditLog,
-    broker: Broker,
-    stack: AsyncExitStack,
-) -> Parts:
-    fanout = Fanout(queue_limit=settings.subscriber_queue, newest=history.newest)
-    signer = Signer.load_or_create(settings.hub_key_file)
-    caller = Caller(broker)
+async def _connect(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -> None:
+    """Connect to the NATS server, and be ready to call sites over it."""
+    options = BrokerOptions(
+        urls=settings.nats,
+        credentials=settings.nats_credentials,
+        ca=settings.nats_ca,
+        name="dock-gateway-hub",
+        inbox=inbox(HUB),
+    )
+    broker = parts.add(Broker, await stack.enter_async_context(open_broker(options)))
+    caller = parts.add(Caller, Caller(broker))
     await caller.open()
     stack.push_async_callback(caller.close)
+
+
+def _open_sites(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -> None:
+    """Open what is known of the sites, and their stops."""
+    history = parts[History]
+    fanout = parts.add(Fanout, Fanout(queue_limit=settings.subscriber_queue, newest=history.newest))
     store = closed_by(stack, HubStore(Mirror(history), fanout))
-    sites = closed_by(stack, Sites(broker, caller, signer, history, store))
-    stops = closed_by(stack, Stops(sites, history.documents("stop", StopEntry)))
+    signer = Signer.load_or_create(settings.hub_key_file)
+    sites = parts.add(Sites, closed_by(stack, Sites(parts[Broker], parts[Caller], signer, history, store)))
+    stops = parts.add(Stops, closed_by(stack, Stops(sites, history.documents("stop", StopEntry))))
     sites.pending_stop = stops.pending
-    labels = SiteLabels(sites)
-    robot_actions = RobotActions(settings, sites, labels, history)
-    goals = Goals(NoLiveGoals(), robot_actions, history)
-    overview = closed_by(stack, Overview(fanout, sites, goals, history))
     history.on_loss = sites.read_again
     history.retention.goals_by_size = BY_SITE
-    parts = Parts(
-        {
-            Settings: settings,
-            Installed: installed,
-            Fanout: fanout,
-            History: history,
-            Broker: broker,
-            Sites: sites,
-            Stops: stops,
-            Overview: overview,
-            Robots: overview,
-            Alerts: overview,
-            Present: overview,
-            Goals: goals,
-            RobotActions: robot_actions,
-            RobotLabels: labels,
-            Share: EVERYTHING,
-            FurtherWays: FurtherWays(),
-            Includes: Includes(),
-            Quotas: Quotas(settings),
-            AuditLog: audit,
-            Subjects: Subjects(settings, lambda _: None, overview.namespaces),
-        }
-    )
-    await open_access(parts, stack)
-    core = Core(settings, history, fanout, overview, labels, EVERYTHING, audit)
-    await installed.open(core, parts, stack)
-    overview.sources.append(installed.alerts)
+
+
+def _open_overview(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -> None:
+    """Open what spans the sites: labels, goals, robots and alerts."""
+    history, sites = parts[History], parts[Sites]
+    labels = parts.add(RobotLabels, SiteLabels(sites))
+    robot_actions = parts.add(RobotActions, RobotActions(settings, sites, labels, history))
+    goals = parts.add(Goals, Goals(NoLiveGoals(), robot_actions, history))
+    overview = parts.add(Overview, closed_by(stack, Overview(parts[Fanout], sites, goals, history)))
+    parts.add(Robots, overview)
+    parts.add(Alerts, overview)
+    parts.add(Present, overview)
+
+
+async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
+    """Open the extensions, with what measures them."""
+    installed = parts[Installed]
+    parts.add(Quotas, Quotas(parts[Settings]))
+    parts.add(Includes, Includes())
+    await installed.open(parts, stack)
+    parts[Overview].sources.append(installed.alerts)
     parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, installed.metrics), CollectorRegistry())))
-    stops.open()
-    await sites.open()
-    stack.callback(fanout.close)
-    return parts

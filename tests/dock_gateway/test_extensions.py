@@ -8,23 +8,24 @@ from dataclasses import fields
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import pytest
 from fastapi import APIRouter
 from fastapi.testclient import TestClient
 from pydantic import create_model
+from starlette.responses import Response
 
 from dock_gateway import extension as extension_module
 from dock_gateway import extension_list
 from dock_gateway.app import create_app
 from dock_gateway.cli.options import TYPE
-from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.grant import Role
-from dock_gateway.extension import Core, Extension, GatewayCore, Installed, extensions
+from dock_gateway.extension import Extension, Installed, extensions
 from dock_gateway.extension_list import GROUP, OURS
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.http.operation import Scope, Undeclared, operation
+from dock_gateway.http.parts import Part as RoutePart
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import ExtensionSettings, Settings
@@ -35,7 +36,7 @@ PAGE = ROOT / "docs/write-an-extension.md"
 
 
 @pytest.mark.parametrize("extension", [*extensions()], ids=lambda extension: extension.name)
-def test_the_gateway_is_complete_without_each(extension: Extension[GatewayCore]) -> None:
+def test_the_gateway_is_complete_without_each(extension: Extension) -> None:
     """Its routes, events and alerts are gone, and all others are as they were."""
     installed = Installed(other for other in extensions() if other is not extension)
     left, full = (create_app(Settings(), installed=each).openapi() for each in (installed, extensions()))
@@ -54,7 +55,7 @@ def test_each_has_a_page_and_tests(name: str) -> None:
 
 
 @pytest.mark.parametrize("extension", [*extensions()], ids=lambda extension: extension.name)
-def test_its_settings_are_those_of_the_gateway(extension: Extension[GatewayCore]) -> None:
+def test_its_settings_are_those_of_the_gateway(extension: Extension) -> None:
     if extension.settings is not None:
         assert issubclass(TYPE, extension.settings)
 
@@ -69,24 +70,21 @@ class Part:
 
 
 @asynccontextmanager
-async def works(_: Core) -> AsyncIterator[Part]:
+async def works(_: Parts) -> AsyncIterator[Part]:
     yield Part()
 
 
 @asynccontextmanager
-async def fails(_: Core) -> AsyncIterator[object]:
+async def fails(_: Parts) -> AsyncIterator[object]:
     raise OSError("the folder is not there")
     yield
-
-
-CORE = cast("Core", SimpleNamespace())
 
 
 async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
     parts = Parts({})
     async with AsyncExitStack() as stack:
         installed = Installed([Extension("bad", fails), Extension("good", works)])
-        await installed.open(CORE, parts, stack)
+        await installed.open(parts, stack)
     assert isinstance(parts[Part], Part)
     (alert,) = installed.alerts()
     assert alert.kind is alert_kinds.EXTENSION_FAILED
@@ -95,13 +93,13 @@ async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
 
 
 @asynccontextmanager
-async def hangs(_: Core) -> AsyncIterator[object]:
+async def hangs(_: Parts) -> AsyncIterator[object]:
     await asyncio.Event().wait()
     yield
 
 
 @asynccontextmanager
-async def hangs_at_its_end(_: Core) -> AsyncIterator[Part]:
+async def hangs_at_its_end(_: Parts) -> AsyncIterator[Part]:
     yield Part()
     await asyncio.Event().wait()
 
@@ -114,7 +112,7 @@ async def test_one_that_hangs_keeps_the_gateway_from_neither_its_start_nor_its_e
     parts = Parts({})
     async with asyncio.timeout(10), AsyncExitStack() as stack:
         installed = Installed([Extension("slow", hangs), Extension("good", hangs_at_its_end)])
-        await installed.open(CORE, parts, stack)
+        await installed.open(parts, stack)
         assert isinstance(parts[Part], Part)
     (alert,) = installed.alerts()
     assert "slow could not be opened" in alert.detail
@@ -153,9 +151,9 @@ async def test_one_whose_routes_cannot_be_imported_is_an_alert() -> None:
     create_app(Settings(), installed=installed)
     parts = Parts({})
     async with AsyncExitStack() as stack:
-        await installed.open(CORE, parts, stack)
+        await installed.open(parts, stack)
     assert [alert.title for alert in installed.alerts()] == ["No bad"]
-    with pytest.raises(Unavailable):
+    with pytest.raises(KeyError):
         parts[Part]
 
 
@@ -201,10 +199,36 @@ def test_the_list_is_that_of_the_application(broken: str) -> None:
         assert http.get("/extensions/cameras/card.js").json()["code"] == "extension_not_found"
 
 
-def test_what_belongs_to_one_that_failed_is_unavailable() -> None:
-    with pytest.raises(Unavailable, match="Part could not be opened") as caught:
-        Parts({})[Part]
-    assert caught.value.code == "extension_failed"
+async def test_the_routes_of_one_that_failed_are_unavailable_and_no_others() -> None:
+    router = APIRouter(route_class=ApiRoute)
+
+    class Other:
+        """A part that there should be: its module is none of the extension."""
+
+    Other.__module__ = "dock_gateway.other"
+
+    @router.get("/part")
+    @operation(Role.VIEWER, Scope.ANY)
+    async def get_part(part: RoutePart[Part]) -> Response:
+        return Response(type(part).__name__)
+
+    installed = Installed([Extension("bad", fails, routes=lambda _: [router])])
+    parts = Parts({**audit_parts(), Settings: Settings(), Installed: installed})
+    with TestClient(create_app(Settings(), parts), "http://127.0.0.1:8000") as http:
+        async with AsyncExitStack() as stack:
+            await installed.open(parts, stack)
+        answer = http.get("/part")
+        assert (answer.status_code, answer.json()["code"]) == (503, "extension_failed")
+        assert answer.json()["detail"] == "bad could not be opened: see the alerts"
+    with pytest.raises(KeyError):
+        parts[Other]
+
+
+def test_a_part_is_added_once() -> None:
+    parts = Parts({})
+    parts.add(Part, Part())
+    with pytest.raises(ValueError, match="there is a Part already"):
+        parts.add(Part, Part())
 
 
 def test_settings_come_from_those_that_were_given_or_from_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,8 @@
 """The parts of a gateway that has only some of them."""
 
-from dock_gateway.core.errors import NotFound, Unavailable
+from typing import Any
+
+from dock_gateway.core.errors import NotFound
 from dock_gateway.http.parts import Parts, T
 
 
@@ -10,5 +12,13 @@ class Refusing(Parts):
     def __getitem__(self, kind: type[T]) -> T:
         try:
             return super().__getitem__(kind)
-        except Unavailable:
+        except KeyError:
             raise NotFound(f"there is no {kind.__name__}") from None
+
+
+class FakeParts(Parts):
+    """Parts, each of which can be replaced."""
+
+    def replace(self, kind: type, part: Any) -> None:
+        """Have another part of a type."""
+        self._parts[kind] = part

@@ -12,12 +12,12 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
-from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import TIMING, Stopper, StopTiming
 from tests.support.audit import AuditList, audit_parts
+from tests.support.parts import FakeParts
 
 
 class FakeVelocity:
@@ -112,7 +112,7 @@ class FakeFleet:
         self.actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock, timing)
         self.audit = AuditList()
-        self.parts = Parts({**audit_parts(), AuditLog: self.audit, Stopper: self.stopper, Settings: Settings()})
+        self.parts = FakeParts({**audit_parts(), AuditLog: self.audit, Stopper: self.stopper, Settings: Settings()})
 
     def _place(self, namespace: str | None = None) -> str:
         name = ALL_ROBOTS if namespace is None else read_namespace(namespace)

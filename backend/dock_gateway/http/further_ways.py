@@ -1,4 +1,4 @@
-"""Ways to the application besides the ports, such as a tunnel. An extension adds its own to `core.ways`."""
+"""Ways to the application besides the ports, such as a tunnel. An extension adds its own to them."""
 
 from collections.abc import Mapping
 from typing import Any, Protocol

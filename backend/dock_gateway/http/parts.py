@@ -21,22 +21,38 @@ class Parts:
 
     def __init__(self, parts: Mapping[type, Any]) -> None:
         self._parts = dict(parts)
+        self._failed: dict[str, str] = {}
 
     def add(self, kind: type[T], part: T) -> T:
-        """Add a part, and return it."""
+        """Add a part, and return it.
+
+        Raises:
+            ValueError: There is one of this type.
+        """
+        if kind in self._parts:
+            raise ValueError(f"there is a {kind.__name__} already")
         self._parts[kind] = part
         return part
+
+    def mark_failed(self, extension: str, package: str) -> None:
+        """Say that the parts of an extension, whose types are in a package, are missing: it could not be opened."""
+        self._failed[package] = extension
 
     def __getitem__(self, kind: type[T]) -> T:
         """Return a part.
 
         Raises:
+            KeyError: There is none.
             Unavailable: It is that of an extension that could not be opened (`extension_failed`).
         """
         try:
             part: T = self._parts[kind]
         except KeyError:
-            raise Unavailable(f"{kind.__name__} could not be opened: see the alerts", code="extension_failed") from None
+            for package, extension in self._failed.items():
+                if f"{kind.__module__}.".startswith(f"{package}."):
+                    detail = f"{extension} could not be opened: see the alerts"
+                    raise Unavailable(detail, code="extension_failed") from None
+            raise
         return part
 
 

@@ -4,18 +4,20 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
-from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway.extension import Extension
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.http.parts import Parts
 from dock_gateway_odometer.odometers import SERVICE_DUE, Odometers
 from dock_gateway_odometer.routes import router
 from dock_gateway_odometer.settings import OdometerSettings
 
 
 @asynccontextmanager
-async def open_odometers(core: GatewayCore) -> AsyncIterator[Odometers]:
+async def open_odometers(parts: Parts) -> AsyncIterator[Odometers]:
     """Count until the gateway closes."""
-    odometers = Odometers(core)
+    odometers = Odometers(parts)
     await odometers.open()
-    core.alerts.sources.append(odometers.alerts)
+    parts[AlertBoard].sources.append(odometers.alerts)
     try:
         yield odometers
     finally:

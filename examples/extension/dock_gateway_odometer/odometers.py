@@ -10,11 +10,16 @@ from typing import Any
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.extension import GatewayCore
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.received import Received
+from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.topic_reader import TopicReader
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedEntries
 from dock_gateway_odometer.settings import OdometerSettings
 
@@ -58,13 +63,14 @@ class Odometers:
     """The odometers of all robots.
 
     Args:
-        core: The gateway.
+        parts: Those of the gateway.
     """
 
-    def __init__(self, core: GatewayCore) -> None:
-        self._core = core
-        self._service_metres = 1000 * core.settings.of(OdometerSettings).odometer_service_km
-        self._stored = SharedEntries(core.history.documents("odometer", Distance))
+    def __init__(self, parts: Parts) -> None:
+        self._settings, self._robots = parts[Settings], parts[RobotRegistry]
+        self._relays, self._graph = parts[Relays], parts[GraphCache]
+        self._service_metres = 1000 * self._settings.of(OdometerSettings).odometer_service_km
+        self._stored = SharedEntries(parts[History].documents("odometer", Distance))
         self._odometers: dict[str, tuple[Odometer, TopicReader]] = {}
         self._tasks = Tasks("counting metres")
 
@@ -88,7 +94,7 @@ class Odometers:
 
     def alerts(self) -> Iterator[Alert]:
         """Yield an alert for each robot that is due for service."""
-        for robot in self._core.robots.namespaces():
+        for robot in self._robots.namespaces():
             stored = self._stored.get(robot)
             if stored is not None and stored.due_since is not None:
                 detail = f"{robot} has driven {stored.metres / 1000:.1f} km."
@@ -101,14 +107,15 @@ class Odometers:
             await asyncio.sleep(INTERVAL)
 
     async def _follow_robots(self) -> None:
-        core, robots = self._core, self._core.robots.namespaces()
+        robots = self._robots.namespaces()
         for robot in self._odometers.keys() - set(robots):
             await self._odometers.pop(robot)[1].close()
         for robot in robots:
             if robot not in self._odometers:
                 odometer = Odometer()
-                topic = core.settings.resolve("odom", robot)
-                self._odometers[robot] = odometer, TopicReader(core.topics, core.graph, topic, ODOMETRY, odometer)
+                topic = self._settings.resolve("odom", robot)
+                reader = TopicReader(self._relays, self._graph, topic, ODOMETRY, odometer)
+                self._odometers[robot] = odometer, reader
             await self._odometers[robot][1].check()
 
     async def _store(self) -> None:

@@ -252,14 +252,13 @@ def test_every_scope_is_used_and_known() -> None:
 async def test_what_would_act_on_a_robot_of_another_gateway_is_refused(
     parts: Other, scope: Scope, names: dict[str, Any], *, elsewhere: bool
 ) -> None:
-    share = Share(["/robot1"], {"/elsewhere/dock1": "/robot1"})
-    parts.add(Share, share)
+    share = parts.add(Share, Share(["/robot1"], {"/elsewhere/dock1": "/robot1"}))
     with pytest.raises(ServedElsewhere) if elsewhere else nullcontext():
         await require_covered(parts, share.narrow(Grant(Role.SUPERVISOR)), scope, names, "it")
 
 
 async def test_who_may_not_see_a_robot_does_not_learn_who_serves_it(parts: Other) -> None:
-    parts.add(Share, share := Share(["/robot1"]))
+    share = parts.add(Share, Share(["/robot1"]))
     with pytest.raises(NotFound):
         await require_covered(parts, share.narrow(ROBOT1), Scope.GOAL, {"goal_id": GOAL}, "it")
     with pytest.raises(NotAllowed):

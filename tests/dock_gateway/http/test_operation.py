@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from dock_gateway import app as app_module
 from dock_gateway.app import api_routers, create_app
 from dock_gateway.core.grant import Role
-from dock_gateway.extension import Extension, GatewayCore, extensions
+from dock_gateway.extension import Extension, extensions
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
 from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import COMMANDS
@@ -43,7 +43,7 @@ def test_every_operation_needs_what_is_agreed() -> None:
 
 
 @pytest.mark.parametrize("extension", [*extensions()], ids=lambda extension: extension.name)
-def test_the_operations_of_an_extension_are_in_its_folder(extension: Extension[GatewayCore]) -> None:
+def test_the_operations_of_an_extension_are_in_its_folder(extension: Extension) -> None:
     paths = [route.path for router in extension.routes(Settings()) for route in router.routes]  # type: ignore[attr-defined]
     page = OF_EXTENSIONS / extension.name / "operations.txt"
     assert (

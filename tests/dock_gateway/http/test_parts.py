@@ -60,4 +60,4 @@ def test_an_extension_asks_for_what_the_gateway_has_or_for_its_own_part(folder: 
 
 
 def test_the_hub_has_each_part_that_its_own_modules_ask_for() -> None:
-    assert asked_for(HUB) <= made(HUB) | made(BACKEND / "access")
+    assert asked_for(HUB) <= made(HUB) | made(BACKEND / "access") | made(BACKEND / "audit")

@@ -179,9 +179,9 @@ async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups:
 
 async def test_stops_are_never_refused(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
-        fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
-        fleet.parts.add(Logins, Logins(HistoryInMemory()))
-        fleet.parts.add(Quotas, Quotas(Settings()))
+        fleet.parts.replace(Settings, Settings(subscriber_timeout=1.0))
+        fleet.parts.replace(Logins, Logins(HistoryInMemory()))
+        fleet.parts.replace(Quotas, Quotas(Settings()))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
         session = CommandSession(cast("WebSocket", websocket), fleet.parts, ANYBODY)
@@ -195,9 +195,9 @@ async def test_stops_are_never_refused(tmp_path: Path) -> None:
 
 async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
-        fleet.parts.add(Settings, Settings(subscriber_timeout=1.0))
-        fleet.parts.add(Logins, Logins(HistoryInMemory()))
-        fleet.parts.add(Quotas, Quotas(Settings()))
+        fleet.parts.replace(Settings, Settings(subscriber_timeout=1.0))
+        fleet.parts.replace(Logins, Logins(HistoryInMemory()))
+        fleet.parts.replace(Quotas, Quotas(Settings()))
         websocket = FakeWebSocket()
         session = CommandSession(cast("WebSocket", websocket), fleet.parts, ANYBODY)
         await session.handle({"text": None, "bytes": b'{"op": "ping"}'})

@@ -9,13 +9,17 @@ from typing import Any
 import pytest
 
 from dock_gateway.extensions.traces.extension import open_traces
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
 
 ENDPOINT = "OTEL_EXPORTER_OTLP_ENDPOINT"
 
 
 @pytest.fixture
-def core() -> Any:
-    return SimpleNamespace(goals=SimpleNamespace(on_sent=[], on_change=[], on_end=[]), robots=None)
+def parts() -> Parts:
+    actions = SimpleNamespace(on_sent=[], on_change=[], on_end=[])
+    return Parts({ActionRegistry: actions, RobotRegistry: None})
 
 
 def test_without_an_endpoint_nothing_is_imported() -> None:
@@ -28,29 +32,29 @@ def test_without_an_endpoint_nothing_is_imported() -> None:
     assert done.stdout.strip() == "set()"
 
 
-async def test_without_an_endpoint_there_are_none(core: Any) -> None:
-    async with open_traces(core) as traces:
+async def test_without_an_endpoint_there_are_none(parts: Parts) -> None:
+    async with open_traces(parts) as traces:
         assert traces is None
-        assert not core.goals.on_sent
+        assert not parts[ActionRegistry].on_sent
 
 
-async def test_they_can_be_disabled(core: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_they_can_be_disabled(parts: Parts, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setenv("OTEL_SDK_DISABLED", "true")
-    async with open_traces(core) as traces:
+    async with open_traces(parts) as traces:
         assert traces is None
 
 
 @pytest.mark.parametrize("variable", [ENDPOINT, "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"])
-async def test_with_an_endpoint(core: Any, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
+async def test_with_an_endpoint(parts: Parts, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
     monkeypatch.setenv(variable, "http://127.0.0.1:9")
-    async with open_traces(core) as traces:
+    async with open_traces(parts) as traces:
         assert traces is not None
-        assert core.goals.on_sent
+        assert parts[ActionRegistry].on_sent
 
 
 async def test_a_package_that_is_missing(
-    core: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    parts: Parts, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     importing = builtins.__import__
 
@@ -61,14 +65,16 @@ async def test_a_package_that_is_missing(
 
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setattr(builtins, "__import__", fails)
-    async with open_traces(core) as traces:
+    async with open_traces(parts) as traces:
         assert traces is None
     assert "dock-gateway[traces] is not installed" in caplog.text
 
 
-async def test_a_wrong_variable(core: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_wrong_variable(
+    parts: Parts, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
     monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
     monkeypatch.setenv("OTEL_BSP_SCHEDULE_DELAY", "-1")
-    async with open_traces(core) as traces:
+    async with open_traces(parts) as traces:
         assert traces is None
     assert "check the variables OTEL_" in caplog.text

@@ -5,15 +5,16 @@ from contextlib import asynccontextmanager
 
 from fastapi import APIRouter
 
-from dock_gateway.extension import Core, Extension
+from dock_gateway.extension import Extension
 from dock_gateway.extensions.agents.settings import AgentSettings
+from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 
 
 @asynccontextmanager
-async def open_agents(core: Core) -> AsyncIterator[object]:
+async def open_agents(parts: Parts) -> AsyncIterator[object]:
     """Answer agents, if they are let in."""
-    if not core.settings.of(AgentSettings).mcp:
+    if not parts[Settings].of(AgentSettings).mcp:
         yield None
         return
     from dock_gateway.extensions.agents.server import AgentServer  # noqa: PLC0415 - see above

@@ -4,8 +4,9 @@ from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager
 
 from dock_gateway.core.automation import Decision
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closed_by
-from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway.extension import Extension
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import MAX_RULES, AutomaticDocking
@@ -14,34 +15,47 @@ from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schema import AutomationEvent
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.graph_watch import GraphWatch
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.parts import Parts
+from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.on_demand import OnDemand
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook
 
 GAVE_UP = AlertKind("automatic_docking_failed")
 
 
 @asynccontextmanager
-async def open_automation(core: GatewayCore) -> AsyncIterator[AutomaticDocking]:
+async def open_automation(parts: Parts) -> AsyncIterator[AutomaticDocking]:
     """Apply the rules."""
     async with AsyncExitStack() as stack:
-        activity = Activity(core.robots)
-        core.goals.on_end.append(activity.on_end)
-        core.stop.on_stop.append(activity.intervened)
-        core.interlock.on_release.append(activity.intervened)
-        bridge = core.robots.topics.bridge
-        closed_by(stack, OnDemand(bridge, activity, "motion", lambda robot: _follow(core, activity, robot)))
-        decisions = DecisionLog(core.events, core.history.documents("decision", Decision))
-        core.alerts.sources.append(lambda: gave_up(decisions, core.robots.namespaces()))
+        robots, actions, history = parts[RobotRegistry], parts[ActionRegistry], parts[History]
+        activity = Activity(robots)
+        actions.on_end.append(activity.on_end)
+        parts[Stopper].on_stop.append(activity.intervened)
+        parts[Interlock].on_release.append(activity.intervened)
+        closed_by(
+            stack, OnDemand(robots.topics.bridge, activity, "motion", lambda robot: _follow(parts, activity, robot))
+        )
+        decisions = DecisionLog(parts[Fanout], history.documents("decision", Decision))
+        parts[AlertBoard].sources.append(lambda: gave_up(decisions, robots.namespaces()))
         docking = closed_by(
             stack,
             AutomaticDocking(
-                core.fleet,
-                core.goals,
-                core.goals.robot_actions,
-                core.history,
+                parts[Fleet],
+                actions,
+                parts[RobotActions],
+                history,
                 activity=activity,
-                shared=lambda: core.graph_watch.shared,
-                rules=SharedBook(core.history.documents("rule", RuleEntry), "rule", MAX_RULES),
+                shared=lambda: parts[GraphWatch].shared,
+                rules=SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES),
                 decisions=decisions,
             ),
         )
@@ -49,10 +63,11 @@ async def open_automation(core: GatewayCore) -> AsyncIterator[AutomaticDocking]:
         yield docking
 
 
-def _follow(core: GatewayCore, activity: Activity, robot: str) -> ExitStack:
+def _follow(parts: Parts, activity: Activity, robot: str) -> ExitStack:
     """Follow whether a robot moves."""
-    topic = core.settings.resolve(core.settings.cmd_vel_topic, robot)
-    listener = core.robots.velocities.listen(topic, lambda message, _: activity.on_velocity(robot, message))
+    settings = parts[Settings]
+    topic = settings.resolve(settings.cmd_vel_topic, robot)
+    listener = parts[RobotRegistry].velocities.listen(topic, lambda message, _: activity.on_velocity(robot, message))
     activity.subscribed(robot, lambda: listener.complete)
     port = ExitStack()
     port.callback(listener.close)

@@ -3,8 +3,9 @@
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.core.tasks import closing
-from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway.extension import Extension
 from dock_gateway.extensions.recordings.recorder import Recorder
 from dock_gateway.extensions.recordings.recordings import Recordings
 from dock_gateway.extensions.recordings.routes import router
@@ -12,35 +13,41 @@ from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import RecordingStore
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.graph.relays import Relays
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
 
 RECORDINGS_FAILED = AlertKind("recordings_failed", critical=False)
 
 
 @asynccontextmanager
-async def open_recordings(core: GatewayCore) -> AsyncIterator[Recordings]:
+async def open_recordings(parts: Parts) -> AsyncIterator[Recordings]:
     """Record goals, from their first sign until they have ended or are lost."""
-    settings = core.settings.of(RecordingSettings)
-    folder = settings.recordings_path or core.settings.own_file("recordings")
+    gateway, robots = parts[Settings], parts[RobotRegistry]
+    settings = gateway.of(RecordingSettings)
+    folder = settings.recordings_path or gateway.own_file("recordings")
     store = RecordingStore(folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
-    core.alerts.sources.append(lambda: _trouble(store))
+    parts[AlertBoard].sources.append(lambda: _trouble(store))
     if settings.record == "none":
         yield Recordings(store, None)
         return
-    bridge = core.robots.topics.bridge
-    async with closing(Recorder(core.settings, bridge, core.topics, core.robots, store)) as recorder:
-        _follow(core, recorder)
+    async with closing(Recorder(gateway, robots.topics.bridge, parts[Relays], robots, store)) as recorder:
+        _follow(parts, recorder)
         yield Recordings(store, recorder)
 
 
-def _follow(core: GatewayCore, recorder: Recorder) -> None:
-    goals = core.goals
-    goals.on_sent.append(recorder.follow)
-    goals.on_change.append(recorder.follow)
-    goals.on_end.append(recorder.end)
-    goals.on_lost.append(recorder.end)
-    core.requests.on_entry.append(recorder.on_command)
-    core.robots.on_scan.append(recorder.update)
-    core.robots.before_removal.append(recorder.leave)
+def _follow(parts: Parts, recorder: Recorder) -> None:
+    actions, robots = parts[ActionRegistry], parts[RobotRegistry]
+    actions.on_sent.append(recorder.follow)
+    actions.on_change.append(recorder.follow)
+    actions.on_end.append(recorder.end)
+    actions.on_lost.append(recorder.end)
+    parts[AuditLog].on_entry.append(recorder.on_command)
+    robots.on_scan.append(recorder.update)
+    robots.before_removal.append(recorder.leave)
 
 
 def _trouble(store: RecordingStore) -> Iterator[Alert]:

@@ -1,7 +1,7 @@
 """The door of roslib and what else speaks rosbridge's protocol."""
 
-from dock_gateway.extension import Core, Extension
+from dock_gateway.extension import Extension
 from dock_gateway.extensions.rosbridge.routes import router
 from dock_gateway.extensions.rosbridge.settings import RosbridgeSettings
 
-extension: Extension[Core] = Extension("rosbridge", settings=RosbridgeSettings, routes=lambda _: (router,))
+extension = Extension("rosbridge", settings=RosbridgeSettings, routes=lambda _: (router,))

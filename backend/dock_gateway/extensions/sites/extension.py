@@ -3,23 +3,27 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway.extension import Extension
 from dock_gateway.extensions.sites.link import HubLink
 from dock_gateway.extensions.sites.metrics import hub_metrics
 from dock_gateway.extensions.sites.settings import SiteSettings
+from dock_gateway.http.further_ways import FurtherWays
+from dock_gateway.http.parts import Parts
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
 
 
 @asynccontextmanager
-async def open_sites(core: GatewayCore) -> AsyncIterator[HubLink | None]:
+async def open_sites(parts: Parts) -> AsyncIterator[HubLink | None]:
     """Serve the requests of a hub, if there is one."""
-    settings = core.settings.of(SiteSettings)
+    settings = parts[Settings].of(SiteSettings)
     if not settings.hub:
         yield None
         return
     from dock_gateway.extensions.sites.uplink import Uplink  # noqa: PLC0415 - NATS takes a tenth of a second
 
     link = HubLink(settings.site)
-    core.ways.append(Uplink(settings, core.history, link))
+    parts[FurtherWays].append(Uplink(settings, parts[History], link))
     yield link
 
 

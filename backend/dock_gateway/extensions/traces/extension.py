@@ -7,7 +7,10 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from dock_gateway.core.tasks import closing
-from dock_gateway.extension import Extension, GatewayCore
+from dock_gateway.extension import Extension
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.registry import RobotRegistry
 
 if TYPE_CHECKING:
     from dock_gateway.extensions.traces.goal_traces import GoalTraces
@@ -18,16 +21,16 @@ ENDPOINTS = ("OTEL_EXPORTER_OTLP_TRACES_ENDPOINT", "OTEL_EXPORTER_OTLP_ENDPOINT"
 
 
 @asynccontextmanager
-async def open_traces(core: GatewayCore) -> AsyncIterator["GoalTraces | None"]:
+async def open_traces(parts: Parts) -> AsyncIterator["GoalTraces | None"]:
     """Export traces if an endpoint is configured. A mistake in the configuration is logged."""
-    if (traces := _make_traces(core)) is None:
+    if (traces := _make_traces(parts)) is None:
         yield None
         return
     async with closing(traces):
         yield traces
 
 
-def _make_traces(core: GatewayCore) -> "GoalTraces | None":
+def _make_traces(parts: Parts) -> "GoalTraces | None":
     disabled = os.environ.get("OTEL_SDK_DISABLED", "").lower() == "true"
     endpoint = next((os.environ[name] for name in ENDPOINTS if os.environ.get(name)), None)
     if endpoint is None or disabled:
@@ -36,7 +39,7 @@ def _make_traces(core: GatewayCore) -> "GoalTraces | None":
         # OpenTelemetry takes 0.2 s and 9 MB.
         from dock_gateway.extensions.traces.goal_traces import GoalTraces, exporting_provider  # noqa: PLC0415
 
-        traces = GoalTraces(exporting_provider(), core.goals, core.robots)
+        traces = GoalTraces(exporting_provider(), parts[ActionRegistry], parts[RobotRegistry])
     except ImportError as error:
         log.error("traces are not exported, as dock-gateway[traces] is not installed: %s", error)
         return None

@@ -3,17 +3,23 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from dock_gateway.core.alerts import Alerts
+from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closing
-from dock_gateway.extension import Core, Extension
+from dock_gateway.extension import Extension
 from dock_gateway.extensions.webhooks.metrics import webhook_metrics
 from dock_gateway.extensions.webhooks.notifier import Notifier, make_notifier
 from dock_gateway.extensions.webhooks.routes import router
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.robots import RobotLabels
+from dock_gateway.storage import History
 
 
 @asynccontextmanager
-async def open_webhooks(core: Core) -> AsyncIterator[Notifier]:
+async def open_webhooks(parts: Parts) -> AsyncIterator[Notifier]:
     """Send alerts to webhooks."""
-    async with closing(make_notifier(core.history, core.alerts, core.labels, core.share)) as notifier:
+    notifier = make_notifier(parts[History], parts[Alerts], parts[RobotLabels], parts[Share])
+    async with closing(notifier):
         yield notifier
 
 

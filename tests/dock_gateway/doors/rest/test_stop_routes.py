@@ -128,8 +128,8 @@ async def command_stop(fleet: FakeFleet, request: object, principal: Principal =
     """Stop as every door but REST does."""
     scope = {"type": "websocket", "state": {"parts": fleet.parts}, "client": None, "headers": []}
     logins: Any = SimpleNamespace(require_valid=lambda _: None, watch=lambda *_: None)
-    fleet.parts.add(Logins, logins)
-    fleet.parts.add(Quotas, Quotas(Settings()))
+    fleet.parts.replace(Logins, logins)
+    fleet.parts.replace(Quotas, Quotas(Settings()))
     return await carry_out(fleet.parts, principal, COMMANDS["stop"], request, scope)
 
 
@@ -214,9 +214,9 @@ async def _nothing(_: str | None) -> None:
 async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: bytes) -> None:
     ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
     async with fleet_in(tmp_path) as fleet:
-        fleet.parts.add(Settings, Settings(authentication=True, database_url="sqlite:////nowhere"))
+        fleet.parts.replace(Settings, Settings(authentication=True, database_url="sqlite:////nowhere"))
         logins: Any = SimpleNamespace(prepare=_nothing, identify=lambda _: ada)
-        fleet.parts.add(Logins, logins)
+        fleet.parts.replace(Logins, logins)
         _, document = await ask(fleet, Asked(headers=(JSON,), body=(body,)))
         assert (document["stop"]["latched"], document["stop"]["by"]) == (True, "ada")
         entry = fleet.audit.entries[-1]  # a busy machine reads the body late
