@@ -17,7 +17,7 @@ PAGES: dict[str, dict[str, type[NodeSettings]]] = {
         "disconnect_from_charging_dock_action_server": UndockSettings,
         "fibonacci_action_server": FibonacciSettings,
     },
-    "extensions/simulator.md": {"dock_simulator": SimulatorSettings},
+    "simulator.md": {"dock_simulator": SimulatorSettings},
 }
 HEAD = "| parameter | type | unit | range | default | |\n|---|---|---|---|---|---|\n"
 NAV2_PAGE = "nav2.md"

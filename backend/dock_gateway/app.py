@@ -32,7 +32,7 @@ from dock_gateway.http.openapi import Union
 from dock_gateway.http.parts import Parts
 from dock_gateway.observability import metrics_routes
 from dock_gateway.observability import routes as health_routes
-from dock_gateway.robots import calibration_routes, simulator_routes
+from dock_gateway.robots import calibration_routes
 from dock_gateway.ros.messages.battery_schema import battery_schemas
 from dock_gateway.settings import Settings
 from dock_gateway.stop.schema import StopProblem
@@ -92,7 +92,6 @@ def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
         fleet_routes.router,
         gateway_routes.router,
         calibration_routes.router,
-        simulator_routes.router,
         session_routes.router,
         provider_routes.router,
         user_routes.router,

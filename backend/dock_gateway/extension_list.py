@@ -26,6 +26,7 @@ OURS = (
     "agents",
     "traces",
     "sites",
+    "simulator",
 )
 PACKAGE = "dock_gateway.extensions"
 # The group of the entry points of other distributions.

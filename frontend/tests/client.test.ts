@@ -3,7 +3,7 @@ import { describe, expect, it, vi } from "vitest";
 import { createGateway } from "../src/api/client";
 import { adviceFor } from "../src/api/errors";
 import { createHttp } from "../src/api/http";
-import { goal, released, simulator, stopReport } from "./events";
+import { goal, released, stopReport } from "./events";
 
 function answer(status: number, body: unknown, type = "application/json") {
   const fetch = vi.fn(async (_request: Request) =>
@@ -73,23 +73,6 @@ describe("commands", () => {
     const keys = fetch.mock.calls.map(([request]) => request.headers.get("Idempotency-Key"));
     expect(new Set(keys).size).toBe(3);
     expect(keys.every((key) => key !== null && key.length > 10)).toBe(true);
-  });
-
-  it("tell no simulator from one that does not answer", async () => {
-    answer(404, { title: "t", status: 404, code: "simulator_not_found", detail: "none" });
-    expect(await gateway.simulator()).toBeNull();
-    answer(503, { title: "t", status: 503, code: "ros_unavailable", detail: "down" });
-    expect((await failure(gateway.simulator())).code).toBe("ros_unavailable");
-  });
-
-  it("move the simulated robot and break what is asked", async () => {
-    const fetch = answer(200, simulator);
-    await gateway.placeRobot({ x: -1, y: 0.5, theta: 0.1 });
-    await gateway.switchFault("stuck_wheel", true);
-    const [place, fault] = fetch.mock.calls.map(([request]) => request);
-    expect(await place?.json()).toEqual({ x: -1, y: 0.5, theta: 0.1 });
-    expect(fault).toMatchObject({ method: "PUT", url: "http://gateway:8000/simulator/faults/stuck_wheel" });
-    expect(await fault?.json()).toEqual({ active: true });
   });
 
   it("publish, repeatedly and no more", async () => {

@@ -49,10 +49,6 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
     publishOnce: vi.fn<Gateway["publishOnce"]>(async () => {}),
     publishRepeatedly: vi.fn<Gateway["publishRepeatedly"]>(async () => idlePublisher),
     stopPublishing: vi.fn<Gateway["stopPublishing"]>(async () => {}),
-    simulator: vi.fn<Gateway["simulator"]>(async () => null),
-    resetSimulator: vi.fn<Gateway["resetSimulator"]>(async () => {}),
-    placeRobot: vi.fn<Gateway["placeRobot"]>(async () => {}),
-    switchFault: vi.fn<Gateway["switchFault"]>(async () => {}),
     calibrationService: vi.fn<Gateway["calibrationService"]>(async () => ({
       available: false,
       service: "/calibrate_dock",

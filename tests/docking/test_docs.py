@@ -12,7 +12,7 @@ from docking.simulation.faults import Fault
 
 GUIDE = (DOCS / "docking.md").read_text()
 REFERENCE = (DOCS / "docking-reference.md").read_text()
-SIMULATOR = (DOCS / "extensions/simulator.md").read_text()
+SIMULATOR = (DOCS / "simulator.md").read_text()
 
 
 def rows(heading: str, page: str = REFERENCE) -> list[list[str]]:

@@ -34,7 +34,7 @@ async def open_robots(parts: Parts, stack: AsyncExitStack) -> None:
     labels = parts.add(Labels, closed_by(stack, Labels(history.documents("label", RobotLabel), robots.namespaces)))
     parts.add(RobotLabels, labels)
     await labels.open()
-    parts.add(Simulators, closed_by(stack, Simulators(settings, bridge, fanout, robots)))
+    parts.add(Simulators, closed_by(stack, Simulators(fanout, robots)))
     parts.add(Calibrations, Calibrations(settings, bridge))
     _subscribe_on_demand(settings, bridge, fanout, robots, stack)
 

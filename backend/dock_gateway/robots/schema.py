@@ -1,9 +1,9 @@
 """The JSON shapes of a robot: battery, docks, scene, simulator and calibration."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
 from dock_gateway.http.schema import Schema
 
@@ -76,23 +76,6 @@ class Simulator(Schema):
     docked: bool | None
     battery_publisher: str | None
     real_time_factor: float | None
-
-
-Distance = Annotated[float, Field(ge=-100, le=100)]
-
-
-class PlaceBody(Schema):
-    """In m and rad, in the frame `world`: the dock is at its origin, and a theta of 0 looks into it."""
-
-    x: Distance
-    y: Distance
-    theta: Distance
-
-
-class FaultBody(Schema):
-    """Whether a fault is on."""
-
-    active: bool
 
 
 class CalibrationService(Schema):

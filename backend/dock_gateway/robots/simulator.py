@@ -1,22 +1,17 @@
-"""The simulators on the graph: their reports, and the operations on them."""
+"""The simulators on the graph, as they report themselves."""
 
 import asyncio
 import logging
 import math
 import time
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
-from dock_gateway.core.errors import NotFound, ServerTimeout
 from dock_gateway.core.event import system_event, utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
 from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.simulator_port import SimulatorPort
-from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
@@ -52,8 +47,6 @@ FAULTS: tuple[Fault, ...] = get_args(Fault)
 
 # Seconds without a report after which a simulator is gone; it reports once a second.
 GONE_AFTER = 3.5
-# Maximum seconds to wait for a report that shows what a command has done.
-REPORT_WAIT = 2.0
 
 Values = Mapping[str, str]
 
@@ -62,7 +55,6 @@ Values = Mapping[str, str]
 class Simulator:
     """One simulator, as last reported."""
 
-    port: SimulatorPort
     values: Values
     heard_at: float
     changed: asyncio.Event = field(default_factory=asyncio.Event)
@@ -84,31 +76,17 @@ class Simulators:
     """The simulators by robot.
 
     Args:
-        settings: Names.
-        bridge: Runs calls on the ROS thread.
         fanout: Receives events.
         robots: The robots. Reports of other namespaces are not taken.
         gone_after: See `GONE_AFTER`.
     """
 
-    def __init__(
-        self,
-        settings: Settings,
-        bridge: Bridge,
-        fanout: Fanout,
-        robots: RobotRegistry,
-        *,
-        gone_after: float = GONE_AFTER,
-    ) -> None:
+    def __init__(self, fanout: Fanout, robots: RobotRegistry, *, gone_after: float = GONE_AFTER) -> None:
         self._gone_after = gone_after
-        self._settings = settings
-        self._bridge = bridge
         self._fanout = fanout
         self._robots = robots
         self._simulators: dict[str, Simulator] = {}
         self._task = asyncio.create_task(self._watch())
-
-    # ------------------------------------------------------------------ reports
 
     def on_report(self, namespace: str, values: Values) -> None:
         """Handle a simulator's report."""
@@ -116,9 +94,7 @@ class Simulators:
             return
         known = self._simulators.get(namespace)
         if known is None:
-            resolve = self._settings.resolve
-            port = SimulatorPort(self._bridge, lambda name: resolve(name, namespace))
-            self._simulators[namespace] = Simulator(port, values, time.monotonic())
+            self._simulators[namespace] = Simulator(values, time.monotonic())
             log.info("simulator of %s", namespace)
             self._publish(namespace)
             return
@@ -133,7 +109,7 @@ class Simulators:
             await asyncio.sleep(1.0)
             for namespace, simulator in list(self._simulators.items()):
                 if namespace not in self._robots:
-                    self._simulators.pop(namespace).port.close()
+                    del self._simulators[namespace]
                 elif simulator.available and time.monotonic() - simulator.heard_at > self._gone_after:
                     log.info("the simulator of %s left the ROS graph", namespace)
                     simulator.available = False
@@ -141,8 +117,6 @@ class Simulators:
 
     def _publish(self, namespace: str) -> None:
         self._fanout.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
-
-    # ------------------------------------------------------------------ operations
 
     def find(self, namespace: str) -> Simulator | None:
         """Return the simulator of a robot, or None if there is none or it is gone."""
@@ -156,82 +130,6 @@ class Simulators:
         """Return the last report of a robot's simulator, even if it is gone; None if there never was one."""
         simulator = self._simulators.get(namespace)
         return None if simulator is None else simulator.document()
-
-    def get(self, namespace: str) -> Simulator:
-        """Return the simulator of a robot.
-
-        Raises:
-            NotFound: `simulator_not_found`.
-        """
-        simulator = self.find(namespace)
-        if simulator is None:
-            raise NotFound(f"there is no simulator of {namespace}", code="simulator_not_found")
-        return simulator
-
-    async def reset(self, namespace: str) -> dict[str, Any]:
-        """Reset the robot's pose and battery to the start, and end every fault; return the simulator.
-
-        Raises:
-            NotFound: `simulator_not_found`.
-            ServerTimeout: `simulator_timeout`.
-        """
-        simulator = self.get(namespace)
-        return await self._do(simulator, simulator.port.reset, lambda faults: not any(faults.values()))
-
-    async def place(self, namespace: str, pose: Pose) -> dict[str, Any]:
-        """Place the robot at a pose in the frame `world`; return the simulator.
-
-        Raises:
-            NotFound: `simulator_not_found`.
-            ServerTimeout: `simulator_timeout`.
-        """
-        simulator = self.get(namespace)
-        return await self._do(simulator, lambda: simulator.port.place(pose))
-
-    async def switch(self, namespace: str, fault: str, *, active: bool) -> dict[str, Any]:
-        """Switch a fault on or off; return the simulator.
-
-        Raises:
-            NotFound: `simulator_not_found`.
-            ServerTimeout: `simulator_timeout`.
-        """
-        simulator = self.get(namespace)
-        return await self._do(
-            simulator,
-            lambda: simulator.port.switch(fault, active=active),
-            lambda faults: faults.get(fault) is active,
-        )
-
-    async def _do(
-        self,
-        simulator: Simulator,
-        command: Callable[[], Awaitable[None]],
-        expected: Callable[[dict[str, bool]], bool] = lambda _: True,
-    ) -> dict[str, Any]:
-        """Carry out a command; return the first report that shows what it has done, which comes by a topic.
-
-        Args:
-            simulator: The simulator.
-            command: The command.
-            expected: Whether these faults are those after it.
-
-        Raises:
-            ServerTimeout: `simulator_timeout`: it does not answer, or does not report what was done.
-        """
-        before = simulator.values.get("commands")
-        try:
-            await command()
-        except TimeoutError:
-            raise ServerTimeout("the simulator does not answer", code="simulator_timeout") from None
-        try:
-            async with asyncio.timeout(REPORT_WAIT):
-                while simulator.values.get("commands") == before or not expected(simulator.document()["faults"]):
-                    simulator.changed.clear()
-                    await simulator.changed.wait()
-        except TimeoutError:
-            detail = "the simulator has not reported yet that it has carried out the command"
-            raise ServerTimeout(detail, code="simulator_timeout") from None
-        return simulator.document()
 
     async def close(self) -> None:
         """Stop watching."""

@@ -1,4 +1,4 @@
-import type { components, paths } from "./schema.gen.ts";
+import type { components } from "./schema.gen.ts";
 
 type Schemas = components["schemas"];
 
@@ -36,7 +36,6 @@ export type Simulator = Schemas["Simulator"];
 export type Calibration = Schemas["Calibration"];
 export type DockList = Schemas["DockList"];
 export type CalibrationService = Schemas["CalibrationService"];
-export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
 export type BatteryHistory = Schemas["BatteryHistory"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;

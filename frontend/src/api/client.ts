@@ -3,17 +3,13 @@ import {
   type BatteryStateInput,
   type Calibration,
   type CalibrationService,
-  ClientError,
   type components,
   type DockList,
   deadline,
-  type Fault,
   type Goal,
   type Http,
   newKey,
-  type Pose,
   type Publisher,
-  type Simulator,
   type StopReport,
   type StopState,
   settle,
@@ -70,27 +66,6 @@ export function createGateway(http: Http, robot: string | null = null) {
       settle(http.PUT("/battery/publisher", { body: { state, rate_hz: rateHz }, ...options() })),
     stopPublishing: async () => {
       await settle(http.DELETE("/battery/publisher", options()));
-    },
-    /** Null where there is no simulator. */
-    simulator: (): Promise<Simulator | null> =>
-      settle<Simulator>(http.GET("/simulator", options())).catch((error: unknown) => {
-        if (error instanceof ClientError && error.code === "simulator_not_found") return null;
-        throw error;
-      }),
-    resetSimulator: async () => {
-      await settle(http.POST("/simulator/reset", options()));
-    },
-    placeRobot: async (pose: Pose) => {
-      await settle(http.POST("/simulator/place", { body: pose, ...options() }));
-    },
-    switchFault: async (fault: Fault, active: boolean) => {
-      await settle(
-        http.PUT("/simulator/faults/{fault}", {
-          params: { path: { fault }, query },
-          body: { active },
-          signal: deadline(),
-        }),
-      );
     },
     calibrationService: (): Promise<CalibrationService> => settle(http.GET("/calibration", options())),
     /** Measures where the docked robot stands, which takes seconds. */

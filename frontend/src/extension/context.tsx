@@ -2,7 +2,7 @@ import type { AnyGoal } from "@dock-gateway/client";
 import { type ComponentType, createContext, type ReactNode, Suspense, useContext } from "react";
 import { useLocation } from "react-router";
 import { Guarded } from "../ui/Guarded";
-import { type Extension, type Places, partsAt, type ReplayLayer } from "./extension";
+import { type Extension, type Places, type Placing, partsAt, type ReplayLayer } from "./extension";
 
 const ExtensionsContext = createContext<readonly Extension[]>([]);
 
@@ -58,5 +58,14 @@ export function useReplayLayer(goal: AnyGoal): ReplayLayer | null {
     useExtensions()
       .map(({ replay }) => replay?.(goal) ?? null)
       .find((layer) => layer !== null) ?? null
+  );
+}
+
+/** How the page's robot is placed by dragging it; null where it is not. */
+export function usePlacing(): Placing | null {
+  return (
+    useExtensions()
+      .map(({ placing }) => placing?.() ?? null)
+      .find((each) => each !== null) ?? null
   );
 }

@@ -1,4 +1,4 @@
-import type { AnyGoal } from "@dock-gateway/client";
+import type { AnyGoal, Pose } from "@dock-gateway/client";
 import type { ComponentType, ReactNode } from "react";
 import type { Layers, SceneLayer } from "../store/layers";
 
@@ -20,6 +20,15 @@ export interface Extension {
   layers?: Layers;
   /** A hook: what to add to the replay of a goal that has ended; null for nothing. */
   replay?: (goal: AnyGoal) => ReplayLayer | null;
+  /** A hook: how the page's robot is placed by dragging it in its picture; null where it is not. */
+  placing?: () => Placing | null;
+}
+
+/** Places a robot elsewhere, which does without driving. */
+export interface Placing {
+  place: (pose: Pose) => Promise<void>;
+  /** Why the login may not; null where it may. */
+  forbidden: string | null;
 }
 
 /** What the replay of a goal shows besides the robot's stored poses. */

@@ -2,9 +2,9 @@ import type { Pose, Scene, Twist } from "@dock-gateway/client";
 import { isTerminal } from "@dock-gateway/client";
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
 import { useEffect, useId, useMemo, useState } from "react";
-import { useForbidden } from "../api/session";
 import { useAtTime } from "../clock/clock";
 import { useDockList } from "../docking/docks";
+import { usePlacing } from "../extension/context";
 import { FreshnessBadge } from "../fleet/badges";
 import { currentGoal } from "../goal/words";
 import {
@@ -33,23 +33,22 @@ import { describePose, describeScene } from "./words";
 
 /** The robot and its dock from above, in a picture and in words. */
 export function SceneCard() {
-  const { gateway, scene } = useServices();
+  const { scene } = useServices();
   const around = useSurroundings();
   const [pick, setPick] = useState<Pick | null>(null);
   const freshness = useFreshness("scene");
-  const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
+  const placing = usePlacing();
   const known = useScene((scene) => scene !== null);
   const [ghost, setGhost] = useState<Pose | null>(null);
   const wordsId = useId();
-  const place = useCommand((pose: Pose) => gateway.placeRobot(pose));
-  const forbidden = useForbidden("POST /simulator/place");
-  const movable = freshness === "live" && simulated;
-  const placeable = movable && forbidden === null;
+  const place = useCommand(async (pose: Pose) => placing?.place(pose));
+  const movable = freshness === "live" && placing !== null;
+  const placeable = movable && placing.forbidden === null;
 
   return (
     <Section title="Map" aside={<FreshnessBadge freshness={freshness} />}>
       {!known ? (
-        <NoScene live={freshness !== "offline"} simulated={simulated} />
+        <NoScene live={freshness !== "offline"} simulated={placing !== null} />
       ) : (
         <Stack gap="xs">
           <SceneCanvas
@@ -74,7 +73,10 @@ export function SceneCard() {
           </Text>
           <Legend />
           <Text size="sm" c="dimmed" role="status" className={`tabular ${classes.text}`}>
-            {movable && (forbidden === null ? hint(ghost) : `To drag the robot: ${lowerFirst(forbidden)}`)}
+            {movable &&
+              (placing.forbidden === null
+                ? hint(ghost)
+                : `To drag the robot: ${lowerFirst(placing.forbidden)}`)}
           </Text>
           <CommandErrorAlert command="Placing the robot" error={place.error} onClose={place.reset} />
         </Stack>

@@ -155,9 +155,8 @@ def test_goals_and_subjects(site: Site) -> None:
         assert (entry.goal_id, entry.action_name, entry.robot) == (GOAL, "/robot7/dock", "/robot7")
         http.post("/goals/nonsense/cancel")
         assert site.one().goal_id == "nonsense"
-        http.put("/simulator/faults/stuck_wheel", json={"active": True})
-        assert (entry := site.one()).subject == "stuck_wheel"
-        assert entry.robot == "/"
+        http.put("/battery/publisher", json={})
+        assert site.one().robot == "/"
         http.put("/users/night", json={})
         assert site.one().subject == "night"
 

@@ -12,7 +12,6 @@ from dock_gateway.fleet.schema import AcknowledgementBody, Label
 from dock_gateway.goals.schema import NoteBody, TagsBody
 from dock_gateway.http.bodies import Name60, read_fields, read_model
 from dock_gateway.http.schema import RobotSelection, Schema
-from dock_gateway.robots.schema import FaultBody, PlaceBody
 from dock_gateway.streams.command_schema import SendGoalCommand, SubscribeCommand
 from tests.support.bodies import expect_refused
 
@@ -20,8 +19,6 @@ from tests.support.bodies import expect_refused
 EXAMPLES: dict[type[BaseModel], dict[str, Any]] = {
     PasswordBody: {"old": "correct horse", "new": "another horse"},
     AcknowledgementBody: {"by": "Ada"},
-    PlaceBody: {"x": 1.0, "y": 0.0, "theta": 0.5},
-    FaultBody: {"active": True},
 }
 BODIES = [*EXAMPLES, Label, NoteBody, TagsBody, TokenBody, UserBody]
 

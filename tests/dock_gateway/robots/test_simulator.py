@@ -5,26 +5,11 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.robots import simulator as module
 from dock_gateway.robots.simulator import Simulators
-from dock_gateway.settings import Settings
 from tests.support.waiting import until
 
 REPORT = {"docked": "false", "real_time_factor": "1.0"}
-
-
-class Port:
-    """The port of one simulator, which notes that it was closed."""
-
-    closed: list[str]
-
-    def __init__(self, _: object, resolve: Any) -> None:
-        self.name = resolve("simulator")
-
-    def close(self) -> None:
-        self.closed.append(self.name)
 
 
 @pytest.fixture
@@ -33,13 +18,8 @@ def robots() -> set[str]:
 
 
 @pytest.fixture
-async def simulators(
-    robots: Any, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
-) -> AsyncIterator[Simulators]:
-    Port.closed = []
-    monkeypatch.setattr(module, "SimulatorPort", Port)
-    bridge: Any = None
-    simulators = Simulators(Settings(), bridge, Fanout(queue_limit=10), robots, **getattr(request, "param", {}))
+async def simulators(robots: Any, request: pytest.FixtureRequest) -> AsyncIterator[Simulators]:
+    simulators = Simulators(Fanout(queue_limit=10), robots, **getattr(request, "param", {}))
     yield simulators
     await simulators.close()
 
@@ -54,15 +34,11 @@ async def test_reports_that_name_no_robot_are_not_kept(simulators: Simulators) -
     assert (known["available"], known["docked"], known["real_time_factor"]) == (True, False, 1.0)
 
 
-async def test_the_simulator_of_a_robot_that_is_gone_leaves_its_topics(
-    simulators: Simulators, robots: set[str]
-) -> None:
+async def test_the_simulator_of_a_robot_that_is_gone_is_forgotten(simulators: Simulators, robots: set[str]) -> None:
     simulators.on_report("/robot1", REPORT)
     robots.remove("/robot1")
     await until(lambda: simulators.document("/robot1") is None)
-    assert Port.closed == ["/robot1/simulator"]
-    with pytest.raises(NotFound):
-        simulators.get("/robot1")
+    assert "/robot1" not in simulators
 
 
 @pytest.mark.parametrize("simulators", [{"gone_after": 0.0}], indirect=True)

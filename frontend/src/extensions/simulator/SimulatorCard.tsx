@@ -1,4 +1,4 @@
-import type { Fault, Simulator } from "@dock-gateway/client";
+import type { Simulator } from "@dock-gateway/client";
 import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
 import { useState } from "react";
 import { useForbidden } from "../../api/session";
@@ -9,6 +9,7 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useCommand } from "../../ui/requests";
 import { Section } from "../../ui/Section";
+import { type Fault, useSimulatorApi } from "./requests";
 
 const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";
 const NOT_ANSWERED = "The simulator has not answered yet.";
@@ -20,11 +21,12 @@ export default function SimulatorCard() {
 }
 
 function Controls({ simulator }: { simulator: Simulator }) {
-  const { gateway, scene } = useServices();
+  const { scene } = useServices();
+  const api = useSimulatorApi();
   const live = useLive();
   const forbidden = useForbidden("POST /simulator/reset");
   const reset = useCommand(async () => {
-    await gateway.resetSimulator();
+    await api.reset();
     scene.trail.clear();
   });
   return (
@@ -66,11 +68,11 @@ type Place = Record<(typeof FIELDS)[number]["name"], NumberInputValue>;
 
 /** Places the robot by numbers, as dragging it in the picture does. */
 function PlaceForm() {
-  const { gateway } = useServices();
+  const api = useSimulatorApi();
   const live = useLive();
   const forbidden = useForbidden("POST /simulator/place");
   const [place, setPlace] = useState<Place>({ x: -1.5, y: 0.4, heading: -20 });
-  const put = useCommand(gateway.placeRobot);
+  const put = useCommand(api.place);
   const [x, y, heading] = FIELDS.map(({ name, min, max }) => {
     const value = toNumber(place[name]);
     return value === null || value < min || value > max ? null : value;
@@ -118,11 +120,11 @@ function PlaceForm() {
 }
 
 function Faults({ simulator }: { simulator: Simulator }) {
-  const { gateway } = useServices();
+  const api = useSimulatorApi();
   const live = useLive();
   const reason = useForbidden("PUT /simulator/faults/{fault}") ?? (live ? null : NOT_CONNECTED);
   const change = useCommand(({ fault, active }: { fault: Fault; active: boolean }) =>
-    gateway.switchFault(fault, active),
+    api.switchFault(fault, active),
   );
   const pending = change.isPending ? change.variables : null;
   return (

@@ -10,7 +10,7 @@ import { useFleet, useFleetPart } from "../../fleet/context";
 import { DEVELOPER, defaultRobot, OPERATE } from "../../fleet/names";
 import { GoalsCard } from "../../goals/GoalsTable";
 import { SceneCard } from "../../scene/SceneCard";
-import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
+import { useServices, useTopicPart } from "../../store/context";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
 import classes from "./robot.module.css";
@@ -70,21 +70,10 @@ function PanelsSkeleton() {
   );
 }
 
-/**
- * Asks, whenever the page reconnects or the scene stops or goes on, for what the snapshot does not hold; events
- * tell of what changes later. Shows nothing. The simulator is asked for where there is a true pose, which has no other source;
- * the stored poses of a goal that ran already when the page was opened, once.
- */
+/** Asks once for the stored poses of a goal that ran already when the page was opened. Shows nothing. */
 function Answers() {
   const { http } = useFleet();
-  const { gateway, scene, store } = useServices();
-  const freshness = useFreshness("scene");
-  const simulated = useScene((scene) => scene?.frame === "world");
-
-  useEffect(() => {
-    if (simulated && freshness !== "offline") return ask(gateway.simulator(), store.setSimulator);
-  }, [gateway, store, freshness, simulated]);
-
+  const { scene, store } = useServices();
   const [goalId] = useState(() => store.get("courses").find(({ status }) => !isTerminal(status))?.goal_id);
   useEffect(() => {
     if (goalId !== undefined) return ask(createGoalsApi(http).poses(goalId), (poses) => scene.recall(poses));

@@ -7,29 +7,34 @@ import { fakeGateway, isDisabled, renderPage } from "../../page";
 
 const words = () => screen.getByTestId("scene-words").textContent;
 
+const api = vi.hoisted(() => ({ get: vi.fn(), reset: vi.fn(), place: vi.fn(), switchFault: vi.fn() }));
+vi.mock("../../../src/extensions/simulator/requests", () => ({ useSimulatorApi: () => api }));
+
 function simulatorEvent(change: Partial<typeof simulator> = {}): EventOf<"simulator"> {
   return { type: "simulator", time: at(1), robot: "/", simulator: { ...simulator, ...change } };
 }
 
 // Time stands still: on a busy machine a scene would be history before it is looked at.
-beforeEach(() => void vi.spyOn(performance, "now").mockReturnValue(1000));
+beforeEach(() => {
+  vi.spyOn(performance, "now").mockReturnValue(1000);
+  for (const each of [api.reset, api.place, api.switchFault]) each.mockReset().mockResolvedValue(undefined);
+  api.get.mockReset().mockResolvedValue(simulator);
+});
 afterEach(() => vi.restoreAllMocks());
 
-function simulatedPage(change: Parameters<typeof fakeGateway>[0] = {}, path = "/") {
-  const gateway = fakeGateway({ simulator: vi.fn(async () => simulator), ...change });
-  const page = renderPage(gateway, {}, path);
+function simulatedPage(path = "/") {
+  const page = renderPage(fakeGateway(), {}, path);
   act(() => page.store.onEvent(sceneEvent()));
-  return { gateway, ...page };
+  return page;
 }
 
 describe("the view from above", () => {
   it("teaches what is missing where nobody says where the robot is, and asks for no simulator", async () => {
-    const gateway = fakeGateway();
-    renderPage(gateway);
+    renderPage(fakeGateway());
     expect(words()).toMatch(/Nothing to draw yet.*nav_msgs\/Odometry.*dock-gateway up/);
     expect(screen.queryByRole("region", { name: "Simulator" })).toBeNull();
     expect(await screen.findByTestId("connection")).toBeDefined();
-    expect(gateway.simulator).not.toHaveBeenCalled();
+    expect(api.get).not.toHaveBeenCalled();
   });
 
   it("is said in words, and who reads the picture is told where they are", async () => {
@@ -61,11 +66,10 @@ describe("the view from above", () => {
   });
 
   it("is of a real robot: no simulator is asked for, and nothing can be placed", async () => {
-    const gateway = fakeGateway();
-    const { store } = renderPage(gateway);
+    const { store } = renderPage(fakeGateway());
     act(() => store.onEvent(sceneEvent({ frame: "odom", dock: null })));
     await waitFor(() => expect(words()).toMatch(/in odometry’s frame, which drifts/));
-    expect(gateway.simulator).not.toHaveBeenCalled();
+    expect(api.get).not.toHaveBeenCalled();
     expect(screen.queryByText(/Drag the robot/)).toBeNull();
   });
 
@@ -78,8 +82,7 @@ describe("the view from above", () => {
 });
 
 describe("the simulator", () => {
-  const developerPage = (change?: Parameters<typeof fakeGateway>[0]) =>
-    simulatedPage(change, "/?tab=developer");
+  const developerPage = () => simulatedPage("/?tab=developer");
 
   it("is asked for when there is a true pose, and shows its state", async () => {
     developerPage();
@@ -101,17 +104,17 @@ describe("the simulator", () => {
   });
 
   it("breaks what is switched", async () => {
-    const { gateway, user } = developerPage();
+    const { user } = developerPage();
     await user.click(await screen.findByRole("switch", { name: "Dead charger" }));
-    expect(gateway.switchFault).toHaveBeenCalledWith("dead_charger", true);
+    expect(api.switchFault).toHaveBeenCalledWith("dead_charger", true);
     await user.click(screen.getByRole("switch", { name: "Stuck wheel" }));
-    expect(gateway.switchFault).toHaveBeenLastCalledWith("stuck_wheel", false);
+    expect(api.switchFault).toHaveBeenLastCalledWith("stuck_wheel", false);
   });
 
   it("is reset, and says why where that did not work", async () => {
     const error = new ClientError("simulator_timeout", "The simulator does not answer", "no answer");
-    const resetSimulator = vi.fn().mockRejectedValueOnce(error).mockResolvedValueOnce(undefined);
-    const { user } = developerPage({ resetSimulator });
+    api.reset.mockRejectedValueOnce(error);
+    const { user } = developerPage();
     const reset = await screen.findByRole("button", { name: "Reset" });
     await user.click(reset);
     expect(await screen.findByText(/Reset did not work/)).toBeDefined();
@@ -120,23 +123,23 @@ describe("the simulator", () => {
   });
 
   it("places the robot by numbers, and not by half a number", async () => {
-    const { gateway, user } = developerPage();
+    const { user } = developerPage();
     const heading = await screen.findByLabelText("Heading (°)");
     await user.clear(heading);
     expect(isDisabled("Place")).toBe(true);
     await user.type(heading, "90");
     await user.click(screen.getByRole("button", { name: "Place" }));
-    expect(gateway.placeRobot).toHaveBeenCalledWith({ x: -1.5, y: 0.4, theta: Math.PI / 2 });
+    expect(api.place).toHaveBeenCalledWith({ x: -1.5, y: 0.4, theta: Math.PI / 2 });
   });
 
   it("places the robot by keyboard in the picture, and says where", async () => {
-    const { gateway, user } = simulatedPage();
+    const { user } = simulatedPage();
     await screen.findByText(/Drag the robot/);
     screen.getByRole("application", { name: /Picture of the robot/ }).focus();
     await user.keyboard("{ArrowRight}");
     expect(await screen.findByText(/To be placed at x −1.45 m, y 0.40 m/)).toBeDefined();
     await user.keyboard("{Enter}");
-    expect(gateway.placeRobot).toHaveBeenCalledWith({ x: -1.45, y: 0.4, theta: -0.3 });
+    expect(api.place).toHaveBeenCalledWith({ x: -1.45, y: 0.4, theta: -0.3 });
     await waitFor(() => expect(screen.queryByText(/To be placed/)).toBeNull());
   });
 

@@ -1,0 +1,1 @@
+"""Manual control of simulated robots: reset, place, and faults."""
