@@ -33,7 +33,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) backend/action_tutorials_interfaces/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check without mutation chaos bench bench-docking bench-physics bench-sites bench-dashboard screenshots compare-screenshots traces docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
+.PHONY: help run setup test check without mutation chaos bench bench-docking bench-physics bench-sites bench-dashboard screenshots compare-screenshots docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -75,9 +75,6 @@ bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minu
 
 screenshots: setup ## renew the pictures in docs/images
 	@$(BIN)/python -m scripts.screenshots
-
-traces: setup $(STAMPS)/test-interfaces ## follow real requests through the code, and renew the lists in docs/architecture.md
-	@$(BIN)/python -m scripts.traces
 
 docs: frontend/dist/index.html $(SITE)/environment ## build the documentation site: site/index.html; a broken link fails
 	@$(SITE)/environment/bin/python -m scripts.docs_site $(SITE)/pages

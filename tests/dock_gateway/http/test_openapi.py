@@ -1,6 +1,6 @@
-"""The OpenAPI document describes what is really sent, and the copy that the dashboard's types come from is fresh.
+"""The OpenAPI document describes what is really sent, and the copy of it is fresh.
 
-What it says of each operation is in contract.txt.
+The dashboard's types are made of the copy, and a change of it shows in review what clients may notice.
 """
 
 from pathlib import Path
@@ -104,5 +104,5 @@ def test_each_command_has_its_role_and_requires_its_op(document: dict[str, Any])
         assert schemas[name]["additionalProperties"] is False
 
 
-def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:
+def test_the_copy_is_fresh(document: dict[str, Any]) -> None:
     assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway openapi > frontend/openapi.json"
