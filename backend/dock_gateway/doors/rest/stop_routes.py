@@ -4,19 +4,20 @@ A malformed request stops robots, too. What could not be understood is in the re
 """
 
 import asyncio
-from http import HTTPStatus
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from fastapi import APIRouter, Request
 
 from dock_gateway.audit.subjects import robots_text
-from dock_gateway.audit.trail import Trail, audited
+from dock_gateway.audit.trail import STOP, audited, audited_command
 from dock_gateway.core.errors import GatewayError, not_covered
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Scope, carries_out, operation
-from dock_gateway.http.parts import AllParts, Part
+from dock_gateway.http.operation import Scope, carries_out, operation, operation_of
+from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, ThePrincipal, principal_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, RobotQuery, RobotsQuery, json_response, read_json, read_wait
@@ -54,7 +55,7 @@ async def stop(request: Request, parts: AllParts, robot: RobotsQuery = None) -> 
     wait = 0.0
     wrong: list[GatewayError] = []
     try:
-        value = await _read_body(request, parts[Stopper])
+        value = await _read_body(request, parts)
     except GatewayError as error:
         value = error
     with noting(wrong):
@@ -65,23 +66,20 @@ async def stop(request: Request, parts: AllParts, robot: RobotsQuery = None) -> 
     return json_response(await operations.stop(parts, principal, order, wait=wait))
 
 
-async def _read_body(request: Request, stopper: Stopper) -> Any:
+async def _read_body(request: Request, parts: Parts) -> Any:
     """Return the decoded body. If it is late, stop the robots meanwhile, without latching: the body may name others.
 
     The audit log has that as a stop of its own, as the body may never come, or be about another robot.
     """
-    timing = stopper.timing
+    timing = parts[Stopper].timing
     reading = asyncio.create_task(read_json(request, empty={}, within=timing.body_within))
     await asyncio.wait({reading}, timeout=timing.begin_within)
     if not reading.done():
-        wrong: list[GatewayError] = []
-        order = read_order(principal_of(request), {}, query=request.query_params)
-        with noting(wrong):
-            await stopper.stop(*order.robots, latch=False)
-        status, code = (wrong[0].status, wrong[0].code) if wrong else (HTTPStatus.OK, None)
-        trail = Trail(request.scope)
-        trail.fields["robot"] = robots_text(order.robots)
-        await trail.record(status, code)
+        principal = principal_of(request)
+        order = replace(read_order(principal, {}, query=request.query_params), latch=False)
+        stopping = partial(operations.stop, parts, principal, order)
+        with noting([]):
+            await audited_command(request.scope, STOP, operation_of(operations.stop), {"robot": order.robots}, stopping)
     return await reading
 
 
