@@ -4,12 +4,14 @@ import asyncio
 import sqlite3
 import sys
 import time
-from collections.abc import AsyncIterator, Awaitable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
+
+import sqlalchemy as sa
 
 from dock_gateway.core.event import Event, event_id
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -137,3 +139,18 @@ async def main(command: str, url: str, folder: str, *arguments: str) -> None:
 
 if __name__ == "__main__":
     asyncio.run(main(*sys.argv[1:]))
+
+
+def explain(connection: sa.Connection, work: Callable[[sa.Connection], object]) -> str:
+    """How the database plans the first query of a function."""
+    asked: list[tuple[str, Any]] = []
+
+    def note(_: object, __: object, statement: str, parameters: Any, *___: object) -> None:
+        asked.append((statement, parameters))
+
+    sa.event.listen(connection, "before_cursor_execute", note)
+    work(connection)
+    sa.event.remove(connection, "before_cursor_execute", note)
+    how = "EXPLAIN QUERY PLAN " if connection.dialect.name == "sqlite" else "EXPLAIN "
+    statement, parameters = next(each for each in asked if each[0].startswith("SELECT"))
+    return str(connection.exec_driver_sql(how + statement, parameters).all())

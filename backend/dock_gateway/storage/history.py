@@ -15,7 +15,7 @@ from dock_gateway.core.event import NEVER, Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
-from dock_gateway.storage import queries, statistics
+from dock_gateway.storage import queries
 from dock_gateway.storage.audit import AuditStore
 from dock_gateway.storage.battery import BatterySpan, Bucket
 from dock_gateway.storage.database import DATABASE_ERRORS, Database, Incident
@@ -29,7 +29,6 @@ from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.retention import Limits, Retention
 from dock_gateway.storage.seals import Sealer
 from dock_gateway.storage.spool import Spool
-from dock_gateway.storage.statistics import Span, Tallies
 from dock_gateway.storage.waiting import Waiting
 from dock_gateway.storage.writer import Writer
 
@@ -321,16 +320,6 @@ class History:
     async def battery(self, span: BatterySpan) -> list[Bucket]:
         """Return the battery states of a span in buckets, oldest first; empty buckets are left out."""
         return await self._events.battery(span)
-
-    async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
-        """Return how the wanted goals ended, for each span of the time when they were created.
-
-        Goals that are not in the database yet are not counted: an ended goal is written before its end is published, or
-        half a second after it.
-        """
-        self.reader.require_everything()
-        rows = await self.reader.read_much(statistics.read_rows, wanted, spans, by_action)
-        return await asyncio.to_thread(statistics.tally_rows, rows)
 
     # ------------------------------------------------------------------ the rest
 

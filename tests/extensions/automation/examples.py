@@ -4,7 +4,7 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts, Verdict
 from dock_gateway.extensions.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
 from dock_gateway.http.schema import RobotSelection

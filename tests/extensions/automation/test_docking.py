@@ -8,7 +8,6 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.automation import Decision, DecisionOutcome, Mode
 from dock_gateway.core.battery import Reading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
@@ -18,6 +17,7 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.automation import docking
 from dock_gateway.extensions.automation.activity import Activity
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry

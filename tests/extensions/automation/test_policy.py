@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.core.errors import Conflict
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, require_free
 from dock_gateway.extensions.automation.rule import BatteryCondition
 from dock_gateway.http.schema import RobotSelection

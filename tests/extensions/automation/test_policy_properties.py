@@ -7,7 +7,7 @@ from datetime import datetime, timedelta
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dock_gateway.core.automation import Decision, DecisionOutcome, Mode
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL
 from dock_gateway.extensions.automation.policy import QUIET_PERIOD, STILL_FOR, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry

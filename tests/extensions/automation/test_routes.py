@@ -8,9 +8,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.core.automation import Decision, DecisionOutcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry

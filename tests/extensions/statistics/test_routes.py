@@ -15,13 +15,13 @@ from starlette.testclient import TestClient
 from dock_gateway.app import create_app
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.extensions.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
+from dock_gateway.extensions.statistics.tally import Tally
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, History
-from dock_gateway.storage.statistics import Tally
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory, make_goal
 from tests.support.shapes import check_answer

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks import deliveries as rules
 from dock_gateway.extensions.webhooks.deliveries import (
     RETRY_AFTER,
@@ -19,6 +18,7 @@ from dock_gateway.extensions.webhooks.deliveries import (
     open_alerts,
     surplus,
 )
+from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
 from dock_gateway.http.schema import RobotSelection
 

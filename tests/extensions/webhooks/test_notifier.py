@@ -10,7 +10,7 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.webhook import Delivery, DeliveryState
+from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
 from dock_gateway.extensions.webhooks.sender import sign

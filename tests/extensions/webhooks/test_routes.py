@@ -9,7 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
-from dock_gateway.core.webhook import Delivery
+from dock_gateway.extensions.webhooks.delivery import Delivery
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry

@@ -6,10 +6,10 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
-from dock_gateway.core.automation import Decision, DecisionOutcome
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome
 from dock_gateway.extensions.automation.past import require_free
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SharedEntries

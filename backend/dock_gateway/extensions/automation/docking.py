@@ -10,7 +10,6 @@ from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
-from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
@@ -18,6 +17,7 @@ from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.automation.activity import Activity
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry

@@ -3,11 +3,11 @@
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, ExitStack, asynccontextmanager
 
-from dock_gateway.core.automation import Decision
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.automation.activity import Activity
+from dock_gateway.extensions.automation.decision import Decision
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.extensions.automation.routes import router

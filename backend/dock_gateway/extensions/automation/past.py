@@ -4,8 +4,8 @@ from collections import defaultdict
 from collections.abc import Mapping
 from datetime import datetime, timedelta
 
-from dock_gateway.core.automation import ATTEMPTS, Decision, DecisionOutcome
 from dock_gateway.core.errors import Conflict
+from dock_gateway.extensions.automation.decision import ATTEMPTS, Decision, DecisionOutcome
 
 # How long after an attempt, or after a failed docking, the next one may follow.
 RETRY_INTERVAL = timedelta(minutes=5)

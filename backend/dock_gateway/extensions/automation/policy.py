@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
 
-from dock_gateway.core.automation import Decision, DecisionOutcome, Mode, Wait
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL, Key, Past
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schedule import last_due, next_due

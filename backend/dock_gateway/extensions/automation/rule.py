@@ -7,8 +7,8 @@ from zoneinfo import ZoneInfo
 
 from pydantic import AfterValidator, ConfigDict, Field, JsonValue, model_validator
 
-from dock_gateway.core.automation import Mode
 from dock_gateway.core.event import utc_now
+from dock_gateway.extensions.automation.decision import Mode
 from dock_gateway.http.bodies import Name60, expected
 from dock_gateway.http.schema import RobotSelection, Schema
 

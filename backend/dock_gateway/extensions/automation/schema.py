@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.core.automation import DecisionOutcome, Wait
+from dock_gateway.extensions.automation.decision import DecisionOutcome, Wait
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.schema import Schema
 

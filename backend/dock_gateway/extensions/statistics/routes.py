@@ -16,6 +16,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.grant import Role
 from dock_gateway.extensions.statistics.schema import DockingTimes, Statistics
+from dock_gateway.extensions.statistics.tally import Span, Tallies, Tally, merged, tally_goals
 from dock_gateway.extensions.statistics.trends import find_trends, two_weeks
 from dock_gateway.goals.queries import (
     ActionsQuery,
@@ -34,7 +35,6 @@ from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, History
-from dock_gateway.storage.statistics import Span, Tallies, Tally, merged
 
 router = APIRouter(route_class=ApiRoute, tags=["Goals"])
 
@@ -111,7 +111,7 @@ async def statistics(
     zone = read_zone(tz)
     whole = _span(wanted)
     days = divide(*whole, zone) if by == "day" else {"": whole}
-    found = await history.tally(wanted, list(days.values()), by_action=by != "day")
+    found = await tally_goals(history, wanted, list(days.values()), by_action=by != "day")
     if by == "day":
         groups = [
             (day, replace(wanted, since=span[0], until=span[1]), merged(tallies.values()))
@@ -141,7 +141,7 @@ async def docking_time(
     wanted = await read_goal_filter(
         settings=settings, robot_actions=robot_actions, grant=grant, robot=robot, since=since, until=until, group=group
     )
-    found = await history.tally(wanted, spans, by_action=True)
+    found = await tally_goals(history, wanted, spans, by_action=True)
     trends = find_trends(wanted, found, robot_actions)
     robots = await asyncio.to_thread(lambda: [trend.describe(spans, _path) for trend in trends])
     return json_response({"since": since, "until": until, "robots": robots})

@@ -6,8 +6,8 @@ from datetime import datetime, timedelta
 from typing import Any
 
 from dock_gateway.core.filters import GoalFilter
+from dock_gateway.extensions.statistics.tally import Span, Tallies, Tally, merged
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.storage.statistics import Span, Tallies, Tally, merged
 
 DAY = timedelta(days=1)
 WEEK = 7  # days

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
+from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
 
 # Seconds from each failed attempt to the next one; after the last, the delivery is given up.
 RETRY_AFTER = (5, 30, 120, 600, 1800, 3600, 10_800)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from prometheus_client import Metric
 
-from dock_gateway.core.webhook import DeliveryState
+from dock_gateway.extensions.webhooks.delivery import DeliveryState
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.observability.collector import counters
 

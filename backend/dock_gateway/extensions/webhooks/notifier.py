@@ -13,7 +13,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
+from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks.outbox import Document, Outbox, delivery_document
 from dock_gateway.extensions.webhooks.sender import new_secret
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry

@@ -13,8 +13,8 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.core.webhook import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks.deliveries import RETRY_AFTER, after_attempt, due, find_open, open_alerts, surplus
+from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks.sender import Sender, sign
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries

@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from dock_gateway.core.webhook import DeliveryState, EventType
+from dock_gateway.extensions.webhooks.delivery import DeliveryState, EventType
 from dock_gateway.extensions.webhooks.webhook import ChangedWebhook
 from dock_gateway.fleet.schema import Alert
 from dock_gateway.http.schema import Schema

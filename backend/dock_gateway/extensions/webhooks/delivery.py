@@ -1,4 +1,4 @@
-"""Deliveries to webhooks. Plain data; `webhooks/webhook.py` has the webhooks."""
+"""A delivery to a webhook. Plain data; `webhook.py` has the webhooks."""
 
 from dataclasses import dataclass
 from datetime import datetime

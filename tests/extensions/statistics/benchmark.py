@@ -1,4 +1,7 @@
-"""How long the statistics of many goals take, and what waits meanwhile: `python -m benchmarks.statistics --help`."""
+"""How long the statistics of many goals take, and what waits meanwhile.
+
+`python -m tests.extensions.statistics.benchmark --help`.
+"""
 
 import argparse
 import asyncio
@@ -14,17 +17,17 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import sqlalchemy as sa
+from benchmarks.machine import describe
+
+from dock_gateway.core.filters import GoalFilter
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.extensions.statistics.tally import merged, tally_goals
+from dock_gateway.storage import History
+from dock_gateway.storage.rows import goal_row
+from dock_gateway.storage.tables import goals
 from tests.support.history import open_at
 from tests.support.postgresql import running_postgresql
 from tests.support.waiting import until
-
-from benchmarks.machine import describe
-from dock_gateway.core.filters import GoalFilter
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.storage import History
-from dock_gateway.storage.rows import goal_row
-from dock_gateway.storage.statistics import merged
-from dock_gateway.storage.tables import goals
 
 CHUNK = 500
 DAYS = 365
@@ -88,7 +91,7 @@ async def measure(url: str, folder: Path, count: int) -> None:
             ]
             await asyncio.sleep(0.1)
             start = time.perf_counter()
-            found = await history.tally(GoalFilter(), spans, by_action=len(spans) == 1)
+            found = await tally_goals(history, GoalFilter(), spans, by_action=len(spans) == 1)
             total = await asyncio.to_thread(lambda found=found: merged(t for each in found for t in each.values()))
             median = (await asyncio.to_thread(total.percentiles, 50))[0]
             took = time.perf_counter() - start

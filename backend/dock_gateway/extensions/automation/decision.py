@@ -1,4 +1,4 @@
-"""Automatic docking: decisions. Plain data; `automation/rule.py` has the rules."""
+"""A decision of automatic docking, and why a rule does not dock a robot. Plain data; `rule.py` has the rules."""
 
 from dataclasses import dataclass
 from datetime import datetime

@@ -4,6 +4,7 @@ One query reads the goals once and returns a row for each action, status and err
 goals in one text. So little is transferred, and goals can be put into any groups afterwards, with exact percentiles.
 """
 
+import asyncio
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,6 +17,7 @@ import sqlalchemy as sa
 
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import GoalStatus
+from dock_gateway.storage import History
 from dock_gateway.storage.queries import conditions
 from dock_gateway.storage.tables import goals
 
@@ -100,6 +102,20 @@ def read_rows(
         *columns, sa.func.count(), sa.func.sum(retries), sa.func.count(retries), sa.func.aggregate_strings(took, ",")
     ).group_by(*(columns if by_action else columns[1:]))
     return [connection.execute(query.where(*conditions(_within(wanted, span)))).all() for span in spans]
+
+
+async def tally_goals(history: History, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
+    """Return how the wanted goals ended, for each span of the time when they were created.
+
+    Goals that are not in the database yet are not counted: an ended goal is written before its end is published, or
+    half a second after it.
+
+    Raises:
+        Unavailable: The database does not answer, takes too long, or does not have all goals (`history_unavailable`).
+    """
+    history.reader.require_everything()
+    rows = await history.reader.read_much(read_rows, wanted, spans, by_action)
+    return await asyncio.to_thread(tally_rows, rows)
 
 
 def tally_rows(rows: "Iterable[Iterable[sa.Row[Any]]]") -> list[Tallies]:

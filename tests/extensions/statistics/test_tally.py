@@ -15,12 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.extensions.statistics import tally as tallies
+from dock_gateway.extensions.statistics.tally import Span, Tally, merged, tally_goals
 from dock_gateway.storage import GoalFilter, History, queries
-from dock_gateway.storage import statistics as tallies
 from dock_gateway.storage.memory import MemoryDatabase
 from dock_gateway.storage.rows import MAX_CODE, Batch
-from dock_gateway.storage.statistics import Span, Tally, merged
-from tests.support.history import NOW, make_goal, open_at, open_place, page_of, settled
+from tests.support.history import NOW, explain, make_goal, open_at, open_place, settled
 
 EVER = (NOW - timedelta(days=1), NOW + timedelta(days=1))
 ENDS = [status for status in GoalStatus if status.terminal]
@@ -128,7 +128,7 @@ async def test_any_goals_are_counted_as_by_hand(place: str, tmp_path: Path) -> N
         await filled(history, goals)
         middle = NOW + timedelta(seconds=700)
         spans = [(EVER[0], middle), (middle, EVER[1]), EVER]
-        for span, found in zip(spans, await history.tally(GoalFilter(), spans, by_action=True), strict=True):
+        for span, found in zip(spans, await tally_goals(history, GoalFilter(), spans, by_action=True), strict=True):
             inside = {
                 goal.action_name for goal in goals if goal.status in ENDS and span[0] <= goal.created_at < span[1]
             }
@@ -136,7 +136,7 @@ async def test_any_goals_are_counted_as_by_hand(place: str, tmp_path: Path) -> N
             for action, tally in found.items():
                 check(tally, [goal for goal in goals if goal.action_name == action], span)
             check(merged(found.values()), goals, span)
-        for span, found in zip(spans, await history.tally(GoalFilter(), spans, by_action=False), strict=True):
+        for span, found in zip(spans, await tally_goals(history, GoalFilter(), spans, by_action=False), strict=True):
             assert found.keys() == {""}
             check(found[""], goals, span)
 
@@ -150,11 +150,11 @@ async def test_the_filter_applies(place: str, tmp_path: Path) -> None:
         make_goal(5, GoalStatus.EXECUTING, action="/robot2/undock"),
     ]
     async with open_place(place, tmp_path) as history:
-        assert await history.tally(GoalFilter(), [EVER, EVER], by_action=True) == [{}, {}]
+        assert await tally_goals(history, GoalFilter(), [EVER, EVER], by_action=True) == [{}, {}]
         await filled(history, goals)
 
         async def counted(**wanted: Any) -> dict[str, int]:
-            (found,) = await history.tally(GoalFilter(**wanted), [EVER], by_action=True)
+            (found,) = await tally_goals(history, GoalFilter(**wanted), [EVER], by_action=True)
             return {name: tally.ended for name, tally in found.items()}
 
         assert await counted() == {"/robot1/dock": 2, "/robot2/dock": 1, "/robot2/undock": 1}
@@ -196,45 +196,24 @@ async def test_a_long_error_code_is_shortened(database_url: str, tmp_path: Path)
     """PostgreSQL refuses index entries of more than 2,700 bytes, and so the goal."""
     async with open_at(database_url, tmp_path) as history:
         await filled(history, [ended(1, GoalStatus.ABORTED, error=GoalError("ö\0" * 5000, "why"))])
-        (found,) = await history.tally(GoalFilter(), [EVER], by_action=True)
+        (found,) = await tally_goals(history, GoalFilter(), [EVER], by_action=True)
         assert found["/dock"].errors == {"ö" * MAX_CODE: 1}
-        assert len(await page_of(history, error_codes=frozenset({"ö" * MAX_CODE}))) == 1
 
 
-async def test_the_indexes_are_used(database_url: str, tmp_path: Path) -> None:
-    """The statistics read an index alone, and goals with an error code are found by it."""
-
-    def explain(connection: sa.Connection, work: Any) -> str:
-        asked: list[tuple[str, Any]] = []
-
-        def note(_: object, __: object, statement: str, parameters: Any, *___: object) -> None:
-            asked.append((statement, parameters))
-
-        sa.event.listen(connection, "before_cursor_execute", note)
-        work(connection)
-        sa.event.remove(connection, "before_cursor_execute", note)
-        how = "EXPLAIN QUERY PLAN " if connection.dialect.name == "sqlite" else "EXPLAIN "
-        statement, parameters = next(each for each in asked if each[0].startswith("SELECT"))
-        return str(connection.exec_driver_sql(how + statement, parameters).all())
+async def test_an_index_is_used(database_url: str, tmp_path: Path) -> None:
+    """They read it alone."""
 
     def read(connection: sa.Connection) -> None:
         span = (NOW, NOW + timedelta(seconds=20))
         tallies.read_rows(connection, GoalFilter(), [span], by_action=False)
 
-    def page(connection: sa.Connection) -> None:
-        wanted = GoalFilter(error_codes=frozenset({"blocked"}))
-        queries.page(connection, wanted, limit=10, before=None, without=())
-
     async with open_at(database_url, tmp_path, max_waiting=3000) as history:
-        blocked = GoalError("blocked", "")
-        goals = [ended(n, goal=b"x" * 1000, error=None if n % 100 else blocked) for n in range(2000)]
-        await filled(history, goals)
+        await filled(history, [ended(n, goal=b"x" * 1000) for n in range(2000)])
         alone = "COVERING INDEX goals_by_end"
         if database_url.startswith("postgresql"):
             await vacuum(database_url)
             alone = "Index Only Scan using goals_by_end"
         assert alone in await history.database.read(explain, read)
-        assert "goals_by_error" in await history.database.read(explain, page)
 
 
 async def vacuum(url: str) -> None:
@@ -255,7 +234,7 @@ async def test_others_are_answered_meanwhile(sqlite_url: str, tmp_path: Path, mo
 
     async with open_at(sqlite_url, tmp_path) as history:
         monkeypatch.setattr(tallies, "read_rows", slow)
-        asking = asyncio.gather(*(history.tally(GoalFilter(), [EVER], by_action=True) for _ in range(5)))
+        asking = asyncio.gather(*(tally_goals(history, GoalFilter(), [EVER], by_action=True) for _ in range(5)))
         await started.wait()
         assert await history.get("goal-0001") is None
         go_on.set()
