@@ -26,8 +26,23 @@ _noted: list[str] = []
 
 @cache
 def document() -> Any:
-    """The copy that the dashboard's types come from; a test keeps it fresh."""
-    return orjson.loads((Path(__file__).parents[2] / "frontend" / "openapi.json").read_bytes())
+    """The copy that the dashboard's types come from; a test keeps it fresh.
+
+    A later version may send further fields, so answers are open there. What this one sends is described: they are
+    closed here.
+    """
+    return _closed(orjson.loads((Path(__file__).parents[2] / "frontend" / "openapi.json").read_bytes()))
+
+
+def _closed(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_closed(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    closed = {name: _closed(item) for name, item in value.items()}
+    if value.get("type") == "object" and "properties" in value:
+        closed.setdefault("additionalProperties", False)
+    return closed
 
 
 def noted() -> list[str]:

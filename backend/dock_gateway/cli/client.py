@@ -72,7 +72,7 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
         return
     kind, goal_id = event["type"], event.get("goal_id", "")[:8]
     if kind == "snapshot":
-        running = [goal for goal in event["goals"] if not GoalStatus(goal["status"]).terminal]
+        running = [goal for goal in event["goals"] if not goal["finished_at"]]
         for goal in running or event["goals"][:1]:
             click.echo(
                 f"{goal['goal_id'][:8]} {goal['status']}"

@@ -149,7 +149,7 @@ class AsyncGoal:
 
     async def __aiter__(self) -> AsyncIterator[Document]:
         """Yield feedback messages from `state` on until the goal ends."""
-        if not self.state.status.terminal:
+        if not self.state.ended:
             async with aclosing(self.events(after=self.state.last_event_id)) as events:
                 async for event in events:
                     if event.type == "feedback":
@@ -162,12 +162,12 @@ class AsyncGoal:
         async with aclosing(self._client.read(reading)) as events:
             async for event in events:
                 yield event
-                if event.ends_goal or (reading.to_be_checked(event) and (await self.refresh()).status.terminal):
+                if event.ends_goal or (reading.to_be_checked(event) and (await self.refresh()).ended):
                     return
 
     async def wait(self) -> GoalState:
         """Wait until the goal ends, and return how."""
-        if not self.state.status.terminal:
+        if not self.state.ended:
             async with aclosing(self.events(feedback=False)) as events:
                 async for _ in events:
                     pass

@@ -1,4 +1,4 @@
-"""What a gateway answers and streams. Fields that a newer gateway adds are ignored here."""
+"""What a gateway answers and streams. What a newer gateway adds is no error here: fields, states, types of events."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -6,6 +6,8 @@ from datetime import datetime
 from typing import Any, Self
 
 from dock_gateway.core.goal import GoalError, GoalStatus, Origin, Verb
+
+STATUSES = {str(status): status for status in GoalStatus}
 
 Document = dict[str, Any]
 """A JSON object, as in the OpenAPI document of the gateway."""
@@ -20,15 +22,18 @@ class _Read:
 
 @dataclass(frozen=True)
 class GoalState(_Read):
-    """A goal on any action, as docs/api.md describes it. `goal`, `feedback` and `result` are ROS messages as JSON."""
+    """A goal on any action, as docs/api.md describes it. `goal`, `feedback` and `result` are ROS messages as JSON.
+
+    A state or a verb that only a newer gateway has is the text that it sent.
+    """
 
     goal_id: str
     action_name: str
     action_type: str
-    verb: Verb | None
-    status: GoalStatus
+    verb: Verb | str | None
+    status: GoalStatus | str
     stalled: bool
-    origin: Origin
+    origin: Origin | str
     goal: Document | None
     feedback: Document | None
     result: Document | None
@@ -50,10 +55,15 @@ class GoalState(_Read):
             {
                 **document,
                 **{name: time and datetime.fromisoformat(time) for name, time in times.items()},
-                "status": GoalStatus(document["status"]),
+                "status": STATUSES.get(document["status"], document["status"]),
                 "error": error and GoalError(error["code"], error["detail"]),
             }
         )
+
+    @property
+    def ended(self) -> bool:
+        """Whether it has ended, in whatever state. A goal leaves `lost` when the action server returns and knows it."""
+        return self.finished_at is not None
 
 
 @dataclass(frozen=True)
@@ -79,7 +89,7 @@ class Event:
     def ends_goal(self) -> bool:
         """Whether it is the last event of a stream of one goal."""
         if self.type == "snapshot":
-            return all(GoalStatus(goal["status"]).terminal for goal in self.document["goals"])
+            return all(goal["finished_at"] for goal in self.document["goals"])
         return self.type == "result" or (self.type == "status" and self.document["status"] in ("rejected", "lost"))
 
 

@@ -204,7 +204,7 @@ class Goal:
 
     def __iter__(self) -> Iterator[Document]:
         """Yield feedback messages from `state` on until the goal ends."""
-        if not self.state.status.terminal:
+        if not self.state.ended:
             for event in self.events(after=self.state.last_event_id):
                 if event.type == "feedback":
                     yield event.document["feedback"]
@@ -222,7 +222,7 @@ class Goal:
         reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after, deadline)
         for event in self._client.read(reading):
             yield event
-            if event.ends_goal or (reading.to_be_checked(event) and self._refresh(deadline).status.terminal):
+            if event.ends_goal or (reading.to_be_checked(event) and self._refresh(deadline).ended):
                 return
 
     def wait(self, timeout: float | None = None) -> GoalState:
@@ -232,7 +232,7 @@ class Goal:
             ClientTimeout: It did not end within `timeout` seconds.
         """
         deadline = _deadline(timeout)
-        if not self.state.status.terminal:
+        if not self.state.ended:
             for _ in self._events(None, {"feedback": False}, deadline):
                 pass
             self._refresh(deadline)

@@ -10,6 +10,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.schema import GoalNotes, NoteBody, Tags, TagsBody
 from dock_gateway.http.bodies import Body, SignedBody
+from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.requests import Answer, GoalId, json_response
@@ -21,7 +22,7 @@ router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 NoteId = Annotated[str, Path(description="`note_id` of the note", pattern="^[0-9a-f]{32}$")]
 
 
-@router.get("/tags")
+@router.get("/tags", openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.ANY)
 async def list_tags(history: Part[History]) -> Answer[Tags]:
     """List the tags of all goals, the first 1000."""

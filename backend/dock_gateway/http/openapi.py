@@ -1,7 +1,7 @@
 """The OpenAPI document: FastAPI's, plus the schemas of stream events and of what else no route names."""
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +18,8 @@ SECURITY_SCHEMES = {
     "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for one"},
     "login": {"type": "apiKey", "in": "cookie", "name": "dock-gateway", "description": "The dashboard's login"},
 }
-REF = "#/components/schemas/{model}"
+COMPONENTS = "#/components/schemas/"
+REF = f"{COMPONENTS}{{model}}"
 
 
 Models = Sequence[type[BaseModel]]
@@ -127,7 +128,54 @@ def _build(
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
     document["components"]["schemas"] = dict(sorted(schemas.items()))
+    _open_answers(document, unions)
     return document
+
+
+def _open_answers(document: dict[str, Any], unions: Iterable[Union]) -> None:
+    """What the gateway reads has no other fields than those described; what it sends may get further ones."""
+    schemas = document["components"]["schemas"]
+    operations = [operation for item in document["paths"].values() for operation in item.values()]
+    read = [name for union in unions if union.mode == "validation" for name in references(schemas[union.name])]
+    for operation in operations:
+        read += references([operation.get("requestBody"), operation.get("parameters")])
+    closed = reachable(read, schemas)
+    _open([operation["responses"] for operation in operations])
+    _open([schema for name, schema in schemas.items() if name not in closed])
+
+
+def _open(value: Any) -> None:
+    """Let every object of these schemas have further fields."""
+    if isinstance(value, dict):
+        if value.get("additionalProperties") is False:
+            del value["additionalProperties"]
+        value = [*value.values()]
+    if isinstance(value, list):
+        for item in value:
+            _open(item)
+
+
+def reachable(names: Iterable[str], schemas: Mapping[str, Any]) -> set[str]:
+    """Return the names of these components and of all that they refer to."""
+    found: set[str] = set()
+    waiting = list(names)
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting += references(schemas[name])
+    return found
+
+
+def references(value: object) -> Iterator[str]:
+    """Yield the name of each component that a part of the document refers to."""
+    if isinstance(value, dict):
+        if isinstance(target := value.get("$ref"), str):
+            yield target.removeprefix(COMPONENTS)
+        value = [*value.values()]
+    if isinstance(value, list):
+        for item in value:
+            yield from references(item)
 
 
 def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
@@ -171,6 +219,8 @@ def _one_of(schemas: dict[str, Any], union: Union) -> dict[str, Any]:
     }
 
 
+# `openapi_extra` of an operation that may change with a minor version: docs/compatibility.md.
+UNSTABLE: dict[str, Any] = {"x-stability": "unstable"}
 BATTERY_INPUT: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from dock_gateway.goals.schema import ACTION_EVENTS
+from dock_gateway.http.openapi import COMPONENTS, reachable
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.principal import TICKET
 from dock_gateway.streams import events, socket, topics
@@ -20,7 +21,6 @@ Json = dict[str, Any]
 Models = tuple[type[BaseModel], ...]
 
 SSE = "text/event-stream"
-SCHEMAS = "#/components/schemas/"
 EVENTS_OF_GOAL: Models = (*GOAL_EVENTS, *ACTION_EVENTS)
 SERVERS = {
     "websockets": {"protocol": "ws", "description": "WebSockets; `wss` where the gateway has TLS"},
@@ -91,7 +91,7 @@ def asyncapi_document(openapi: Json, further: Models) -> Json:
         "operations": operations,
         "components": {
             "messages": {name: _message(name, schemas[name]) for name in messages},
-            "schemas": {name: schemas[name] for name in sorted(_reachable(messages, schemas))},
+            "schemas": {name: schemas[name] for name in sorted(reachable(messages, schemas))},
             "securitySchemes": schemes,
         },
     }
@@ -167,7 +167,7 @@ def _message(name: str, schema: Json) -> Json:
     return {
         "name": kind["const"],
         "summary": schema["description"].partition("\n")[0],
-        "payload": {"$ref": f"{SCHEMAS}{name}"},
+        "payload": {"$ref": f"{COMPONENTS}{name}"},
         **correlation,
     }
 
@@ -187,26 +187,3 @@ def _of_channel(channel: str, models: Models) -> list[Json]:
 
 def _object(properties: Json, required: Iterable[str] = ()) -> Json:
     return {"type": "object", "properties": properties, "required": list(required), "additionalProperties": False}
-
-
-def _reachable(names: Iterable[str], schemas: Json) -> set[str]:
-    """Return the names of these schemas and of all that they refer to."""
-    found: set[str] = set()
-    waiting = list(names)
-    while waiting:
-        name = waiting.pop()
-        if name not in found:
-            found.add(name)
-            waiting += _references(schemas[name])
-    return found
-
-
-def _references(value: object) -> Iterator[str]:
-    if isinstance(value, dict):
-        if isinstance(target := value.get("$ref"), str):
-            yield target.removeprefix(SCHEMAS)
-        for item in value.values():
-            yield from _references(item)
-    elif isinstance(value, list):
-        for item in value:
-            yield from _references(item)

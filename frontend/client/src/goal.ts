@@ -15,6 +15,11 @@ export function isTerminal(status: GoalStatus): boolean {
   return status === "lost" || isFinal(status);
 }
 
+/** The same for a goal, also in a state that only a newer gateway has. */
+function hasEnded(goal: AnyGoal): boolean {
+  return goal.finished_at !== null;
+}
+
 /** A goal ended, but did not succeed. `state` says how. */
 export class GoalFailed extends ClientError {
   override readonly name = "GoalFailed";
@@ -47,7 +52,7 @@ export class GoalHandle {
 
   /** Yields feedback messages from `state` on until the goal ends. */
   async *[Symbol.asyncIterator](): AsyncGenerator<Record<string, unknown>, void> {
-    if (isTerminal(this.state.status)) return;
+    if (hasEnded(this.state)) return;
     const after = this.state.last_event_id ?? undefined;
     for await (const event of this.events({ after })) if (event.type === "feedback") yield event.feedback;
     await this.refresh();
@@ -64,13 +69,13 @@ export class GoalHandle {
       if (endsGoal(event)) return;
       resumed ||= event.type === "resumed";
       // At another gateway, a stream that resumes can miss a goal's end.
-      if (resumed && event.type === "heartbeat" && isTerminal((await this.refresh()).status)) return;
+      if (resumed && event.type === "heartbeat" && hasEnded(await this.refresh())) return;
     }
   }
 
   /** Waits until the goal ends, and returns how. */
   async wait(signal?: AbortSignal): Promise<AnyGoal> {
-    if (isTerminal(this.state.status)) return this.state;
+    if (hasEnded(this.state)) return this.state;
     for await (const _ of this.events({ feedback: false }, signal));
     return this.refresh();
   }
@@ -101,6 +106,6 @@ export class GoalHandle {
 
 /** Whether it is the last event of a stream of one goal. */
 function endsGoal(event: GatewayEvent): boolean {
-  if (event.type === "snapshot") return event.goals.every(({ status }) => isTerminal(status));
+  if (event.type === "snapshot") return event.goals.every(hasEnded);
   return event.type === "result" || (event.type === "status" && ["rejected", "lost"].includes(event.status));
 }

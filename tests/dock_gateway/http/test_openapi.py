@@ -3,6 +3,7 @@
 The dashboard's types are made of the copy, and a change of it shows in review what clients may notice.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,30 @@ def test_it_asks_for_a_token_where_the_gateway_does(document: dict[str, Any]) ->
 def test_every_reference_has_its_schema(document: dict[str, Any]) -> None:
     names = {f"#/components/schemas/{name}" for name in document["components"]["schemas"]}
     assert references(document) <= names
+
+
+def objects(value: object) -> Iterator[dict[str, Any]]:
+    """The schemas of objects with named fields below a part of the document."""
+    if isinstance(value, dict):
+        if value.get("type") == "object" and "properties" in value:
+            yield value
+        value = [*value.values()]
+    if isinstance(value, list):
+        for item in value:
+            yield from objects(item)
+
+
+def test_what_is_read_is_closed_and_what_is_sent_may_get_further_fields(document: dict[str, Any]) -> None:
+    schemas = document["components"]["schemas"]
+    operations = [operation for item in document["paths"].values() for operation in item.values()]
+    read = [schemas[name] for name in schemas if name.endswith(("Command", "Input"))]
+    read += [operation.get("requestBody", {}) for operation in operations]
+    sent = [schemas[name] for name in schemas if not name.endswith(("Command", "Input"))]
+    sent += [operation["responses"] for operation in operations]
+    assert len([*objects(read)]) > 30
+    assert len([*objects(sent)]) > 150
+    assert all("additionalProperties" not in schema for schema in objects(sent))
+    assert [schema for schema in objects(read) if "additionalProperties" not in schema] == []
 
 
 def test_errors_are_problem_documents(document: dict[str, Any]) -> None:

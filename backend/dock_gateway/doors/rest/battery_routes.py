@@ -11,7 +11,7 @@ from dock_gateway.core.event import moment, nanoseconds, utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.http.openapi import battery_body, body
+from dock_gateway.http.openapi import UNSTABLE, battery_body, body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal
@@ -96,7 +96,7 @@ async def stop_publisher(parts: AllParts, principal: ThePrincipal, robot: RobotQ
     return Response(status_code=204)
 
 
-@router.get("/battery/history")
+@router.get("/battery/history", openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.ROBOT)
 async def battery_history(
     robots: Part[RobotRegistry],

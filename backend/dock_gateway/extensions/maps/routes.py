@@ -13,6 +13,7 @@ from dock_gateway.extensions.maps.image import COLORS, Color, image
 from dock_gateway.extensions.maps.schema import RobotMap
 from dock_gateway.extensions.maps.service import Maps
 from dock_gateway.extensions.maps.surroundings import Surroundings
+from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
@@ -44,7 +45,7 @@ async def get_map(
     return json_response(view.map_document())
 
 
-@router.get("/map.png", response_class=Response, responses={**PNG})
+@router.get("/map.png", response_class=Response, responses={**PNG}, openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
 async def get_map_image(
     request: Request,

@@ -19,6 +19,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.recordings.recordings import Recordings
 from dock_gateway.extensions.recordings.schema import GoalRecording, GoalReplay, PicturedGoals
 from dock_gateway.goals.goals import Goals
+from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, principal_of
@@ -168,7 +169,7 @@ async def download_recording(
     )
 
 
-@router.get("/goals/{goal_id}/replay", tags=["Goals"])
+@router.get("/goals/{goal_id}/replay", tags=["Goals"], openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_replay(
     goal_id: GoalId,
@@ -184,7 +185,9 @@ async def get_replay(
     return json_response(await recordings.replay(await recordings.find(goal), goal, velocity, grant))
 
 
-@router.get("/goals/{goal_id}/thumbnail", tags=["Goals"], response_class=Response, responses={**PICTURE})
+@router.get(
+    "/goals/{goal_id}/thumbnail", tags=["Goals"], response_class=Response, responses={**PICTURE}, openapi_extra=UNSTABLE
+)
 @operation(Role.VIEWER, Scope.GOAL)
 async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant) -> Response:
     """Return the last picture of the robot's camera in the recording of a goal."""
@@ -193,7 +196,7 @@ async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     return Response(data, media_type=media_type, headers={"Cache-Control": "private, max-age=3600"})
 
 
-@router.get("/recordings", tags=["Goals"])
+@router.get("/recordings", tags=["Goals"], openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_pictured(
     history: Part[History],

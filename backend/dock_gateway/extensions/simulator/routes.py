@@ -10,6 +10,7 @@ from dock_gateway.core.scene import Pose
 from dock_gateway.extensions.simulator.controls import SimulatorControls
 from dock_gateway.extensions.simulator.schema import FaultBody, PlaceBody
 from dock_gateway.http.bodies import Body
+from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
@@ -23,7 +24,7 @@ router = APIRouter(route_class=ApiRoute, tags=["Simulator"], prefix="/simulator"
 FaultPath = Annotated[Fault, Path(description="What breaks")]
 
 
-@router.get("")
+@router.get("", openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
 async def get_simulator(
     controls: Part[SimulatorControls], robots: Part[RobotRegistry], robot: RobotQuery = None
@@ -32,7 +33,7 @@ async def get_simulator(
     return json_response(controls.get(robots.get(robot).namespace).document())
 
 
-@router.post("/reset")
+@router.post("/reset", openapi_extra=UNSTABLE)
 @operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def reset_simulator(
     controls: Part[SimulatorControls], robots: Part[RobotRegistry], robot: RobotQuery = None
@@ -41,7 +42,7 @@ async def reset_simulator(
     return json_response(await controls.reset(robots.get(robot).namespace))
 
 
-@router.post("/place")
+@router.post("/place", openapi_extra=UNSTABLE)
 @operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def place_robot(
     body: Body[PlaceBody], controls: Part[SimulatorControls], robots: Part[RobotRegistry], robot: RobotQuery = None
@@ -51,7 +52,7 @@ async def place_robot(
     return json_response(await controls.place(robots.get(robot).namespace, pose))
 
 
-@router.put("/faults/{fault}")
+@router.put("/faults/{fault}", openapi_extra=UNSTABLE)
 @operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 504))
 async def switch_fault(
     fault: FaultPath,

@@ -27,6 +27,7 @@ from dock_gateway.goals.queries import (
     read_goal_filter,
 )
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
@@ -124,7 +125,7 @@ async def statistics(
     return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
 
 
-@router.get("/statistics/docking-time")
+@router.get("/statistics/docking-time", openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.LISTED)
 async def docking_time(
     settings: Part[Settings],
