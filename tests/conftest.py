@@ -1,6 +1,5 @@
 """Fixtures for every test that needs ROS."""
 
-import itertools
 import os
 import signal
 from collections.abc import Iterator
@@ -23,6 +22,9 @@ phases = [Phase.explicit, Phase.generate]
 settings.register_profile("mutation", deadline=None, derandomize=True, database=None, phases=phases)
 settings.load_profile("busy machine")
 
+# The folders of tests that take long.
+LONG = ("chaos", "browser", "system")
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Prepare the process: see the comments."""
@@ -35,13 +37,19 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Browsers and floods need the processor, robots that drive need time: their files take turns."""
+    """Browsers and floods need the processor, robots need time: the files of each kind are spread evenly over the run.
+
+    Unit tests, which are short, are what is left for the end.
+    """
+    kinds: dict[str, list[Path]] = {}
     files: dict[Path, list[pytest.Item]] = {}
     for item in items:
         files.setdefault(item.path, []).append(item)
-    busy, waiting = itertools.count(0, 2), itertools.count(1, 2)
-    turns = {"chaos": busy, "browser": busy, "system": waiting}
-    places = {path: next(turns[path.parent.name]) if path.parent.name in turns else len(files) for path in files}
+    for path in files:
+        kinds.setdefault(path.parent.name if path.parent.name in LONG else "unit", []).append(path)
+    places: dict[Path, float] = {}
+    for kind, paths in kinds.items():
+        places |= {path: index / len(paths) * (0.9 if kind in LONG else 1.0) for index, path in enumerate(paths)}
     items[:] = [item for path in sorted(files, key=lambda path: places[path]) for item in files[path]]
 
 
