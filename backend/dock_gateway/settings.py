@@ -130,11 +130,6 @@ class Settings(BaseSettings):
         60.0,
         description="Seconds that an agent's goal to a real robot waits for a person to allow it; then it is refused.",
     )
-    approval_by_client: bool = Field(
-        False,
-        description="Whether the person who uses an agent may allow its goals in the agent's own program, too "
-        "([agents.md](extensions/agents.md#who-allows-a-goal)). Without `authentication` that is always so.",
-    )
     insecure_open: bool = Field(
         False,
         description="Whether the gateway may listen on other than loopback addresses without `authentication`: then "

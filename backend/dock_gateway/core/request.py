@@ -78,7 +78,7 @@ def turn(what: str) -> AbstractAsyncContextManager[None]:
     """Wait for the turn of the request's user: what they ask for at the same time does not keep others waiting.
 
     Args:
-        what: As `http.quotas.TURNS` names it.
+        what: What takes long, such as `large reads`.
     """
     permit = PERMIT.get()
     return nullcontext() if permit is None else permit.turn(what)

@@ -80,8 +80,9 @@ def limits(settings: Settings) -> dict[str, Limit]:
 
 
 NO_FURTHER: Mapping[str, Limit] = {}
-# How many of something that takes long a user may do at the same time; the others wait, without being refused.
-TURNS = {"large reads": 1, "parameters of many": 2, "graph views": 1}
+# How many of something that takes long a user may do at the same time, where that is not one; the others wait, without
+# being refused.
+TURNS = {"parameters of many": 2}
 
 
 @dataclass
@@ -206,9 +207,9 @@ class Quotas:
 
     @asynccontextmanager
     async def turn(self, principal: Principal, what: str) -> AsyncIterator[None]:
-        """Wait until less than `TURNS[what]` blocks of the user run, so that they do not queue up before others."""
+        """Wait for a turn: of one user, one block runs at a time (or `TURNS[what]`), so that others need not queue."""
         key = what, _user(principal)
-        semaphore, waiting = self._turns.setdefault(key, (asyncio.Semaphore(TURNS[what]), []))
+        semaphore, waiting = self._turns.setdefault(key, (asyncio.Semaphore(TURNS.get(what, 1)), []))
         waiting.append(None)
         try:
             async with semaphore:

@@ -22,6 +22,7 @@ from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import NotFound
 from dock_gateway.extensions.agents.reading import follow, goal_document
 from dock_gateway.extensions.agents.schema import GoalAnswer
+from dock_gateway.extensions.agents.settings import AgentSettings
 from dock_gateway.extensions.agents.tools import STOP_TOOL, Tool, answer_approval
 from dock_gateway.goals.approvals import Approval, Approvals
 from dock_gateway.goals.goals import Goals
@@ -172,7 +173,7 @@ class Call:
         capabilities = session.client_capabilities
         asks = capabilities is not None and capabilities.elicitation is not None
         open_here = not settings.authentication and self._principal.kind is not Kind.FORWARDED
-        counts = settings.approval_by_client or open_here
+        counts = settings.of(AgentSettings).approval_by_client or open_here
         return asks and counts and session.protocol_version in MODERN_PROTOCOL_VERSIONS
 
     async def _asked(self, command: "asyncio.Task[Fields]") -> Approval | None:

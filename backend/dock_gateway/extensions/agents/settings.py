@@ -8,12 +8,18 @@ from dock_gateway.settings import ExtensionSettings
 
 
 class AgentSettings(ExtensionSettings):
-    """Whether agents are let in."""
+    """Whether agents are let in, and who allows their goals."""
 
     mcp: bool = Field(
         False,
         description="Whether agents can use the gateway at `/mcp`, by the Model Context Protocol: "
         "[agents.md](extensions/agents.md). Needs `dock-gateway[mcp]`.",
+    )
+
+    approval_by_client: bool = Field(
+        False,
+        description="Whether the person who uses an agent may allow its goals in the agent's own program, too "
+        "([agents.md](extensions/agents.md#who-allows-a-goal)). Without `authentication` that is always so.",
     )
 
     @field_validator("mcp")
