@@ -134,18 +134,6 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("goal_retention_days", "nan"),
         ("goal_retention_mb", "1000000001"),
         ("audit_retention_days", "1e9"),
-        ("site", "berlin"),
-        ("site", "Berlin"),
-        ("site", "hub"),
-        ("site", "b" * 41),
-        ("hub", "nats://127.0.0.1"),
-        ("hub", "http://127.0.0.1"),
-        ("hub", "tls://nats.example.com:4222/x"),
-        ("hub", "nats.example.com"),
-        ("hub_key", "hub.json"),
-        ("hub_role", "root"),
-        ("hub_robots", "/robot1"),
-        ("hub_robots", "robot1"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:

@@ -36,6 +36,7 @@ from dock_hub.extensions import hub_extensions
 from dock_hub.settings import HubSettings
 from dock_hub.sites import Sites
 from tests.support.edge import serving
+from tests.support.installed import needs
 from tests.support.nats import NatsServer, nats_server
 from tests.support.small_site import ALERT, broker_of, say_hello, small_site
 from tests.support.waiting import until
@@ -109,6 +110,7 @@ async def test_the_site_learns_who_asks_and_nothing_of_the_login(hub: Hub) -> No
     assert "set-cookie" not in moved.headers
 
 
+@needs("sites")
 async def test_every_metric_of_a_hub_is_documented(hub: Hub) -> None:
     _, header = await hub.token("prometheus", Role.VIEWER)
     answer = (await hub.http.get("/metrics", headers=header)).raise_for_status()

@@ -19,6 +19,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
+from tests.support.installed import needs
 from tests.support.parts import Refusing
 from tests.support.reachable import reachable
 
@@ -57,7 +58,7 @@ def test_who_they_are_here(authentication: bool) -> None:
 @pytest.mark.parametrize("authentication", [True, False])
 def test_a_role_counts_also_where_the_site_asks_nobody(authentication: bool) -> None:
     with through_the_hub(ALICE, authentication=authentication) as client:
-        for method, path in (("GET", "/users"), ("POST", "/tokens"), ("PUT", "/webhooks/x"), ("DELETE", "/stop")):
+        for method, path in (("GET", "/users"), ("POST", "/tokens"), ("PUT", "/users/x"), ("DELETE", "/stop")):
             answer = client.request(method, path)
             assert (answer.status_code, answer.json()["code"]) == (403, "role_required")
 
@@ -73,6 +74,7 @@ def test_logins_are_not_for_a_hub(method: str, path: str) -> None:
     assert "set-cookie" not in answer.headers
 
 
+@needs("webhooks")
 def test_webhooks_need_an_admin_of_the_hub() -> None:
     def answer(role: Role) -> Any:
         with through_the_hub(forwarded("eve", Grant(role), "key")) as client:

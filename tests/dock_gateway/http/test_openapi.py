@@ -114,7 +114,7 @@ def test_messages_are_told_apart_by_a_field(document: dict[str, Any], union: str
     kinds = [
         schemas[option["$ref"].rpartition("/")[2]]["properties"][field]["const"] for option in schemas[union]["oneOf"]
     ]
-    assert len(set(kinds)) == len(kinds) > 5
+    assert len(set(kinds)) == len(kinds) > 1
     assert schemas[union]["discriminator"]["propertyName"] == field
     assert schemas[union]["discriminator"]["mapping"].keys() == set(kinds)
 

@@ -21,6 +21,28 @@ def test_a_site_and_its_hub() -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("site", "berlin"),
+        ("site", "Berlin"),
+        ("site", "hub"),
+        ("site", "b" * 41),
+        ("hub", "nats://127.0.0.1"),
+        ("hub", "http://127.0.0.1"),
+        ("hub", "tls://nats.example.com:4222/x"),
+        ("hub", "nats.example.com"),
+        ("hub_key", "hub.json"),
+        ("hub_role", "root"),
+        ("hub_robots", "/robot1"),
+        ("hub_robots", "robot1"),
+    ],
+)
+def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
+    with pytest.raises(click.UsageError, match=name):
+        read_settings({name: value})
+
+
+@pytest.mark.parametrize(
     ("change", "sentence"),
     [
         ({"site": None}, "hub needs site, the name of this site"),

@@ -12,6 +12,7 @@ import { sparkline, trendWords } from "../../../src/extensions/statistics/trend"
 import { statisticsView, toQuery } from "../../../src/extensions/statistics/view";
 import { dayOf } from "../../../src/ui/time";
 import { zoneName } from "../../../src/ui/zone";
+import { robot } from "../../events";
 import { fakeGateway, renderPage } from "../../page";
 
 const read = (text: string) => statisticsView.read(new URLSearchParams(text));
@@ -121,6 +122,18 @@ describe("words", () => {
 });
 
 describe("the page", () => {
+  it("has robots to choose by their names", async () => {
+    answering(() => DAYS);
+    const robots = [
+      robot("/robot1", { display_name: "Left forklift", groups: ["Hall 1"] }),
+      robot("/robot2"),
+    ];
+    renderPage(fakeGateway(), { robots }, "/ui/statistics");
+    const select = await screen.findByRole("combobox", { name: "Robot" }, { timeout: 5000 });
+    const options = within(select).getAllByRole("option");
+    expect(options.map(text)).toEqual(["All robots", "Left forklift (/robot1)", "/robot2"]);
+  });
+
   it("has a row for each day, the newest first, and every number leads to its goals", async () => {
     answering(() => DAYS);
     open();
