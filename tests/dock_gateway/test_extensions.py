@@ -218,7 +218,7 @@ async def test_the_routes_of_one_that_failed_are_unavailable_and_no_others() -> 
         async with AsyncExitStack() as stack:
             await installed.open(parts, stack)
         answer = http.get("/part")
-        assert (answer.status_code, answer.json()["code"]) == (503, "extension_failed")
+        assert (answer.status_code, answer.json()["code"]) == (501, "extension_failed")
         assert answer.json()["detail"] == "bad could not be opened: see the alerts"
     with pytest.raises(KeyError):
         parts[Other]

@@ -16,7 +16,7 @@ from jsonschema_rs import Draft202012Validator
 
 PROBLEM = "application/problem+json"
 # Answers that every path can give: the origin guard, the limits on input, a bug, a method that is not offered.
-EVERYWHERE = {400, 403, 405, 408, 413, 414, 431, 500, 503}
+EVERYWHERE = {400, 403, 405, 408, 413, 414, 431, 500, 501, 503}
 DOCKING = ("connect_to_charging_dock", "disconnect_from_charging_dock")
 MAX_NOTED = 20
 

@@ -29,7 +29,7 @@ def problem(answer: httpx2.Response) -> tuple[int, str]:
 
 def test_a_robot_whose_server_does_not_calibrate(gateway: RunningGateway) -> None:
     assert gateway.http.get("/calibration").json() == {"available": False, "service": "/calibrate_dock"}
-    assert problem(gateway.http.post("/calibration")) == (503, "calibration_unavailable")
+    assert problem(gateway.http.post("/calibration")) == (501, "calibration_unavailable")
     assert problem(gateway.http.post("/calibration?robot=/nobody")) == (404, "robot_not_found")
 
 

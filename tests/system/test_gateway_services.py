@@ -217,7 +217,7 @@ def test_a_topic_where_no_one_is_needs_a_type(open_gateway: RunningGateway) -> N
     status, answer = answered(open_gateway, "POST", "/topics/nobody", {"data": 1}, type="std_msgs/msg/Int64")
     assert (status, answer["subscribers"]) == (200, 0)
     unknown = refusal(open_gateway, "POST", "/topics/no_one", {}, type="no_msgs/msg/No")
-    assert unknown == (503, "interface_not_installed")
+    assert unknown == (501, "interface_not_installed")
 
 
 def test_a_topic_with_two_types_needs_one_of_them(open_gateway: RunningGateway, domain: int) -> None:

@@ -10,6 +10,7 @@ GatewayError
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
 ├── ServedElsewhere             421 served_elsewhere
 ├── TooManyRequests             429 too_many_requests, too_many_logins
+├── NotInstalled                501 interface_not_installed, calibration_unavailable, extension_failed
 ├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
 │                               too_many_connections, provider_unavailable, stop_not_persisted (as a warning)
 └── ServerTimeout               504 action_server_timeout, service_timeout, parameters_timeout
@@ -158,8 +159,15 @@ class TooManyRequests(GatewayError):
     code = "too_many_requests"
 
 
+class NotInstalled(GatewayError):
+    """What is asked for is not there, and does not come by itself: to try again does not help."""
+
+    status = HTTPStatus.NOT_IMPLEMENTED
+    code = "interface_not_installed"
+
+
 class Unavailable(GatewayError):
-    """A required part is not available."""
+    """A required part is not available now. The same request may succeed later."""
 
     status = HTTPStatus.SERVICE_UNAVAILABLE
     code = "action_server_unavailable"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from dock_gateway.core.discovery import Discovery
-from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
+from dock_gateway.core.errors import GatewayError, NotFound, NotInstalled
 from dock_gateway.core.event import status_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, parent_of
@@ -305,7 +305,7 @@ class ActionRegistry:
         Raises:
             NotFound: `action_not_found`: it has no server.
             ServedElsewhere: Its robot is not one of this gateway's.
-            Unavailable: `interface_not_installed`: it cannot be used; the detail says why.
+            NotInstalled: It cannot be used; the detail says why.
         """
         self._share.require(name, f"the action {name[:100]}")
         try:
@@ -326,7 +326,7 @@ class ActionRegistry:
             NotFound: There is no such robot (`robot_not_found`), or it has no such action (`action_not_found`).
             NotAllowed: The grant does not cover the action (`not_covered`).
             ServedElsewhere: The robot is not one of this gateway's.
-            Unavailable: `interface_not_installed`: it cannot be used; the detail says why.
+            NotInstalled: It cannot be used; the detail says why.
         """
         namespace = self._robots.get(robot).namespace
         try:
@@ -345,7 +345,7 @@ class ActionRegistry:
     def _require_installed(self, name: str) -> None:
         if failure := self._discovery.failed.get(name):
             detail = f"{name} is of type {self._type_of(name)}: {failure.why}"
-            raise Unavailable(detail, code="interface_not_installed")
+            raise NotInstalled(detail)
 
     def goal(self, goal_id: str) -> Goal | None:
         """Return a running or lost goal of any action."""

@@ -4,7 +4,7 @@ import difflib
 import heapq
 from collections.abc import Iterable, Sequence
 
-from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
+from dock_gateway.core.errors import FieldError, InvalidField, NotFound, NotInstalled
 
 # Similar names in a hint.
 MAX_HINTS = 3
@@ -44,6 +44,6 @@ def choose_type(name: str, types: Sequence[str], wanted: str | None) -> str:
     return wanted or types[0]
 
 
-def not_installed(name: str, type_name: str, why: object) -> Unavailable:
+def not_installed(name: str, type_name: str, why: object) -> NotInstalled:
     """Return the error that messages of a type cannot be read or written."""
-    return Unavailable(f"{name} is of type {type_name}: {why}", code="interface_not_installed")
+    return NotInstalled(f"{name} is of type {type_name}: {why}")

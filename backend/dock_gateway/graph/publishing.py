@@ -180,7 +180,8 @@ class Publishing:
             NotAllowed: As for `require_allowed`.
             NotFound, InvalidField: As for `find`; or `fields` are not a message of this type.
             Conflict: `stop_latched`: the robot is stopped, and the message may command it; or `topic_in_use`.
-            Unavailable: `interface_not_installed`, or `ros_unavailable`; also if its publisher has left since.
+            NotInstalled: The package of its type is missing.
+            Unavailable: `ros_unavailable`; also if its publisher has left since.
         """
         self.require_allowed(name)
         publication, message = self._publications.get(name), fields
@@ -228,7 +229,7 @@ class Publishing:
         """Return the Python class of a topic's type.
 
         Raises:
-            Unavailable: `interface_not_installed`.
+            NotInstalled: The package of its type is missing.
         """
 
         def load() -> MessageClass:

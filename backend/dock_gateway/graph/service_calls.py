@@ -166,8 +166,8 @@ class ServiceCalls:
             NotAllowed: As for `require_allowed`.
             Conflict: `stop_latched`: the robot is stopped.
             TooManyRequests: `too_many_calls`.
-            Unavailable: Its package is not installed (`interface_not_installed`), it is not reached
-                (`service_unavailable`) or has left (`service_gone`), or `ros_unavailable`.
+            NotInstalled: The package of its type is missing.
+            Unavailable: It is not reached (`service_unavailable`) or has left (`service_gone`), or `ros_unavailable`.
             ServerTimeout: `service_timeout`: it did not answer. It may have carried out the call.
         """
         service = await self.find(name, type_name, grant)
@@ -196,7 +196,7 @@ class ServiceCalls:
         """Return the Python class of a service's type.
 
         Raises:
-            Unavailable: `interface_not_installed`.
+            NotInstalled: The package of its type is missing.
         """
 
         def load() -> Any:

@@ -72,6 +72,21 @@ NAMED = frozenset(
 )
 
 
+# What has a type of ROS, whose package may be missing.
+TYPED = frozenset(
+    {
+        Scope.DOCK,
+        Scope.UNDOCK,
+        Scope.ACTION,
+        Scope.NEW_GOAL,
+        Scope.TOPIC,
+        Scope.PLACE,
+        Scope.SERVICE,
+        Scope.PUBLISHING,
+    }
+)
+
+
 class Audit(Enum):
     """Whether the audit log has a request or a command."""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import NotInstalled
 
 T = TypeVar("T")
 
@@ -43,7 +43,7 @@ class Parts:
 
         Raises:
             KeyError: There is none.
-            Unavailable: It is that of an extension that could not be opened (`extension_failed`).
+            NotInstalled: It is that of an extension that could not be opened (`extension_failed`).
         """
         try:
             part: T = self._parts[kind]
@@ -51,7 +51,7 @@ class Parts:
             for package, extension in self._failed.items():
                 if f"{kind.__module__}.".startswith(f"{package}."):
                     detail = f"{extension} could not be opened: see the alerts"
-                    raise Unavailable(detail, code="extension_failed") from None
+                    raise NotInstalled(detail, code="extension_failed") from None
             raise
         return part
 

@@ -10,7 +10,7 @@ from fastapi.routing import APIRoute
 
 from dock_gateway.http.bodies import BodyReader
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import ABOUT_ROBOTS, NAMED, Operation, operation_of
+from dock_gateway.http.operation import ABOUT_ROBOTS, NAMED, TYPED, Operation, operation_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, known_query
 
@@ -60,6 +60,8 @@ def documented_errors(operation: Operation, *, has_body: bool) -> set[int]:
         found.add(404)
     if operation.scope in ABOUT_ROBOTS:
         found.add(421)
+    if operation.scope in TYPED:
+        found.add(501)
     if operation.sends_goal:
         found.add(429)
     return found

@@ -4,7 +4,7 @@ import re
 from functools import partial
 from typing import Any
 
-from dock_gateway.core.errors import Conflict, ServerTimeout, Unavailable
+from dock_gateway.core.errors import Conflict, NotInstalled, ServerTimeout
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.calibration_port import CalibrationPort
 from dock_gateway.settings import Settings
@@ -49,11 +49,12 @@ class Calibrations:
         Raises:
             Conflict: The server refuses (`calibration_refused`).
             ServerTimeout: It did not answer (`calibration_timeout`).
-            Unavailable: It does not calibrate (`calibration_unavailable`), or `ros_unavailable`.
+            NotInstalled: It does not calibrate (`calibration_unavailable`).
+            Unavailable: `ros_unavailable`.
         """
         port = self._port(namespace)
         if not await port.is_offered():
-            raise Unavailable(
+            raise NotInstalled(
                 f"there is no service {port.service}: a docking server with the controller dock_pose offers it",
                 code="calibration_unavailable",
             )

@@ -24,7 +24,7 @@ async def get_calibration(
 
 
 @router.post("/calibration")
-@operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404, 409, 504))
+@operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404, 409, 501, 504))
 async def calibrate_dock(
     calibrations: Part[Calibrations], robots: Part[RobotRegistry], robot: RobotQuery = None
 ) -> Answer[Calibration]:

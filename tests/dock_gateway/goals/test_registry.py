@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.core.errors import NotFound, NotInstalled
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -67,7 +67,7 @@ async def test_an_action_whose_package_is_missing(registry: ActionRegistry) -> N
         True,
         False,
     )
-    with pytest.raises(Unavailable) as refused:
+    with pytest.raises(NotInstalled) as refused:
         await registry.find("/navigate")
     assert refused.value.code == "interface_not_installed"
     await registry.update(Scan())
