@@ -220,16 +220,18 @@ def test_no_order_of_holds_breaks_a_share(steps: list[Step], most: int, share: i
     for places in held.values():
         for _, place in places:
             place.close()
-    assert quotas.in_use == {}
+    with ExitStack() as stack:
+        assert fill(stack, quotas, ADMIN, "topics") == min(limit.share_of(ADMIN), limit.open_to(ADMIN))
 
 
 def test_a_topic_of_several_connections_and_users_takes_one_place() -> None:
     quotas = Quotas(Settings(), FURTHER)
     with ExitStack() as stack:
         for who in (VIEWER, VIEWER, OTHER):
-            stack.enter_context(quotas.hold(who, "topics", "/scan"))
-        assert quotas.in_use == {"topics": 1}
-    assert quotas.in_use == {}
+            stack.enter_context(quotas.hold(who, "topics", "/scan", "it"))
+        assert fill(stack, quotas, VIEWER, "topics") == LIMITS["topics"].share_of(VIEWER) - 1
+    with ExitStack() as stack:
+        assert fill(stack, quotas, VIEWER, "topics") == LIMITS["topics"].share_of(VIEWER)
 
 
 @pytest.mark.parametrize("what", TAKING_TURNS)
@@ -247,7 +249,7 @@ async def test_a_user_waits_for_their_own_turn_before_those_of_others(what: str)
     await asyncio.sleep(0)
     await asyncio.gather(ask(ADMIN), *many)
     assert order.index("admin") <= 2 * TURNS.get(what, 1)
-    assert quotas.in_use == {}
+    await asyncio.gather(*(ask(VIEWER) for _ in range(TURNS.get(what, 1) + 1)))  # all turns are given back
 
 
 def test_what_the_gateway_does_by_itself_needs_no_place() -> None:

@@ -130,16 +130,6 @@ class Quotas:
         self._places: dict[tuple[str, str], _Places] = {}
         self._turns: dict[tuple[str, str], tuple[asyncio.Semaphore, list[None]]] = {}
 
-    @property
-    def in_use(self) -> dict[str, int]:
-        """How many places and turns of each kind are taken or waited for; nothing where none is."""
-        found: dict[str, int] = {}
-        for (what, _), places in self._places.items():
-            found[what] = found.get(what, 0) + len(places.all)
-        for (what, _), (_, waiting) in self._turns.items():
-            found[what] = found.get(what, 0) + len(waiting)
-        return found
-
     def spend_goal(self, principal: Principal) -> None:
         """Count a goal. Where no login is required there is no limit.
 

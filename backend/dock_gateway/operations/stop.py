@@ -27,18 +27,18 @@ async def stop(parts: Parts, principal: Principal, order: StopOrder, *, wait: fl
         Unavailable: Zero velocity could not be published.
     """
     try:
-        report = vars(await parts[Stopper].stop(*order.robots, latch=order.latch, by=order.by, wait=wait))
+        report = await parts[Stopper].stop(*order.robots, latch=order.latch, by=order.by, wait=wait)
     except Unavailable as error:
         _narrow(error.extra, principal)
         raise
-    _narrow(report, principal)
-    problems = report.pop("problems")
-    return {**report, "warning": order.warning(*problems)}
+    document = report.document()
+    _narrow(document, principal)
+    return {**document, "warning": order.warning(*report.problems)}
 
 
-def _narrow(report: dict[str, Any], principal: Principal) -> None:
+def _narrow(document: dict[str, Any], principal: Principal) -> None:
     for name in ("stopped", "not_stopped"):
-        report[name] = [robot for robot in report[name] if principal.grant.covers_robot(robot)]
+        document[name] = [robot for robot in document[name] if principal.grant.covers_robot(robot)]
 
 
 @releases_stop

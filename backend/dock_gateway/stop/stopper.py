@@ -1,11 +1,11 @@
-"""Stop: halts the robot, cancels its goals, regardless of sender, and sends none until the stop is released."""
+"""Stops robots, cancels their goals, whoever sent them, and sends none until the stop is released."""
 
 import asyncio
 import logging
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError, NotFound, ServedElsewhere, Unavailable
@@ -18,6 +18,8 @@ from dock_gateway.goals.action import Action
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import Robot, RobotRegistry
+from dock_gateway.stop.running_stop import RunningStop
+from dock_gateway.stop.stop_report import StopReport, not_known, not_latched
 
 log = logging.getLogger(__name__)
 
@@ -49,97 +51,6 @@ class StopTiming:
 TIMING = StopTiming()
 
 
-@dataclass
-class StopReport:
-    """The result of a stop.
-
-    Attributes:
-        canceling: The goals that are being canceled.
-        failed: The actions that refused or could not be reached, and the robots that are not known, to which zero
-            velocity could not be published, or whose nodes do not get the stop.
-        unconfirmed: The actions that have not answered the cancel request yet.
-        stop: The latch, as `GET /stop` shows it.
-        stopped: The robots to which zero velocity was published, sorted.
-        not_stopped: The other robots of this gateway, sorted: those that were not meant, and those that failed.
-        others: The other gateways, where this one has a share of the robots and all of them were to stop.
-        problems: Why more robots were stopped than were named, and why a restart of the gateway would forget the stop.
-    """
-
-    canceling: list[str] = field(default_factory=list)
-    failed: list[dict[str, str | None]] = field(default_factory=list)
-    unconfirmed: list[str] = field(default_factory=list)
-    stop: dict[str, Any] = field(default_factory=dict)
-    stopped: list[str] = field(default_factory=list)
-    not_stopped: list[str] = field(default_factory=list)
-    others: list[dict[str, Any]] = field(default_factory=list)
-    problems: list[GatewayError] = field(default_factory=list)
-
-    def add(self, other: "StopReport") -> None:
-        """Add what was done to other robots."""
-        self.canceling += other.canceling
-        self.failed += other.failed
-        self.unconfirmed += other.unconfirmed
-        self.stopped = sorted({*self.stopped, *other.stopped})
-
-
-class Halt:
-    """One stop being executed, shared by all requests for it until it has been repeated.
-
-    Attributes:
-        robots: The robots to stop.
-        cancels: The requests to cancel every goal, by action.
-        unreached: The robots to which zero velocity could not be published the last time, and why.
-        latched: Whether one of the requests asked for the stop to be latched.
-        joined: Whether a request has joined since the last repetition.
-        took: How long it took to publish zero velocity to all robots, in seconds.
-        published_at: When that was last done, on the monotonic clock.
-        confirmed: Set when the action servers have answered or timed out.
-    """
-
-    def __init__(self, robots: list[Robot]) -> None:
-        self.robots = robots
-        self.cancels: dict[Action, asyncio.Task[list[str]]] = {}
-        self.unreached: dict[str, Exception] = {}
-        self.latched = self.joined = False
-        self.took = self.published_at = 0.0
-        self.confirmed = asyncio.Event()
-
-    def publish_zero(self) -> None:
-        """Publish zero velocity to each robot. A failure does not affect the others."""
-        began = time.monotonic()
-        self.unreached = {}
-        for robot in self.robots:
-            try:
-                robot.velocity.publish_zero()
-            except Exception as error:
-                log.exception("zero velocity could not be published to %s", robot.namespace)
-                self.unreached[robot.namespace] = error
-        self.published_at = time.monotonic()
-        self.took = self.published_at - began
-
-    async def ended(self, timeout: float | None) -> None:
-        """Wait until all action servers have answered, at most `timeout` seconds."""
-        pending = [cancel for cancel in self.cancels.values() if not cancel.done()]
-        if pending and (timeout is None or timeout > 0):
-            await asyncio.wait(pending, timeout=timeout)
-
-    def report(self) -> StopReport:
-        """Return what has been done so far."""
-        report = StopReport(
-            failed=[_not_stopped(robot, error) for robot, error in self.unreached.items()],
-            stopped=[robot.namespace for robot in self.robots if robot.namespace not in self.unreached],
-        )
-        for action, task in self.cancels.items():
-            if not task.done():
-                report.unconfirmed.append(action.name)
-            elif (error := task.exception()) is None:
-                report.canceling += task.result()
-            else:
-                report.failed.append(_not_canceled(action.name, error))
-                report.canceling += getattr(error, "extra", {}).get("canceling", [])
-        return report
-
-
 class Stopper:
     """Stops robots, and releases them.
 
@@ -168,7 +79,7 @@ class Stopper:
         self._robots = robots
         self._actions = actions
         self._interlock = interlock
-        self._halts: dict[str, Halt] = {}  # by namespace, while they can be joined
+        self._running: dict[str, RunningStop] = {}  # by namespace, while they can be joined
         self._tasks = Tasks("stopping")
 
     def state(self, namespace: str | None = None) -> dict[str, Any]:
@@ -211,38 +122,37 @@ class Stopper:
         began = time.monotonic()
         report = StopReport()
         names = self._known(namespaces, report)
-        joined = names & self._halts.keys()
-        halts = {name: self._halts[name] if name in joined else self._begin(name) for name in sorted(names)}
+        joined = names & self._running.keys()
+        stops = {name: self._running[name] if name in joined else self._begin(name) for name in sorted(names)}
         # Before the goals are canceled, whose error names who requested it.
-        new = [name for name, halt in halts.items() if latch and self._latch(name, halt, by)]
-        for name, halt in halts.items():
-            (self._join if name in joined else self._cancel_goals)(name, halt)
-        for halt in halts.values():
-            await halt.confirmed.wait()
-            await halt.ended(began + self.timing.confirm_within - time.monotonic())
+        new = [name for name, stop in stops.items() if latch and self._latch(name, stop, by)]
+        for name, stop in stops.items():
+            (self._join if name in joined else self._cancel_goals)(name, stop)
+        for stop in stops.values():
+            await stop.confirmed.wait()
+            await stop.ended(began + self.timing.confirm_within - time.monotonic())
         for name in new:
             self._interlock.publish(name)
         if latch:
             unstored = await self._interlock.stored(began + self.timing.store_within - time.monotonic())
             report.problems += [] if unstored is None else [unstored]
         if wait > self.timing.confirm_within:
-            for halt in halts.values():
-                await halt.ended(began + wait - time.monotonic())
-        self._complete(report, halts)
-        if halts and all(halt.robots and len(halt.unreached) == len(halt.robots) for halt in halts.values()):
+            for stop in stops.values():
+                await stop.ended(began + wait - time.monotonic())
+        self._complete(report, stops)
+        if stops and all(stop.robots and len(stop.unreached) == len(stop.robots) for stop in stops.values()):
             detail = "zero velocity could not be published; use the robot's own emergency stop if it moves"
-            done_all_the_same = {key: value for key, value in vars(report).items() if key != "problems"}
-            raise Unavailable(detail, code="ros_unavailable", **done_all_the_same)
+            raise Unavailable(detail, code="ros_unavailable", **report.document())
         return report
 
-    def _complete(self, report: StopReport, halts: dict[str, Halt]) -> None:
-        report.stop = _together([self._interlock.document(name) for name in halts])
-        if self._share.limited and ALL_ROBOTS in halts:
+    def _complete(self, report: StopReport, stops: dict[str, RunningStop]) -> None:
+        report.stop = _together([self._interlock.document(name) for name in stops])
+        if self._share.limited and ALL_ROBOTS in stops:
             report.others = [claim.document() for claim in self._share.others()]
-        for name, halt in halts.items():
-            report.add(halt.report())
-            if halt.latched:
-                report.failed += [_not_latched(*each) for each in self._interlock.unpublished(name).items()]
+        for name, stop in stops.items():
+            report.add(stop.report())
+            if stop.latched:
+                report.failed += [not_latched(*each) for each in self._interlock.unpublished(name).items()]
         stopped = {*report.stopped}
         report.not_stopped = [
             each.namespace for each in self._robots.under(ALL_ROBOTS) if each.namespace not in stopped
@@ -257,7 +167,7 @@ class Stopper:
                 names.add(self._robots.place(namespace))
             except GatewayError as error:
                 refused[namespace] = error
-        report.failed += [_not_known(robot, error) for robot, error in refused.items()]
+        report.failed += [not_known(robot, error) for robot, error in refused.items()]
         if not names:
             elsewhere = [error for error in refused.values() if isinstance(error, ServedElsewhere)]
             if len(elsewhere) == len(refused):
@@ -267,40 +177,40 @@ class Stopper:
             return {ALL_ROBOTS}
         return {name for name in names if not names & (set(lineage(name)) - {name})}
 
-    def _latch(self, name: str, halt: Halt, by: str | None) -> bool:
+    def _latch(self, name: str, stop: RunningStop, by: str | None) -> bool:
         """Latch a stop; return False if it is latched already."""
-        if halt.latched and self._interlock.holds(name):
+        if stop.latched and self._interlock.holds(name):
             return False
-        halt.latched = True
+        stop.latched = True
         self._interlock.latch(name, by)
         return True
 
     # ------------------------------------------------------------------ execution
 
-    def _begin(self, name: str) -> Halt:
-        self._halts[name] = halt = Halt(self._robots.under(name))
-        halt.publish_zero()
-        self._tasks.spawn(self._carry_on(name, halt))
-        return halt
+    def _begin(self, name: str) -> RunningStop:
+        self._running[name] = stop = RunningStop(self._robots.under(name))
+        stop.publish_zero()
+        self._tasks.spawn(self._carry_on(name, stop))
+        return stop
 
-    def _cancel_goals(self, name: str, halt: Halt) -> None:
+    def _cancel_goals(self, name: str, stop: RunningStop) -> None:
         for action in self._actions.under(name):
-            self._cancel(halt, action)
-        self._notify(halt.robots)
+            self._cancel(stop, action)
+        self._notify(stop.robots)
 
-    def _join(self, name: str, halt: Halt) -> None:
+    def _join(self, name: str, stop: RunningStop) -> None:
         """Repeat the stop: since it began, a robot may have been driven or have appeared, or a goal have started."""
-        halt.joined = True
-        known = {robot.namespace for robot in halt.robots}
+        stop.joined = True
+        known = {robot.namespace for robot in stop.robots}
         new = [robot for robot in self._robots.under(name) if robot.namespace not in known]
-        halt.robots += new
-        if new or time.monotonic() - halt.published_at > self.timing.rest * halt.took:
-            halt.publish_zero()
-            self._notify(halt.robots)
+        stop.robots += new
+        if new or time.monotonic() - stop.published_at > self.timing.rest * stop.took:
+            stop.publish_zero()
+            self._notify(stop.robots)
         for action in self._actions.under(name):
-            cancel = halt.cancels.get(action)
+            cancel = stop.cancels.get(action)
             if cancel is None or (cancel.done() and action.canceler.uncanceled):
-                self._cancel(halt, action)
+                self._cancel(stop, action)
             else:
                 with _keeping_on():
                     action.delivery.stop()
@@ -309,34 +219,34 @@ class Stopper:
         for robot in robots:
             self.on_stop(robot.namespace)
 
-    def _cancel(self, halt: Halt, action: Action) -> None:
+    def _cancel(self, stop: RunningStop, action: Action) -> None:
         with _keeping_on():
             action.delivery.stop()
-        halt.cancels[action] = self._tasks.spawn(action.canceler.cancel_all())
+        stop.cancels[action] = self._tasks.spawn(action.canceler.cancel_all())
 
-    async def _carry_on(self, name: str, halt: Halt) -> None:
+    async def _carry_on(self, name: str, stop: RunningStop) -> None:
         try:
-            await halt.ended(self.timing.confirm_within)
+            await stop.ended(self.timing.confirm_within)
             # Not before the cancels: a server that receives the latch first would abort its goal.
-            if halt.latched:
+            if stop.latched:
                 self._interlock.publish(name)
-            log.info("stop of %s: zero velocity, canceling %s", name, halt.report().canceling or "no goal")
-            halt.confirmed.set()
-            while await self._repeat(halt):
+            log.info("stop of %s: zero velocity, canceling %s", name, stop.report().canceling or "no goal")
+            stop.confirmed.set()
+            while await self._repeat(stop):
                 pass
         finally:
-            del self._halts[name]
-            halt.confirmed.set()
-        if halt.report().unconfirmed:
-            await halt.ended(None)
-            halt.publish_zero()
+            del self._running[name]
+            stop.confirmed.set()
+        if stop.report().unconfirmed:
+            await stop.ended(None)
+            stop.publish_zero()
 
-    async def _repeat(self, halt: Halt) -> bool:
+    async def _repeat(self, stop: RunningStop) -> bool:
         """Publish zero velocity again, to override commands sent since; return whether others joined meanwhile."""
-        halt.joined = False
-        await asyncio.sleep(max(self.timing.repeat_after, self.timing.rest * halt.took))
-        halt.publish_zero()
-        return halt.joined
+        stop.joined = False
+        await asyncio.sleep(max(self.timing.repeat_after, self.timing.rest * stop.took))
+        stop.publish_zero()
+        return stop.joined
 
     async def close(self) -> None:
         """Stop all background work."""
@@ -363,24 +273,3 @@ def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:
         "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
         "persisted": all(stop["persisted"] for stop in stops),
     }
-
-
-def _not_stopped(robot: str, error: Exception) -> dict[str, str | None]:
-    detail = f"zero velocity could not be published to {robot}: {error!r:.200}"
-    return {"action_name": None, "robot": robot, "code": "publish_failed", "detail": detail}
-
-
-def _not_latched(robot: str, reason: str) -> dict[str, str | None]:
-    detail = f"the stop could not be published on the topic of {robot}, so its nodes do not know of it: {reason}"
-    return {"action_name": None, "robot": robot, "code": "latch_not_published", "detail": detail[:400]}
-
-
-def _not_known(robot: str, error: GatewayError) -> dict[str, str | None]:
-    return {"action_name": None, "robot": robot, "code": error.code, "detail": error.detail}
-
-
-def _not_canceled(action_name: str, error: BaseException) -> dict[str, str | None]:
-    code, detail = GatewayError.code, "the gateway's log has the details"
-    if isinstance(error, GatewayError):
-        code, detail = error.code, error.detail
-    return {"action_name": action_name, "robot": None, "code": code, "detail": detail}

@@ -12,7 +12,8 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.goal import encode
-from dock_gateway.stop.stopper import StopReport, StopTiming
+from dock_gateway.stop.stop_report import StopReport
+from dock_gateway.stop.stopper import StopTiming
 from tests.support.shapes import check_answer, check_event
 from tests.support.stopping import FakeFleet, fake_fleet
 from tests.support.waiting import until

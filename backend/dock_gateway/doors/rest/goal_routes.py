@@ -100,7 +100,7 @@ Find = Callable[..., Awaitable[Place]]
 
 
 @dataclass(frozen=True)
-class Kind:
+class GoalCollection:
     """One of the paths where goals are sent.
 
     Attributes:
@@ -128,23 +128,23 @@ class Kind:
     sends: Find
 
 
-def goal_routes(kind: Kind) -> APIRouter:
-    """Return the routes of a kind."""
-    router = APIRouter(route_class=ApiRoute, tags=[kind.tag], prefix=kind.path)
-    send, listing, get, cancel = kind.names
+def goal_routes(goals: GoalCollection) -> APIRouter:
+    """Return the routes of one of these paths."""
+    router = APIRouter(route_class=ApiRoute, tags=[goals.tag], prefix=goals.path)
+    send, listing, get, cancel = goals.names
 
     @router.post(
         "",
         name=send,
-        description=kind.description,
+        description=goals.description,
         status_code=202,
-        response_model=kind.goal,
-        responses={200: {"model": kind.goal, "description": "It ended"}},
-        openapi_extra={**kind.body, "parameters": HEADERS},
+        response_model=goals.goal,
+        responses={200: {"model": goals.goal, "description": "It ended"}},
+        openapi_extra={**goals.body, "parameters": HEADERS},
     )
-    @carries_out(send_goal, kind.scope)
+    @carries_out(send_goal, goals.scope)
     async def send_one(
-        request: Request, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(kind.sends)]
+        request: Request, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(goals.sends)]
     ) -> Response:
         wait, key = read_wait(request), read_own_key(request)
 
@@ -156,12 +156,12 @@ def goal_routes(kind: Kind) -> APIRouter:
         action, goal = await send_goal(parts, principal, order)
         return await answer_sent(request, action, goal, place.path, wait)
 
-    @router.get("", name=listing, response_model=kind.page)
-    @operation(Role.VIEWER, kind.scope)
+    @router.get("", name=listing, response_model=goals.page)
+    @operation(Role.VIEWER, goals.scope)
     async def list_goals(
         parts: AllParts,
         grant: TheGrant,
-        place: Annotated[Place, Depends(kind.sends)],
+        place: Annotated[Place, Depends(goals.sends)],
         *,
         status: StatusQuery = None,
         limit: LimitQuery = 50,
@@ -170,13 +170,13 @@ def goal_routes(kind: Kind) -> APIRouter:
         """List goals, newest first."""
         return await answer_page(parts[Goals], await place.select(parts, grant, status or ()), limit, cursor)
 
-    @router.get("/{goal_id}", name=get, response_model=kind.goal)
+    @router.get("/{goal_id}", name=get, response_model=goals.goal)
     @operation(Role.VIEWER, Scope.GOAL)
-    async def get_goal(goal_id: GoalId, parts: AllParts, place: Annotated[Place, Depends(kind.place)]) -> Response:
+    async def get_goal(goal_id: GoalId, parts: AllParts, place: Annotated[Place, Depends(goals.place)]) -> Response:
         """Return one goal."""
         return place.answer(await place.goal(parts, goal_id))
 
-    _add_cancel(router, cancel, kind.goal, kind.place)
+    _add_cancel(router, cancel, goals.goal, goals.place)
     return router
 
 
@@ -193,7 +193,7 @@ def _add_cancel(router: APIRouter, name: str, model: type[BaseModel], place: Fin
         return place.answer(await cancel_goal(parts, principal, CancelGoal(goal_id)), 202)
 
 
-def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, prefix: str = "") -> Kind:
+def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, prefix: str = "") -> GoalCollection:
     """Return the goals of `/dock` or `/undock`, whose operations have names with a prefix."""
     path = f"/{verb}"
 
@@ -204,7 +204,7 @@ def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, pre
         return Place(path, verb, robot=robot)
 
     names = (verb, f"list_{prefix}goals", f"get_{prefix}goal", f"cancel_{prefix}goal")
-    return Kind(path, verb.capitalize(), names, description, body, scope, Goal, GoalPage, here, of_robot)
+    return GoalCollection(path, verb.capitalize(), names, description, body, scope, Goal, GoalPage, here, of_robot)
 
 
 async def _of_action(name: GraphName) -> Place:
@@ -234,7 +234,7 @@ UNDOCK = _docks(
     Scope.UNDOCK,
     "undock_",
 )
-ACTION = Kind(
+ACTION = GoalCollection(
     "/actions/{name:graph_name}/goals",
     "Actions",
     ("send_action_goal", "list_action_goals", "get_action_goal", "cancel_action_goal"),
