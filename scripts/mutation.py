@@ -19,7 +19,7 @@ from mutmut.stats import status_by_exit_code
 GOAL = 0.9
 WORK = Path(".mutation")
 # Those of the actions that take milliseconds: the others look at memory and at the clock.
-ACTION_TESTS = ("adoption", "cancellation", "goal_machine", "idempotency", "results", "submission", "tracker")
+ACTION_TESTS = ("adoption", "cancellation", "goal_machine", "results", "submission", "submitter", "tracker")
 DOCKING = (
     "goal/engine",
     "goal/dock",

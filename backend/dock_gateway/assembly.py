@@ -15,10 +15,10 @@ from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.core.share import Claim, Share
 from dock_gateway.core.tasks import Tasks, closed_by
 from dock_gateway.extension import Installed
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.graph_scan import scan_graph
 from dock_gateway.fleet.opening import open_fleet
-from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.gateways import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.opening import open_goals

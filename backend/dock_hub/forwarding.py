@@ -11,7 +11,8 @@ from fastapi import APIRouter, Request, WebSocket
 from starlette.datastructures import Headers
 from starlette.requests import HTTPConnection
 from starlette.responses import Response
-from starlette.types import Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from dock_gateway.access.logins import Logins, login_ended
@@ -95,7 +96,7 @@ class Forwarded(Response):
         self._asked = asked
         self._stops = stops
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the request, and then what comes."""
         connection = HTTPConnection(scope)
         timeout = parts_of(connection)[Settings].subscriber_timeout

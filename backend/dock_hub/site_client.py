@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import orjson
-from starlette.types import Receive, Scope, Send
+from starlette.types import Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.sites.identity import Signer
@@ -95,7 +96,7 @@ class SiteClient:
             deadline=request.deadline,
         )
 
-    async def forward(self, request: SiteRequest, scope: Scope, receive: Receive, send: Send) -> None:
+    async def forward(self, request: SiteRequest, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Carry a request or a WebSocket of a client to the site, and its answer back; arguments as ASGI has them.
 
         Raises:

@@ -18,7 +18,7 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.narrowing import narrow_robots
 
 ACTION_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
-# Seconds between two reports of the robots that have changed: as `fleet.overview` does it.
+# Seconds between two reports of the robots that have changed: as `fleet.fleet` does it.
 REPORT_PERIOD = 0.5
 
 

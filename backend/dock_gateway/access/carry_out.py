@@ -3,7 +3,7 @@
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
-from starlette.types import Scope
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.access.authorization import authorize_command
 from dock_gateway.audit.trail import audited_command
@@ -21,7 +21,7 @@ async def carry_out(
     principal: Principal,
     command: Command,
     request: object,
-    scope: Scope,
+    scope: ConnectionScope,
     *,
     subject: str | None = None,
 ) -> Fields:

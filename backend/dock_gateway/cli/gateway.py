@@ -10,7 +10,7 @@ from dock_gateway.assembly import open_gateway
 from dock_gateway.cli.server import run
 from dock_gateway.doctor.environment import describe_ros
 from dock_gateway.extension import extensions
-from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.gateways import Gateways
 from dock_gateway.gateways.machine import own_address
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings

@@ -8,14 +8,14 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.fleet.alert import Acknowledgement
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.findings import claimed_twice
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.fleet.graph_watch import GraphWatch
-from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.scene_board import SceneBoard
 from dock_gateway.fleet.wheels_watch import WheelsWatch
-from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.gateways import Gateways
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions

@@ -3,7 +3,7 @@
 from fastapi import APIRouter
 
 from dock_gateway.core.grant import Role
-from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways.gateways import Gateways
 from dock_gateway.gateways.schema import GatewayList
 from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Audit, Scope, operation

@@ -14,11 +14,11 @@ from dock_gateway.core.goal import Goal, GoalError
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.action_document import action_document
 from dock_gateway.goals.cancellation import Canceler
-from dock_gateway.goals.idempotency import Submitter
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
 from dock_gateway.goals.submission import BeforeSend, Delivery
+from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionPort

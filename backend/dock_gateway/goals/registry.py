@@ -20,9 +20,9 @@ from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.goal_machine import GoalMachine, News
+from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.publication import GoalPublisher
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.submission import BeforeSend
 from dock_gateway.latch.interlock import Interlock

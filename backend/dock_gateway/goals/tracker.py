@@ -20,8 +20,8 @@ from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
-from dock_gateway.goals.publication import GoalPublisher
 from dock_gateway.goals.results import Results
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.admission import KnownGoals

@@ -11,7 +11,8 @@ from ipaddress import ip_address
 from typing import NamedTuple
 
 from starlette.datastructures import Headers
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.access import FORWARDED
 from dock_gateway.core.errors import NotAllowed
@@ -35,7 +36,7 @@ class OriginGuard:
         self._hosts = LOOPBACK_HOSTS.union(settings.allowed_hosts)
         self._origins = frozenset(settings.allowed_origins)
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on.
 
         Raises:
@@ -50,7 +51,7 @@ class OriginGuard:
                 raise
         await self._app(scope, receive, send)
 
-    def _check(self, scope: Scope) -> None:
+    def _check(self, scope: ConnectionScope) -> None:
         headers = Headers(scope=scope)
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
         address = _read_address(scope["scheme"].replace("ws", "http"), hosts[0]) if len(hosts) == 1 else None

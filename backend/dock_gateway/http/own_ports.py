@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 
 class OwnPorts:
@@ -19,7 +20,7 @@ class OwnPorts:
         self._app = app
         self._paths = paths
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on."""
         if _is_meant(scope) and scope["path"] in ("/", "") and scope["server"]:
             path = self._paths.get(scope["server"][1], scope["path"])
@@ -27,7 +28,7 @@ class OwnPorts:
         await self._app(scope, receive, send)
 
 
-def _is_meant(scope: Scope) -> bool:
+def _is_meant(scope: ConnectionScope) -> bool:
     """Return whether a client asks for a WebSocket."""
     if scope["type"] == "http":
         return any(name == b"sec-websocket-key" for name, _ in scope["headers"])

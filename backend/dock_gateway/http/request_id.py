@@ -4,7 +4,8 @@ import re
 import uuid
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.request import CURRENT, RequestContext
 
@@ -25,7 +26,7 @@ class RequestId:
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on, and add the id to the answer."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)

@@ -7,7 +7,8 @@ from contextlib import aclosing
 
 from starlette.requests import ClientDisconnect
 from starlette.responses import StreamingResponse
-from starlette.types import Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.errors import GatewayError
 
@@ -62,7 +63,7 @@ class PacedResponse(StreamingResponse):
         async for chunk in chunks:
             yield chunk
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the answer."""
         async with aclosing(self._chunks):
             try:

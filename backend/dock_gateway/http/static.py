@@ -12,7 +12,7 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, Response
 from starlette.staticfiles import NotModifiedResponse, StaticFiles
-from starlette.types import Scope
+from starlette.types import Scope as ConnectionScope
 
 # Best first. The build writes `index.html.br` next to `index.html`.
 _SUFFIXES = {"br": ".br", "gzip": ".gz"}
@@ -47,14 +47,18 @@ class CompressedFiles(StaticFiles):
         super().__init__(directory=directory)
         self._headers = headers
 
-    async def get_response(self, path: str, scope: Scope) -> Response:
+    async def get_response(self, path: str, scope: ConnectionScope) -> Response:
         """Answer a request for a file of the folder."""
         if is_compressed(path):
             raise HTTPException(status_code=404)
         return await super().get_response(path, scope)
 
     def file_response(
-        self, full_path: str | os.PathLike[str], stat_result: os.stat_result, scope: Scope, status_code: int = 200
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: ConnectionScope,
+        status_code: int = 200,
     ) -> Response:
         """Answer with the file in the best encoding, or that the client's copy is current."""
         request = Headers(scope=scope)

@@ -2,7 +2,8 @@
 
 import time
 
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.observability.request_metrics import RequestMetrics
 
@@ -21,7 +22,7 @@ class RequestMeter:
         self._app = app
         self._metrics = metrics
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on."""
         if scope["type"] == "http":
             with self._metrics.in_progress.track_inprogress():
@@ -31,7 +32,7 @@ class RequestMeter:
         else:
             await self._app(scope, receive, send)
 
-    async def _measure(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def _measure(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         began = time.perf_counter()
         status = 0
 
@@ -51,7 +52,7 @@ class RequestMeter:
             if status == 101:
                 self._metrics.websockets.labels(_route(scope)).dec()
 
-    def _count(self, scope: Scope, status: int, began: float) -> None:
+    def _count(self, scope: ConnectionScope, status: int, began: float) -> None:
         route, method = _route(scope), scope.get("method", "GET")
         seconds = time.perf_counter() - began
         self._metrics.answered(method if method in METHODS else OTHER, route, status, seconds)
@@ -72,7 +73,7 @@ def _status(message: Message) -> int:
     return 0
 
 
-def _route(scope: Scope) -> str:
+def _route(scope: ConnectionScope) -> str:
     """Return the template of the route that answers; `other` for files of the dashboard and unknown paths."""
     path: str = getattr(scope.get("route"), "path", OTHER)
     return path

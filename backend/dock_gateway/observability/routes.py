@@ -9,7 +9,7 @@ from dock_gateway.access.authorization import identify
 from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.further_ways import FurtherWays

@@ -7,8 +7,8 @@ from dock_gateway.core.errors import not_covered
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.alert_board import AlertBoard
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.registry import ActionRegistry

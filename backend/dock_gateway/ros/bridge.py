@@ -25,7 +25,7 @@ from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.ros.inbox import Inbox, Inboxes
 from dock_gateway.ros.listener import AnswerListener, MessageListener
 from dock_gateway.ros.listening_node import ListeningNode
-from dock_gateway.ros.threads import RosThread
+from dock_gateway.ros.ros_thread import RosThread
 from robot_io.participants import create_context
 from robot_io.rclpy_private import InvalidHandle, RCLError, reason
 from robot_io.services import always_answer

@@ -22,7 +22,7 @@ from rclpy.guard_condition import GuardCondition
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
-from dock_gateway.ros.threads import RosThread
+from dock_gateway.ros.ros_thread import RosThread
 from robot_io.rclpy_private import Buffer, Waiter, take_response
 
 log = logging.getLogger(__name__)

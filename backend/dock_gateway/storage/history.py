@@ -27,7 +27,7 @@ from dock_gateway.storage.merge import merge_all
 from dock_gateway.storage.notes import Notes
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.retention import Limits, Retention
-from dock_gateway.storage.seals import Sealer
+from dock_gateway.storage.sealer import Sealer
 from dock_gateway.storage.spool import Spool
 from dock_gateway.storage.waiting import Waiting
 from dock_gateway.storage.writer import Writer

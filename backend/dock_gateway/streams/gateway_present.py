@@ -4,8 +4,8 @@ from dock_gateway.core.event import Event, fleet_event, notice, system_event, ut
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
-from dock_gateway.fleet.alerts import AlertBoard
-from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.alert_board import AlertBoard
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry

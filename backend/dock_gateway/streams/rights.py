@@ -4,7 +4,7 @@ from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager
 from typing import Any, TypeVar
 
-from starlette.types import Scope
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.access.authorization import authorize_command
 from dock_gateway.access.carry_out import carry_out
@@ -32,7 +32,7 @@ class Rights:
         principal: The user.
     """
 
-    def __init__(self, scope: Scope, parts: Parts, principal: Principal) -> None:
+    def __init__(self, scope: ConnectionScope, parts: Parts, principal: Principal) -> None:
         self.principal = principal
         self._scope = scope
         self._parts = parts

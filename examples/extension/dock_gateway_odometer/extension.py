@@ -5,7 +5,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from dock_gateway.extension import Extension
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.http.parts import Parts
 from dock_gateway_odometer.odometers import SERVICE_DUE, Odometers
 from dock_gateway_odometer.routes import router

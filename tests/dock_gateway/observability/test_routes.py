@@ -9,7 +9,7 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Sight, docking_hint
 from dock_gateway.goals.liveness import ServerState

@@ -20,7 +20,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.robot_ports import BatteryPort
-from dock_gateway.ros.threads import MAX_CRASHES
+from dock_gateway.ros.ros_thread import MAX_CRASHES
 from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from tests.support.observer import Observer

@@ -21,7 +21,7 @@ from dock_gateway.extensions.automation.decision import Decision, DecisionOutcom
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
-from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions

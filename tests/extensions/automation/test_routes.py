@@ -14,7 +14,7 @@ from dock_gateway.extensions.automation.decision import Decision, DecisionOutcom
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry
-from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage.shared_entries import SharedBook

@@ -15,7 +15,7 @@ from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
 from dock_gateway.extensions.webhooks.sender import sign
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.http.schema import RobotSelection
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries

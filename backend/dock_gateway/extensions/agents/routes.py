@@ -7,7 +7,8 @@ from typing import Any
 from fastapi import APIRouter, Request
 from mcp_types import PARSE_ERROR
 from starlette.responses import Response
-from starlette.types import Message, Receive, Scope, Send
+from starlette.types import Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.access.carry_out import carry_out
 from dock_gateway.core.errors import MalformedRequest
@@ -16,8 +17,7 @@ from dock_gateway.core.json_text import decode_json
 from dock_gateway.extensions.agents.calls import STOPPING, client_name
 from dock_gateway.extensions.agents.server import AgentServer
 from dock_gateway.extensions.agents.tools import STOP_TOOL, TOOLS
-from dock_gateway.http.operation import Scope as Subject
-from dock_gateway.http.operation import operation
+from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.requests import json_response, known_query, read_body
@@ -38,7 +38,7 @@ class AgentResponse(Response):
         self._server = server
         self._read = body
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the answer."""
         unread: list[Message] = [{"type": "http.request", "body": self._read, "more_body": False}]
 
@@ -49,7 +49,7 @@ class AgentResponse(Response):
 
 
 @router.post("/mcp", include_in_schema=False)
-@operation(Role.VIEWER, Subject.LISTED, any_query=True)
+@operation(Role.VIEWER, Scope.LISTED, any_query=True)
 async def mcp(request: Request, server: Part[AgentServer], parts: AllParts) -> Response:
     """Answer a message of an agent. The audit log has the calls of tools.
 

@@ -23,7 +23,8 @@ from mcp_types import (
 )
 from mcp_types import Tool as ToolDescription
 from starlette.requests import Request
-from starlette.types import Receive, Scope, Send
+from starlette.types import Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway import __version__
 from dock_gateway.access.carry_out import Fields
@@ -68,7 +69,7 @@ class AgentServer:
         async with self._manager.run():
             yield
 
-    async def answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def answer(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Answer a request. A client that does not read is cut off; the goals that it sent go on."""
         timeout = parts_of(Request(scope))[Settings].subscriber_timeout
         await self._manager.handle_request(scope, receive, lambda message: send_in_time(send, message, timeout))

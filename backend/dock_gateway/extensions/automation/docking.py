@@ -21,7 +21,7 @@ from dock_gateway.extensions.automation.decision import Decision, DecisionOutcom
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
-from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions

@@ -14,10 +14,10 @@ from dock_gateway.extensions.automation.routes import router
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schema import AutomationEvent
 from dock_gateway.fleet.alert import Alert
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.alert_kinds import AlertKind
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.fleet.graph_watch import GraphWatch
-from dock_gateway.fleet.overview import Fleet
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts

@@ -12,8 +12,8 @@ from dock_gateway.extensions.recordings.routes import router
 from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import RecordingStore
 from dock_gateway.fleet.alert import Alert
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.alert_kinds import AlertKind
-from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.parts import Parts

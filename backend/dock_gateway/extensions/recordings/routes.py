@@ -10,7 +10,7 @@ from pydantic import StringConstraints
 from starlette.datastructures import Headers
 from starlette.responses import FileResponse, Response
 from starlette.types import Message, Receive, Send
-from starlette.types import Scope as AsgiScope
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
 from dock_gateway.core.event import utc_now
@@ -62,7 +62,7 @@ class RecordingResponse(FileResponse):
         self._held = quotas.hold(principal_of(request), "exports")
         self._timeout = timeout
 
-    async def __call__(self, scope: AsgiScope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the file.
 
         Raises:
@@ -95,7 +95,7 @@ class PartResponse(PacedResponse):
         super().__init__(b"", _pieces(data), timeout, media_type=MCAP, headers=headers)
         self._held = quotas.hold(principal_of(request), "exports")
 
-    async def __call__(self, scope: AsgiScope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the file.
 
         Raises:

@@ -4,7 +4,8 @@ import logging
 from collections.abc import Iterable, Sequence
 from ipaddress import IPv4Address, IPv6Address, ip_address, ip_network
 
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 log = logging.getLogger(__name__)
 
@@ -34,13 +35,13 @@ class ForwardedHeaders:
         self._networks = [ip_network(each) for each in trusted]
         self._reported: set[str] = set()
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on, with the address and the scheme of its client."""
         if scope["type"] in ("http", "websocket") and scope.get("client"):
             self._apply(scope)
         await self._app(scope, receive, send)
 
-    def _apply(self, scope: Scope) -> None:
+    def _apply(self, scope: ConnectionScope) -> None:
         named = {name for name, _ in scope["headers"]} & NAMING
         if not named:
             return
@@ -112,7 +113,7 @@ def read_address(text: str) -> Address | None:
     return address
 
 
-def _values(scope: Scope, header: bytes) -> list[str]:
+def _values(scope: ConnectionScope, header: bytes) -> list[str]:
     """Return the values of a header that may be a list, and may be there several times."""
     lines = (value.decode("latin1") for name, value in scope["headers"] if name == header)
     return [part.strip() for line in lines for part in line.split(",") if part.strip()]

@@ -1,7 +1,8 @@
 """Security headers for browsers. Every answer has them, whichever part made it."""
 
 from starlette.datastructures import MutableHeaders
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 CONTENT_SECURITY_POLICY = "Content-Security-Policy"
 _NO_FRAMES = "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -40,7 +41,7 @@ class SecurityHeaders:
         self._app = app
         self._headers = security_headers(tls=tls) | NO_STORE
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+    async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Pass the request on, and add the headers to the answer."""
 
         async def send_with_headers(message: Message) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 from urllib.parse import quote
 
 from starlette.types import Message as AsgiMessage
-from starlette.types import Scope
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.access import FORWARDED
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded
@@ -24,7 +24,7 @@ from dock_gateway.sites.tunnel.headers import read_request_headers, write_answer
 ABNORMAL_CLOSE, FORBIDDEN = 1006, 403
 
 
-def scope_of(opened: Open, principal: Any, state: Mapping[str, Any]) -> Scope:
+def scope_of(opened: Open, principal: Any, state: Mapping[str, Any]) -> ConnectionScope:
     """Return the ASGI scope of a stream.
 
     Args:
@@ -32,7 +32,7 @@ def scope_of(opened: Open, principal: Any, state: Mapping[str, Any]) -> Scope:
         principal: Who asks, as it was verified.
         state: The application's state.
     """
-    scope: Scope = {
+    scope: ConnectionScope = {
         "type": opened.kind,
         "asgi": {"version": "3.0", "spec_version": "2.3" if opened.kind == "http" else "2.4"},
         "http_version": "1.1",

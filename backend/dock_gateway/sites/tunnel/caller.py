@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from starlette.types import Receive, Scope, Send
+from starlette.types import Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.errors import TooManyRequests, Unavailable
 from dock_gateway.core.tasks import Tasks
@@ -115,7 +116,7 @@ class Caller:
     async def forward(
         self,
         address: Address,
-        scope: Scope,
+        scope: ConnectionScope,
         receive: Receive,
         send: Send,
         *,

@@ -6,7 +6,8 @@ import logging
 import re
 from typing import Any
 
-from starlette.types import Receive, Scope, Send
+from starlette.types import Receive, Send
+from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded
@@ -118,7 +119,7 @@ def _leads_away(name: str, value: str) -> bool:
 
 
 async def forward_websocket(
-    site: str, channel: Channel, scope: Scope, receive: Receive, send: Send, *, deadline: float
+    site: str, channel: Channel, scope: ConnectionScope, receive: Receive, send: Send, *, deadline: float
 ) -> None:
     """Pass the messages of a WebSocket on, both ways, until either end closes it.
 
@@ -150,7 +151,7 @@ async def forward_websocket(
         raise ended_early(site, channel.ended or ChannelEnded(*CLIENT_GONE))
 
 
-async def _deny(channel: Channel, head: Head, scope: Scope, send: Send) -> None:
+async def _deny(channel: Channel, head: Head, scope: ConnectionScope, send: Send) -> None:
     if "websocket.http.response" not in (scope.get("extensions") or {}):
         channel.finish()
         await send({"type": "websocket.close", "code": 1008})

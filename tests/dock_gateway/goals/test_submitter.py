@@ -15,8 +15,8 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.idempotency import Submitter
 from dock_gateway.goals.submission import Delivery
+from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile

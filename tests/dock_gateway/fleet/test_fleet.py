@@ -12,7 +12,7 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState

@@ -16,7 +16,7 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.narrowing import narrow_robots
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alerts import TOPIC, AlertBoard
+from dock_gateway.fleet.alert_board import TOPIC, AlertBoard
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Join, Sight, find_join, split_robots

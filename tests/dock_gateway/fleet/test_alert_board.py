@@ -13,7 +13,7 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
-from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.storage.shared_entries import SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import EntriesInMemory

@@ -13,8 +13,8 @@ import pytest
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import Claim, Share
-from dock_gateway.gateways import claims
-from dock_gateway.gateways.claims import Gateways
+from dock_gateway.gateways import gateways as claims
+from dock_gateway.gateways.gateways import Gateways
 from dock_gateway.gateways.machine import boot_id, host_name
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
