@@ -15,10 +15,11 @@ from pydantic.json_schema import JsonSchemaMode, models_json_schema
 from dock_gateway.http.operation import Operation, Scope, find_operation
 
 SECURITY_SCHEMES = {
-    "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for one"},
+    "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for logins"},
     "login": {"type": "apiKey", "in": "cookie", "name": "dock-gateway", "description": "The dashboard's login"},
 }
 COMPONENTS = "#/components/schemas/"
+NO_LOGIN: dict[str, list[str]] = {}
 REF = f"{COMPONENTS}{{model}}"
 
 
@@ -111,9 +112,8 @@ def _build(
         tags=app.openapi_tags,
     )
     components = document.setdefault("components", {})
-    if authentication:
-        components["securitySchemes"] = SECURITY_SCHEMES
-        document["security"] = [{name: []} for name in SECURITY_SCHEMES]
+    components["securitySchemes"] = SECURITY_SCHEMES
+    document["security"] = [*([] if authentication else [NO_LOGIN]), *({name: []} for name in SECURITY_SCHEMES)]
     _add_roles(document, app)
     schemas = components.setdefault("schemas", {})
     modes: list[tuple[type[BaseModel], JsonSchemaMode]] = [
@@ -179,7 +179,7 @@ def references(value: object) -> Iterator[str]:
 
 
 def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
-    """Add to each operation the role that it needs, as `x-role`; or, where there is security, that it needs none.
+    """Add to each operation the role that it needs, as `x-role`; or that it needs none.
 
     `x-every-robot` is true where it is about every robot: access that is limited to some does not suffice.
     """
@@ -193,7 +193,7 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
             needed = find_operation(route)
             if needed is not None and needed.role is not None:
                 operation.update(_needs(needed))
-            elif "security" in document:
+            else:
                 operation["security"] = []
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from dock_gateway.goals.schema import ACTION_EVENTS
-from dock_gateway.http.openapi import COMPONENTS, reachable
+from dock_gateway.http.openapi import COMPONENTS, NO_LOGIN, reachable
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.principal import TICKET
 from dock_gateway.streams import events, socket, topics
@@ -77,11 +77,12 @@ def asyncapi_document(openapi: Json, further: Models) -> Json:
             "x-role": operation["x-role"],
         }
     messages = [*dict.fromkeys(model.__name__ for model in (*commands, *all_events, *ECHO_EVENTS))]
-    schemes = {name: _scheme(scheme) for name, scheme in openapi["components"].get("securitySchemes", {}).items()}
-    servers = {name: _server(server, schemes) for name, server in SERVERS.items()}
-    if schemes:
-        schemes[TICKET] = TICKET_SCHEME
-        servers["websockets"]["security"].append({"$ref": f"#/components/securitySchemes/{TICKET}"})
+    schemes = {name: _scheme(scheme) for name, scheme in openapi["components"]["securitySchemes"].items()}
+    required = NO_LOGIN not in openapi["security"]
+    servers = {
+        "websockets": _server(SERVERS["websockets"], [*schemes, TICKET] if required else []),
+        "http": _server(SERVERS["http"], schemes if required else []),
+    }
     return {
         "asyncapi": "3.0.0",
         "info": {name: openapi["info"][name] for name in ("title", "version", "description")},
@@ -92,7 +93,7 @@ def asyncapi_document(openapi: Json, further: Models) -> Json:
         "components": {
             "messages": {name: _message(name, schemas[name]) for name in messages},
             "schemas": {name: schemas[name] for name in sorted(reachable(messages, schemas))},
-            "securitySchemes": schemes,
+            "securitySchemes": schemes | {TICKET: TICKET_SCHEME},
         },
     }
 
