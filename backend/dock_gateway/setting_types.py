@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from ipaddress import ip_address, ip_network
 from pathlib import Path
 from typing import Annotated
@@ -36,6 +37,17 @@ HOST = re.compile(r"(?P<host>[a-z0-9_.-]+|\[[0-9a-f:.]+\])(?::(?P<port>[0-9]{1,5
 ORIGIN = re.compile(rf"(?P<scheme>(?!wss?:)[a-z][a-z0-9+.-]*)://{HOST.pattern}/?")
 PORTS = {"http": "80", "https": "443"}
 ROLES = frozenset({"viewer", "agent", "operator", "supervisor", "admin"})
+
+
+@dataclass(frozen=True)
+class ListensOn:
+    """Marks a setting that is a port to listen on.
+
+    Attributes:
+        path: Where WebSockets of `/` lead that come in on it; None: it is the port of all paths.
+    """
+
+    path: str | None = None
 
 
 def own_names(pairs: tuple[str, ...]) -> dict[str, str]:

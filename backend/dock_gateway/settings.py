@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Literal, Self, TypeVar
+from typing import Annotated, Literal, Self, TypeVar
 
 import platformdirs
 from pydantic import Field, model_validator
@@ -20,6 +20,7 @@ from dock_gateway.setting_types import (
     ExtensionNames,
     HostNames,
     Issuer,
+    ListensOn,
     Megabytes,
     Namespace,
     Networks,
@@ -97,7 +98,9 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
-    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")
+    port: Annotated[int, ListensOn()] = Field(
+        8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port."
+    )
     allowed_hosts: HostNames = Field(
         (),
         description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "
@@ -543,8 +546,17 @@ class Settings(BaseSettings):
     @property
     def ports(self) -> dict[str, int]:
         """The ports to listen on, by the names of their settings."""
-        names = [name for name in type(self).model_fields if name == "port" or name.endswith("_port")]
-        return {name: port for name in names if (port := getattr(self, name)) is not None}
+        return {name: port for name, _ in self._listened() if (port := getattr(self, name)) is not None}
+
+    @property
+    def own_ports(self) -> dict[int, str]:
+        """The ports that extensions have for themselves, each with the path where its WebSockets lead."""
+        listened = ((getattr(self, name), mark.path) for name, mark in self._listened())
+        return {port: path for port, path in listened if port is not None and path is not None}
+
+    def _listened(self) -> list[tuple[str, ListensOn]]:
+        fields = type(self).model_fields.items()
+        return [(name, mark) for name, field in fields for mark in field.metadata if isinstance(mark, ListensOn)]
 
     @property
     def open_to(self) -> Literal["machine", "network"] | None:

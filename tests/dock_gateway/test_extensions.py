@@ -65,6 +65,14 @@ def test_each_kind_of_thing_that_one_adds_has_a_heading() -> None:
     assert headings == [field.name for field in fields(Extension)]
 
 
+def test_the_code_of_the_page_works() -> None:
+    names: dict[str, Any] = {"__name__": "page"}
+    for block in re.findall(r"(?ms)^```python\n(.*?)^```$", PAGE.read_text()):
+        exec(block, names)
+    names["test_only_success_counts"]()
+    assert [name for name, value in names.items() if isinstance(value, Extension)] == ["extension"]
+
+
 class Part:
     """What an extension opens."""
 

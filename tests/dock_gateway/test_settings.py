@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Annotated
 
 import click
 import pytest
@@ -11,6 +12,7 @@ from scripts import settings_table
 
 from dock_gateway.cli import main
 from dock_gateway.cli.options import ONLY_A_VARIABLE, TYPE, option_name, read_settings
+from dock_gateway.setting_types import ListensOn
 from dock_gateway.settings import Settings, unknown_variables
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
@@ -250,3 +252,16 @@ def test_names_of_single_robots() -> None:
     assert settings.battery_of("/robot1") == "/power/battery"
     assert settings.battery_of("/") == "/b"
     assert settings.battery_of("/robot2") == "/robot2/battery_status"
+
+
+def test_the_ports_are_the_settings_that_say_so() -> None:
+    assert (Settings().ports, Settings().own_ports) == ({"port": 8000}, {})
+
+    class Further(Settings):
+        pair_port: Annotated[int | None, ListensOn("/pair")] = None
+        their_port: int = 22
+
+    settings = Further(pair_port=9000)
+    assert (settings.ports, settings.own_ports) == ({"port": 8000, "pair_port": 9000}, {9000: "/pair"})
+    with pytest.raises(ValidationError, match="different ports"):
+        Further(pair_port=8000)

@@ -70,9 +70,7 @@ class Server(uvicorn.Server):
         self._parts = parts
         self._ways = parts[FurtherWays]
         self._app = app = RequestId(SecurityHeaders(app, tls=settings.tls))
-        # The WebSockets of an extension may have a port of their own: `rosbridge_port` is that of `/rosbridge`.
-        own = {name.removesuffix("_port"): port for name, port in settings.ports.items() if name != "port"}
-        self._own_ports = {port: f"/{name}" for name, port in own.items()}
+        self._own_ports = settings.own_ports
         self.config.app = ForwardedHeaders(OwnPorts(app, self._own_ports), settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()

@@ -7,17 +7,7 @@ import { useFleet, useFleetLive } from "../fleet/context";
 import { Section } from "../ui/Section";
 import { sentence } from "../ui/text";
 
-/*
- * What the card of an extension of another distribution may rely on. Its ES module is imported once for a page load, and
- * by the end of that has defined the custom element `NAME-card`, with `-` for each `_`. The page gives the frame and the
- * title.
- * - The attribute `robot` is the robot's namespace: `/robot1`; `/` for the root namespace. It is set before the element is
- *   connected. It may change later: observe it. The element is removed when the page of the robot is left.
- * - The element is in the light DOM and inherits the page's font and colours. Mantine's CSS variables follow the colour
- *   scheme: `--mantine-color-text`, `--mantine-color-dimmed`, `--mantine-color-error`, `--mantine-spacing-md`.
- * - `fetch(new URL("../../robots", import.meta.url))` asks the gateway that the module is from, with the cookie of the
- *   login. The page's policy allows no other origin, no inline scripts and no `eval`.
- */
+// What a card may rely on is in docs/write-an-extension.md.
 
 /** For what stays the same until the page is loaded again, whether there was an answer or not. */
 const ONCE = { staleTime: Number.POSITIVE_INFINITY, gcTime: Number.POSITIVE_INFINITY, retryOnMount: false };

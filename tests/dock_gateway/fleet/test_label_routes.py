@@ -1,44 +1,27 @@
 """Labels over HTTP: what is stored, and what is refused with which field or code."""
 
 from collections.abc import Iterator
-from typing import Any, Self
+from typing import Any
 
 import pytest
-from starlette.testclient import TestClient
 
-from dock_gateway.app import create_app
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels, RobotLabel
-from dock_gateway.settings import Settings
-from tests.support.audit import audit_parts
 from tests.support.entries import EntriesInMemory
-from tests.support.shapes import check_answer
+from tests.support.route_client import RouteClient
 
 LEFT = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
 
 
-class Client:
+class Client(RouteClient):
     """`PUT /robots/label` of a gateway with the robots `/` and `/robot1`."""
 
     def __init__(self) -> None:
-        settings = Settings(database_url="memory:")
         self.labels = Labels(EntriesInMemory[RobotLabel](), lambda: ["/", "/robot1"])
-        parts = Parts({**audit_parts(), Settings: settings, Labels: self.labels})
-        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
-
-    def __enter__(self) -> Self:
-        self._http.__enter__()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._http.__exit__()
+        super().__init__({Labels: self.labels})
 
     def put(self, status: int = 200, query: str = "", **content: Any) -> Any:
-        answer = self._http.put(f"/robots/label{query}", **content)
-        assert answer.status_code == status, answer.text
-        check_answer("PUT", "/robots/label", status, answer.headers["content-type"], answer.content)
-        return answer.json()
+        return self.send("PUT", f"/robots/label{query}", status, **content)
 
 
 @pytest.fixture

@@ -2,12 +2,10 @@
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Any, Self, cast
+from typing import Any, cast
 
 import pytest
-from starlette.testclient import TestClient
 
-from dock_gateway.app import create_app
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome
@@ -15,12 +13,9 @@ from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.fleet.fleet import Fleet
-from dock_gateway.http.parts import Parts
-from dock_gateway.settings import Settings
 from dock_gateway.storage.shared_entries import SharedBook
-from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
-from tests.support.shapes import check_answer
+from tests.support.route_client import RouteClient
 
 BATTERY = {"name": "Low battery", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 60}}
 NIGHT = {
@@ -30,11 +25,10 @@ NIGHT = {
 }
 
 
-class Client:
+class Client(RouteClient):
     """`/automation` of a gateway with the robots `/` and `/robot1`."""
 
     def __init__(self) -> None:
-        settings = Settings(database_url="memory:")
         self.history = HistoryInMemory()
         labels = {"/": (), "/robot1": ("hall 1",)}
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
@@ -48,27 +42,14 @@ class Client:
             rules=SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
             decisions=DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", Decision)),
         )
-        parts = Parts({**audit_parts(), Settings: settings, AutomaticDocking: docking})
-        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
-
-    def __enter__(self) -> Self:
-        self._http.__enter__()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._http.__exit__()
+        super().__init__({AutomaticDocking: docking})
 
     def put(self, rule: object, status: int = 200, rule_id: str = "night") -> Any:
-        answer = self._http.put(f"/automation/rules/{rule_id}", json=rule)
-        assert answer.status_code == status, answer.text
-        check_answer("PUT", "/automation/rules/{rule_id}", status, answer.headers["content-type"], answer.content)
-        return answer.json()
+        path = "/automation/rules/{rule_id}"
+        return self.send("PUT", f"/automation/rules/{rule_id}", status, template=path, json=rule)
 
     def get(self, path: str, status: int = 200, query: str = "") -> Any:
-        answer = self._http.get(f"/automation/{path}{query}")
-        assert answer.status_code == status, answer.text
-        check_answer("GET", f"/automation/{path}", status, answer.headers["content-type"], answer.content)
-        return answer.json()
+        return self.send("GET", f"/automation/{path}{query}", status)
 
     def delete(self, rule_id: str) -> tuple[int, str]:
         answer = self._http.delete(f"/automation/rules/{rule_id}")

@@ -6,59 +6,39 @@ from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
-from typing import Any, Self
+from typing import Any
 from zoneinfo import ZoneInfo
 
 import pytest
-from starlette.testclient import TestClient
 
-from dock_gateway.app import create_app
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.extensions.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
 from dock_gateway.extensions.statistics.tally import Tally
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, History
-from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory, make_goal
-from tests.support.shapes import check_answer
+from tests.support.route_client import RouteClient
 
 BERLIN = ZoneInfo("Europe/Berlin")
 DAY = timedelta(days=1)
 S = GoalStatus
 
 
-class Client:
+class Client(RouteClient):
     """`/statistics` and `/goals` of a gateway whose history is in memory, with the robots `/` and `/robot1`."""
 
     def __init__(self) -> None:
-        settings = Settings(database_url="memory:")
         self.history = HistoryInMemory()
 
         robots: Any = SimpleNamespace(namespaces=lambda: ["/", "/robot1"])
         actions: Any = SimpleNamespace(goal=lambda _: None)
         self.labels = Labels(self.history.documents("label", RobotLabel), robots.namespaces)
-        robot_actions = RobotActions(settings, robots, self.labels, self.history)
-        parts = Parts(
-            {
-                **audit_parts(),
-                Settings: settings,
-                History: self.history,
-                Goals: Goals(actions, robot_actions, self.history),
-                RobotActions: robot_actions,
-            }
-        )
-        self._http = TestClient(create_app(settings, parts), base_url="http://127.0.0.1:8000")
-
-    def __enter__(self) -> Self:
-        self._http.__enter__()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._http.__exit__()
+        robot_actions = RobotActions(Settings(), robots, self.labels, self.history)
+        goals = Goals(actions, robot_actions, self.history)
+        super().__init__({History: self.history, Goals: goals, RobotActions: robot_actions})
 
     def record(self, at: str, status: GoalStatus = S.SUCCEEDED, took: float = 10.0, **more: Any) -> None:
         number = len(asyncio.run(self.history.page(GoalFilter(), limit=1000)))
@@ -75,11 +55,7 @@ class Client:
         asyncio.run(self.history.notes.replace_tags(f"goal-{number:04d}", tags))
 
     def get(self, path: str, status: int = 200) -> Any:
-        answer = self._http.get(path)
-        assert answer.status_code == status, answer.text
-        kind = answer.headers["content-type"]
-        check_answer("GET", path.partition("?")[0], answer.status_code, kind, answer.content)
-        return answer.json()
+        return self.send("GET", path, status)
 
     def problem(self, query: str) -> str:
         problem = self.get(f"/statistics?{query}", 422)

@@ -3,36 +3,30 @@
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from types import SimpleNamespace
-from typing import Any, Self, cast
+from typing import Any, cast
 
 import pytest
-from starlette.testclient import TestClient
 
-from dock_gateway.app import create_app
 from dock_gateway.extensions.webhooks.delivery import Delivery
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
-from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import RobotLabel
-from dock_gateway.settings import Settings
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
-from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
-from tests.support.shapes import check_answer
+from tests.support.route_client import RouteClient
 from tests.support.webhooks import Receiver, running_receiver
 
 SECRET = "whsec_" + "A" * 32
 
 
-class Client:
+class Client(RouteClient):
     """`/webhooks` of a gateway that has no alerts."""
 
     def __init__(self) -> None:
-        settings = Settings(database_url="memory:")
         history = HistoryInMemory()
         self._notifier: Notifier | None = None
-        parts = Parts({**audit_parts(), Settings: settings})
+        super().__init__()
 
         @asynccontextmanager
         async def opened(_: object) -> AsyncIterator[dict[str, Any]]:
@@ -43,30 +37,14 @@ class Client:
                 webhooks=webhooks,
                 outbox=Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery))),
             )
-            parts.add(Notifier, notifier)
-            yield {"parts": parts}
+            self.parts.add(Notifier, notifier)
+            yield {"parts": self.parts}
             await notifier.close()
 
-        app = create_app(settings, parts)
-        app.router.lifespan_context = opened
-        self._http = TestClient(app, base_url="http://127.0.0.1:8000")
-
-    def __enter__(self) -> Self:
-        self._http.__enter__()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._http.__exit__()
-
-    def send(self, method: str, path: str, status: int = 200, body: object = None, template: str = "") -> Any:
-        answer = self._http.request(method, f"/webhooks{path}", json=body)
-        assert answer.status_code == status, answer.text
-        kind = answer.headers.get("content-type", "")
-        check_answer(method, f"/webhooks{template or path}", status, kind, answer.content)
-        return answer.json() if answer.content else None
+        self.app.router.lifespan_context = opened
 
     def put(self, body: object, status: int = 200, webhook_id: str = "hook") -> Any:
-        return self.send("PUT", f"/{webhook_id}", status, body, "/{webhook_id}")
+        return self.send("PUT", f"/webhooks/{webhook_id}", status, json=body, template="/webhooks/{webhook_id}")
 
 
 @pytest.fixture
@@ -85,28 +63,28 @@ HOOK = {"name": "Control room", "url": "https://hooks.example.com/a?b=c"}
 
 
 def test_webhooks_are_stored_listed_tested_and_removed(client: Client, receiver: Receiver) -> None:
-    assert client.send("GET", "") == {"webhooks": []}
+    assert client.send("GET", "/webhooks") == {"webhooks": []}
     stored = client.put(HOOK | {"url": receiver.url, "by": " Ada "})
     assert stored["secret"].startswith("whsec_")
     assert (stored["enabled"], stored["severities"], stored["changed_by"]) == (True, ["critical", "warning"], "Ada")
     assert stored["robots"] == {"all": True, "names": [], "groups": []}
-    (listed,) = client.send("GET", "")["webhooks"]
+    (listed,) = client.send("GET", "/webhooks")["webhooks"]
     assert listed == {name: value for name, value in stored.items() if name != "secret"}
-    tested = client.send("POST", "/hook/test", template="/{webhook_id}/test")
+    tested = client.send("POST", "/webhooks/hook/test", template="/webhooks/{webhook_id}/test")
     assert (tested["state"], tested["status_code"], receiver.seen()) == ("delivered", 204, [("test", "")])
-    path = "/{webhook_id}/deliveries"
-    assert client.send("GET", "/hook/deliveries?limit=5", template=path)["deliveries"] == [tested]
-    assert client.send("GET", "")["webhooks"][0]["last_delivery"] == tested
-    client.send("DELETE", "/hook", 204, template="/{webhook_id}")
+    path = "/webhooks/{webhook_id}/deliveries"
+    assert client.send("GET", "/webhooks/hook/deliveries?limit=5", template=path)["deliveries"] == [tested]
+    assert client.send("GET", "/webhooks")["webhooks"][0]["last_delivery"] == tested
+    client.send("DELETE", "/webhooks/hook", 204, template="/webhooks/{webhook_id}")
     for method, suffix in (("DELETE", ""), ("POST", "/test"), ("GET", "/deliveries")):
-        missing = client.send(method, f"/hook{suffix}", 404, template=f"/{{webhook_id}}{suffix}")
+        missing = client.send(method, f"/webhooks/hook{suffix}", 404, template=f"/webhooks/{{webhook_id}}{suffix}")
         assert missing["code"] == "webhook_not_found"
 
 
 def test_a_secret_may_be_given(client: Client) -> None:
     assert client.put(HOOK | {"secret": SECRET, "enabled": False, "severities": ["warning"]})["secret"] is None
     assert client.put(HOOK | {"secret": None})["secret"] is None
-    assert SECRET not in str(client.send("GET", ""))
+    assert SECRET not in str(client.send("GET", "/webhooks"))
 
 
 def test_there_is_a_limit(client: Client) -> None:
@@ -146,7 +124,7 @@ def test_what_is_no_webhook(client: Client, webhook: object, path: str) -> None:
     """Beyond what its schema says: see test_bodies.py."""
     problem = client.put(webhook, 422)
     assert [error["path"] for error in problem["errors"]] == [path]
-    assert client.send("GET", "") == {"webhooks": []}
+    assert client.send("GET", "/webhooks") == {"webhooks": []}
 
 
 def test_what_is_no_id(client: Client) -> None:

@@ -1,14 +1,17 @@
 """The settings of Foxglove's door."""
 
+from typing import Annotated
+
 from pydantic import Field
 
+from dock_gateway.setting_types import ListensOn
 from dock_gateway.settings import ExtensionSettings
 
 
 class FoxgloveSettings(ExtensionSettings):
     """A port of its own, as clients expect it."""
 
-    foxglove_port: int | None = Field(
+    foxglove_port: Annotated[int | None, ListensOn("/foxglove")] = Field(
         None,
         ge=1,
         le=65535,

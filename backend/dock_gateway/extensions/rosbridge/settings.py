@@ -1,14 +1,17 @@
 """The settings of rosbridge's door."""
 
+from typing import Annotated
+
 from pydantic import Field
 
+from dock_gateway.setting_types import ListensOn
 from dock_gateway.settings import ExtensionSettings
 
 
 class RosbridgeSettings(ExtensionSettings):
     """A port of its own, as clients expect it."""
 
-    rosbridge_port: int | None = Field(
+    rosbridge_port: Annotated[int | None, ListensOn("/rosbridge")] = Field(
         None,
         ge=1,
         le=65535,
