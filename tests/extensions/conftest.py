@@ -10,4 +10,4 @@ from tests.dock_gateway.conftest import (  # noqa: F401 - fixtures
     sqlite_url,
     stopped_clock,
 )
-from tests.system.conftest import gateway, shared_domain  # noqa: F401 - fixtures
+from tests.system.conftest import gateway, root, shared_domain, site  # noqa: F401 - fixtures

@@ -11,35 +11,17 @@ import pytest
 
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
-from tests.support.calls import FakeCall
+from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
 
 A, B = "aaaaaaaa-0000-4000-8000-000000000000", "bbbbbbbb-0000-4000-8000-000000000000"
 S = GoalStatus
-
-
-class FakePort:
-    """The test sets the answers to `request_result`."""
-
-    action_name = "/dock"
-    action_type = "pkg/action/Dock"
-
-    def __init__(self) -> None:
-        self.calls: dict[str, list[FakeCall]] = {}
-
-    def request_result(self, goal_id: str) -> FakeCall:
-        call = FakeCall()
-        self.calls.setdefault(goal_id, []).append(call)
-        return call
-
-    def answer(self, goal_id: str, status: GoalStatus | None, result: bytes | None = None) -> None:
-        self.calls[goal_id][-1].response.set_result(ResultAnswer(status, result))
 
 
 QUICK = GoalLimits(result_wait=0.05, ask_again_after=0.03, end_stamp_wait=0.01)
@@ -50,7 +32,7 @@ class Scene:
         self.fanout = Fanout(queue_limit=100)
         self.history = HistoryInMemory()
         self.returned: list[Goal] = []
-        self.port = FakePort()
+        self.port = FakeActionPort()
         port: Any = self.port
         self.reasons: PendingFacts[GoalError] = reasons or PendingFacts(0.1)
         self.tracker = GoalTracker(port, self.fanout, self.history, self.reasons, limits=limits)

@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import aclosing, contextmanager
-from pathlib import Path
 
 import pytest
 
@@ -23,11 +22,6 @@ pytestmark = pytest.mark.ros
 TIMEOUT, SLACK = 1.0, 6.0
 SILENT = "/robot1/never"
 LONG = {"order": 45}
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
-    return Site(Path(tmp_path_factory.mktemp("site")))
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from io import BytesIO
-from pathlib import Path
 
 import orjson
 import pytest
@@ -19,17 +18,6 @@ pytestmark = pytest.mark.ros
 
 SHARED = ("/rosout", "/parameter_events", "/diagnostics", "/tf")
 OWN = "/battery_status"
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
-    return Site(Path(tmp_path_factory.mktemp("site")))
-
-
-@pytest.fixture(scope="module")
-def root(site: Site) -> dict[str, str]:
-    """A user of the robot without a namespace."""
-    return bearer(site.token("root", "operator", "--robot", "/"))
 
 
 @pytest.fixture(scope="module")

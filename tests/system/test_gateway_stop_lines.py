@@ -1,7 +1,6 @@
 """A stop of a real gateway, however its request line is written: it is carried out, or clearly refused."""
 
 import socket
-from collections.abc import Iterator
 from urllib.parse import urlsplit
 
 import orjson
@@ -9,16 +8,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.gateway import RunningGateway
 from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
-
-
-@pytest.fixture(scope="module")
-def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(shared_domain) as gateway:
-        yield gateway
 
 
 def ask(gateway: RunningGateway, line: bytes, host: bytes = b"localhost") -> tuple[int, str]:

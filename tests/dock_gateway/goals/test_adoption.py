@@ -85,7 +85,7 @@ async def test_a_goal_that_has_ended_stays_as_it_is(scene: Scene, status: S) -> 
     kept = await scene.history.get(B)
     assert kept is not None
     assert encode(kept.document()) == encode(ended.document())
-    assert scene.port.calls == {}
+    assert scene.port.results == {}
     assert scene.tracker.live == {}
 
 

@@ -1,7 +1,7 @@
 """A goal that must not run is canceled whenever it turns up. The port is a fake; tests/system has the real one."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from datetime import UTC, datetime
 from functools import partial
 from types import SimpleNamespace
@@ -20,6 +20,7 @@ from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
+from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
@@ -28,34 +29,11 @@ S = GoalStatus
 LOST = GoalError("action_server_lost", "silent")
 
 
-class FakePort:
-    """Answers a cancel request with what the test has put into `script`; the last one stays."""
-
-    action_name = "/dock"
-    action_type = "pkg/action/Dock"
-
-    def __init__(self) -> None:
-        self.asked: list[str | None] = []
-        self.timeouts: list[float] = []
-        self.while_asked: Callable[[], object] = lambda: None
-        self.script: list[CancelAnswer | Exception] = [CancelAnswer(frozenset({A}), 0)]
-
-    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
-        self.asked.append(goal_id)
-        self.timeouts.append(timeout)
-        self.while_asked()
-        answer = self.script.pop(0) if len(self.script) > 1 else self.script[0]
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
-
-    def request_result(self, goal_id: str) -> None:
-        raise Unavailable("asked again later")
-
-
 class Scene:
     def __init__(self) -> None:
-        self.port = FakePort()
+        self.port = FakeActionPort()
+        self.port.cancel_answers = [CancelAnswer(frozenset({A}), 0)]
+        self.port.no_results = Unavailable("requested again later")
         fanout = Fanout(queue_limit=10)
         self.tracker = GoalTracker(self.port, fanout, HistoryInMemory(), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
@@ -95,46 +73,46 @@ async def test_a_running_goal(scene: Scene) -> None:
     assert goal.status is S.CANCELING
     assert goal.error is None
     await scene.canceler.cancel(goal)  # once more does no harm
-    assert scene.port.asked == [A, A]
-    assert scene.port.timeouts == [0.7, 0.7]
+    assert scene.port.canceled == [A, A]
+    assert scene.port.cancel_timeouts == [0.7, 0.7]
 
 
 async def test_a_refusal(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"goal_id": A})
     assert "refuses" in refused.value.detail
     assert goal.status is S.EXECUTING
-    assert scene.port.asked == [A]
+    assert scene.port.canceled == [A]
 
 
 async def test_a_goal_that_the_server_does_not_know_yet_is_asked_for_once_more(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 2)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 2)]
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert refused.value.code == "cancel_rejected"
-    assert scene.port.asked == [A, A]
+    assert scene.port.canceled == [A, A]
 
 
 @pytest.mark.parametrize("return_code", [0, 2])
 async def test_a_goal_that_ends_while_the_server_is_asked(scene: Scene, return_code: int) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), return_code)]
-    scene.port.while_asked = lambda: scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), return_code)]
+    scene.port.on_cancel = lambda: scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
     assert "succeeded" in refused.value.detail
-    assert scene.port.asked == [A]
+    assert scene.port.canceled == [A]
 
 
 async def test_a_refusal_ends_all_wishes_to_cancel(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
     scene.canceler.mark_unwanted(goal, TOO_LATE)
-    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(Conflict):
         await scene.canceler.cancel(goal)
     assert (scene.canceler.unwanted, goal.error) == ({}, None)
@@ -147,12 +125,16 @@ async def test_an_ended_goal(scene: Scene) -> None:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
     assert "succeeded" in refused.value.detail
-    assert scene.port.asked == []
+    assert scene.port.canceled == []
 
 
 async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
-    scene.port.script = [CancelAnswer(frozenset(), 2), CancelAnswer(frozenset(), 2), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [
+        CancelAnswer(frozenset(), 2),
+        CancelAnswer(frozenset(), 2),
+        CancelAnswer(frozenset({A}), 0),
+    ]
     await scene.canceler.cancel(goal)
     scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)
     scene.canceler.seen_again(goal)
@@ -163,7 +145,7 @@ async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -
 async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
     goal = scene.goal(S.LOST)
     await scene.canceler.cancel(goal)
-    assert scene.port.asked == []
+    assert scene.port.canceled == []
     scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     await asyncio.sleep(0.05)
     assert goal.status is S.CANCELING
@@ -173,14 +155,14 @@ async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
 @pytest.mark.parametrize("failure", [TimeoutError(), Unavailable("gone")])
 async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, failure: Exception) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [failure, failure, failure, CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [failure, failure, failure, CancelAnswer(frozenset({A}), 0)]
     with pytest.raises((ServerTimeout, Unavailable)) as refused:
         await scene.canceler.cancel(goal)
     if isinstance(failure, TimeoutError):
         assert "0.7 s" in refused.value.detail
         assert refused.value.extra == {"goal_id": A}
     await until(lambda: goal.status is S.CANCELING)
-    assert scene.port.asked == [A] * 4
+    assert scene.port.canceled == [A] * 4
     assert goal.error == CANCELED
 
 
@@ -188,7 +170,7 @@ async def test_a_goal_that_was_given_up(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
     scene.canceler.mark_unwanted(goal, TOO_LATE)
     scene.tracker.apply(GoalMachine.lose, goal, LOST)
-    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)  # late
     await asyncio.sleep(0.1)
     assert goal.status is S.CANCELING
@@ -210,23 +192,23 @@ async def test_a_goal_that_was_given_up_and_is_canceled_before_its_answer_comes_
     assert (goal.status, goal.error) == (reported[-1], STOPPED)
     scene.tracker.apply(GoalMachine.accept, goal, 1)
     assert (goal.status, goal.error) == (reported[-1], STOPPED)
-    assert scene.port.asked == []
+    assert scene.port.canceled == []
 
 
 async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Scene) -> None:
     goal = scene.goal(S.LOST)
-    scene.port.script = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(Unavailable):
         await scene.stop()
     scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     await asyncio.sleep(0.05)
     assert goal.status is S.CANCELING
-    assert scene.port.asked == [None, A]
+    assert scene.port.canceled == [None, A]
 
 
 async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(GatewayError) as refused:
         await scene.stop()
     assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"canceling": []})
@@ -234,55 +216,55 @@ async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scen
     assert goal.status is S.EXECUTING
     assert goal.error is None
     assert scene.canceler.uncanceled
-    assert scene.port.asked == [None, A]
-    assert scene.port.timeouts == [STOP_TIMEOUT, STOP_TIMEOUT]
+    assert scene.port.canceled == [None, A]
+    assert scene.port.cancel_timeouts == [STOP_TIMEOUT, STOP_TIMEOUT]
 
 
 @pytest.mark.parametrize("status", [S.SUCCEEDED, S.CANCELING])
 async def test_a_goal_that_has_just_ended_or_is_being_canceled_is_not_refused(scene: Scene, status: S) -> None:
     scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset(), 3)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset(), 3)]
 
     def its_status_comes() -> None:
-        if len(scene.port.asked) == 3:
+        if len(scene.port.canceled) == 3:
             scene.tracker.on_status([StatusReport(A, status, 1)], 1)
 
-    scene.port.while_asked = its_status_comes
+    scene.port.on_cancel = its_status_comes
     assert await scene.stop() == ([A] if status is S.CANCELING else [])
-    assert scene.port.asked == [None, A, A]
+    assert scene.port.canceled == [None, A, A]
 
 
 async def test_a_server_that_cannot_cancel_a_goal_is_asked_until_its_status_says_why(scene: Scene) -> None:
     goal, scene.held = scene.goal(S.EXECUTING), True
-    scene.port.script = [CancelAnswer(frozenset(), 3)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 3)]
     await scene.canceler.cancel(goal)
     assert goal.status is S.EXECUTING
     scene.canceler.seen_again(goal)
-    await until(lambda: len(scene.port.asked) > 6)
+    await until(lambda: len(scene.port.canceled) > 6)
     scene.tracker.on_status([StatusReport(A, S.CANCELING, 1)], 1)
     await until(lambda: not scene.canceler.retrying)
 
 
 async def test_a_goal_that_a_server_forgot_to_name_is_being_canceled(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
     assert await scene.stop() == [A]
     assert goal.status is S.CANCELING
 
 
 async def test_a_server_that_falls_silent_after_it_named_no_goal_is_asked_again(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 0), TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 0), TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(ServerTimeout):
         await scene.stop()
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error == STOPPED
-    assert scene.port.timeouts[:2] == [STOP_TIMEOUT, STOP_TIMEOUT]
+    assert scene.port.cancel_timeouts[:2] == [STOP_TIMEOUT, STOP_TIMEOUT]
 
 
 async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> None:
     goals = {goal_id: scene.goal(S.EXECUTING, goal_id) for goal_id in (A, "b", "c", "d")}
-    scene.port.script = [CancelAnswer(frozenset({"d", "b", "unknown"}), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset({"d", "b", "unknown"}), 0)]
     with pytest.raises(Conflict) as refused:
         await scene.stop()
     assert f"{A}, c" in refused.value.detail
@@ -294,12 +276,12 @@ async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> N
 async def test_a_stop_that_is_not_answered_goes_on(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
     lost = scene.goal(S.LOST, "b")
-    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(ServerTimeout) as refused:
         await scene.stop()
     assert "does not answer" in refused.value.detail
     await until(lambda: goal.status is S.CANCELING)
-    assert scene.port.asked == [None, A], "a lost goal is canceled when it is seen"
+    assert scene.port.canceled == [None, A], "a lost goal is canceled when it is seen"
     assert (goal.error, lost.error) == (STOPPED, LOST)
 
 
@@ -327,17 +309,17 @@ async def test_only_so_many_unwanted_goals_are_remembered(scene: Scene) -> None:
 async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
     scene.held = True
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 1)]
     scene.canceler.seen_again(goal)
     scene.canceler.seen_again(goal)  # it is asked for already
-    await until(lambda: len(scene.port.asked) >= 4)
+    await until(lambda: len(scene.port.canceled) >= 4)
     refusals = [record for record in caplog.records if "could not be canceled: " in record.getMessage()]
     assert len(refusals) == 1
     assert len(scene.canceler.retrying) == 1
 
 
 async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
-    scene.port.script = [Unavailable("nobody")]
+    scene.port.cancel_answers = [Unavailable("nobody")]
     assert await scene.stop() == []
 
 
@@ -354,7 +336,7 @@ async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error is not None
     assert goal.error.code == "stopped"
-    assert scene.port.asked == [A]
+    assert scene.port.canceled == [A]
 
 
 async def test_a_goal_canceled_by_a_stop_names_who_requested_it(scene: Scene) -> None:
@@ -366,7 +348,7 @@ async def test_a_goal_canceled_by_a_stop_names_who_requested_it(scene: Scene) ->
 async def test_a_goal_of_another_client_is_canceled_as_soon_as_it_is_heard_of(scene: Scene) -> None:
     scene.held = True
     scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
-    await until(lambda: scene.port.asked == [A])
+    await until(lambda: scene.port.canceled == [A])
     await until(lambda: scene.tracker.live[A].status is S.CANCELING)
     error = scene.tracker.live[A].error
     assert error is not None
@@ -385,19 +367,19 @@ async def test_one_that_had_ended_when_it_turned_up_is_left_alone(scene: Scene) 
     scene.tracker.on_status([StatusReport(A, S.ABORTED, 1)], 1)
     await until(lambda: A in scene.tracker.live)
     await asyncio.sleep(0.05)
-    assert scene.port.asked == []
+    assert scene.port.canceled == []
     assert scene.tracker.live[A].error is None
 
 
 async def test_a_refusal_is_not_taken_while_a_stop_holds(scene: Scene) -> None:
     scene.held = True
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(Conflict):
         await scene.stop()
-    await until(lambda: len(scene.port.asked) >= 4)
+    await until(lambda: len(scene.port.canceled) >= 4)
     assert goal.status is S.EXECUTING
-    scene.port.script = [CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset({A}), 0)]
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error == STOPPED
 
@@ -405,14 +387,14 @@ async def test_a_refusal_is_not_taken_while_a_stop_holds(scene: Scene) -> None:
 async def test_a_refusal_is_taken_once_the_stop_is_released(scene: Scene) -> None:
     scene.held = True
     goal = scene.goal(S.EXECUTING)
-    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 1)]
     scene.canceler.seen_again(goal)
-    await until(lambda: len(scene.port.asked) >= 2)
+    await until(lambda: len(scene.port.canceled) >= 2)
     scene.held = False
     await until(lambda: not scene.canceler.retrying)
-    asked = len(scene.port.asked)
+    asked = len(scene.port.canceled)
     await asyncio.sleep(0.05)
-    assert len(scene.port.asked) == asked
+    assert len(scene.port.canceled) == asked
     assert goal.error is None
 
 
@@ -432,7 +414,7 @@ async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
 
 async def test_a_goal_that_is_sent_while_the_server_is_asked_to_cancel_all_says_why(scene: Scene) -> None:
     scene.canceler.stop()
-    scene.port.while_asked = partial(scene.goal, S.EXECUTING)
+    scene.port.on_cancel = partial(scene.goal, S.EXECUTING)
     assert await scene.canceler.cancel_all() == [A]
     goal = scene.tracker.live[A]
     assert (goal.status, goal.error) == (S.CANCELING, STOPPED)
@@ -444,30 +426,30 @@ async def test_a_goal_that_is_sent_while_the_server_is_asked_to_cancel_all_says_
 async def test_a_goal_on_its_way_is_canceled_as_soon_as_its_status_shows_that_it_runs(scene: Scene) -> None:
     """Whether the answer to its request is late, or lost."""
     goal = scene.goal(S.PENDING)
-    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
     assert await scene.stop() == []
-    assert scene.port.asked == [None]
+    assert scene.port.canceled == [None]
     scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
     await until(lambda: goal.status is S.CANCELING)
-    assert (goal.error, scene.port.asked) == (STOPPED, [None, A])
+    assert (goal.error, scene.port.canceled) == (STOPPED, [None, A])
 
 
 async def test_a_server_that_does_not_know_a_goal_has_not_refused(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
     scene.canceler.mark_unwanted(goal, STOPPED)
-    scene.port.script = [CancelAnswer(frozenset(), 2)] * 5 + [CancelAnswer(frozenset({A}), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 2)] * 5 + [CancelAnswer(frozenset({A}), 0)]
     scene.canceler.seen_again(goal)
     await until(lambda: goal.status is S.CANCELING)
 
 
 async def test_a_goal_that_is_sent_again_may_run(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
-    scene.port.script = [CancelAnswer(frozenset(), 0)]
+    scene.port.cancel_answers = [CancelAnswer(frozenset(), 0)]
     await scene.stop()
     scene.canceler.allow(goal)
     scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0.02)
-    assert (goal.status, scene.port.asked) == (S.ACCEPTED, [None])
+    assert (goal.status, scene.port.canceled) == (S.ACCEPTED, [None])
 
 
 @pytest.mark.parametrize(
@@ -490,4 +472,4 @@ async def test_a_goal_that_was_unwanted_before_a_restart_is_canceled(
         await until(lambda: goal.status is S.CANCELING)
     else:
         await asyncio.sleep(0.03)
-        assert (goal.status, scene.port.asked) == (S.EXECUTING, [])
+        assert (goal.status, scene.port.canceled) == (S.EXECUTING, [])

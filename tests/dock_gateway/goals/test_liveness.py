@@ -16,9 +16,8 @@ from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
-from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.settings import Settings
-from tests.support.calls import FakeCall
+from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
@@ -26,33 +25,9 @@ A = "aaaaaaaa-0000-4000-8000-000000000000"
 S = GoalStatus
 
 
-class FakePort:
-    """A server that is on the graph, and answers pings, as the test says."""
-
-    action_name = "/dock"
-    action_type = "pkg/action/Dock"
-
-    def __init__(self) -> None:
-        self.on_graph = True
-        self.answers = True
-        self.servers: set[str] = set()
-        self.answered_twice_at = float("-inf")
-        self.pings = 0
-
-    async def presence(self) -> ServerPresence:
-        return ServerPresence(self.on_graph, frozenset(self.servers), self.answered_twice_at)
-
-    async def ping(self, timeout: float) -> bool:
-        self.pings += 1
-        return self.answers
-
-    def request_result(self, goal_id: str) -> FakeCall:
-        return FakeCall()
-
-
 class Scene:
     def __init__(self, **settings: Any) -> None:
-        self.port = FakePort()
+        self.port = FakeActionPort()
         self.tracker = GoalTracker(self.port, Fanout(queue_limit=10), HistoryInMemory(), PendingFacts(0.01))  # type: ignore[arg-type]
         self.states: list[ServerState] = []
         self.watch = ServerWatch(

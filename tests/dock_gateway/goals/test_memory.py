@@ -22,11 +22,11 @@ from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import Action
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
+from tests.support.action_port import FakeActionPort
 from tests.support.calls import FakeCall
 from tests.support.history import EVERYTHING, locked, make_event, make_goal, open_at, written
 from tests.support.sizes import sizes
@@ -40,25 +40,14 @@ ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0
 REJECTED = SimpleNamespace(accepted=False)
 
 
-class FakePort:
+class Port(FakeActionPort):
     """An action server that answers as the test says, and a client that knows which requests it waits for."""
 
-    action_name = "/dock"
-    action_type = "pkg/action/Dock"
-
     def __init__(self) -> None:
+        super().__init__()
         self.answer: Any = ACCEPTED
         self.result: ResultAnswer | None = ResultAnswer(GoalStatus.SUCCEEDED, b"{}")
         self.waiting: set[FakeCall] = set()
-
-    async def presence(self) -> ServerPresence:
-        return ServerPresence(True, frozenset(), float("-inf"))
-
-    async def ping(self, timeout: float) -> bool:
-        return True
-
-    def encode_goal(self, message: str) -> bytes:
-        return message.encode()
 
     def _call(self, answer: Any) -> FakeCall:
         call = FakeCall()
@@ -80,7 +69,7 @@ class FakePort:
 
 class Scene:
     def __init__(self, history: History) -> None:
-        self.port = FakePort()
+        self.port = Port()
         self.fanout = Fanout(queue_limit=10, keep=history.record_event, recent=10)
         self.history = history
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01, limit=10)

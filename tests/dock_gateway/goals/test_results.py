@@ -23,13 +23,13 @@ async def test_nothing_is_asked_for_after_the_end(scene: Scene) -> None:
     await scene.tracker.close()
     await asyncio.sleep(0.03)
     scene.status((A, S.EXECUTING))
-    assert scene.port.calls == {}
+    assert scene.port.results == {}
 
 
 async def test_goals_that_ended_before_we_came_get_their_result_too(scene: Scene) -> None:
     scene.status((A, S.SUCCEEDED), (B, S.ABORTED))
     await asyncio.sleep(0)
-    scene.port.answer(A, S.SUCCEEDED, b'{"n":9}')
+    scene.port.answer_result(A, S.SUCCEEDED, b'{"n":9}')
     await asyncio.sleep(0.2)
     a, b = await scene.history.get(A), await scene.history.get(B)
     assert a is not None
@@ -45,7 +45,7 @@ async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
     await asyncio.sleep(0.2)
     assert goal.status is S.SUCCEEDED
     assert goal.result is None
-    scene.port.answer(A, S.SUCCEEDED, b'{"n":1}')
+    scene.port.answer_result(A, S.SUCCEEDED, b'{"n":1}')
     await asyncio.sleep(0.05)
     assert goal.result == b'{"n":1}'
     assert goal.error is None
@@ -61,7 +61,7 @@ async def test_a_result_before_the_status_is_not_asked_for_again(status: GoalSta
     goal = scene.send()
     scene.status((A, S.EXECUTING))
     await asyncio.sleep(0)
-    scene.port.answer(A, status, b'{"n":1}')
+    scene.port.answer_result(A, status, b'{"n":1}')
     await asyncio.sleep(0.001)
     assert goal.status is S.EXECUTING
     scene.status((A, status))
@@ -72,7 +72,7 @@ async def test_a_result_before_the_status_is_not_asked_for_again(status: GoalSta
     events = await scene.documents()
     assert (goal.status, goal.result) == (status, b'{"n":1}')
     assert events[-1]["id"].startswith(time_id(ended_at))
-    assert len(scene.port.calls[A]) == 1
+    assert len(scene.port.results[A]) == 1
     await scene.tracker.close()
 
 
@@ -81,7 +81,7 @@ async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     scene.reasons.put(A, GoalError("battery_lost", "no battery for 60 s"))
     scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
-    scene.port.answer(A, S.ABORTED, b"{}")
+    scene.port.answer_result(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
     assert goal.error == GoalError("battery_lost", "no battery for 60 s")
 
@@ -91,7 +91,7 @@ async def test_a_reason_that_comes_a_moment_later() -> None:
     goal = scene.send()
     scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
-    scene.port.answer(A, S.ABORTED, b"{}")
+    scene.port.answer_result(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
     scene.reasons.put(A, GoalError("timeout", "took too long"))
     await until(lambda: goal.status is S.ABORTED)
@@ -104,7 +104,7 @@ async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
     scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
     scene.tracker.ask_again(goal)
     await asyncio.sleep(0)
-    scene.port.answer(A, None)
+    scene.port.answer_result(A, None)
     await asyncio.sleep(0.05)
     assert goal.status is S.LOST
     assert goal.error is not None
@@ -115,18 +115,18 @@ async def test_a_server_that_is_not_there_is_asked_again_later(scene: Scene) -> 
     goal = scene.send()
     scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
-    scene.port.calls[A][-1].response.set_exception(Unavailable("nobody"))
+    scene.port.results[A][-1].response.set_exception(Unavailable("nobody"))
     await asyncio.sleep(0.05)
     scene.tracker.apply(GoalMachine.accept, goal, 1)
     await asyncio.sleep(0)
-    assert len(scene.port.calls[A]) == 2
+    assert len(scene.port.results[A]) == 2
 
 
 async def test_a_goal_of_before_is_asked_for_though_its_server_answered_long_ago(scene: Scene) -> None:
     """The server may have been restarted, too, and not know the goal."""
     known = Goal(B, "/dock", "pkg/action/Dock", datetime.now(UTC), status=S.EXECUTING)
     scene.tracker.take_up(known)
-    scene.port.answer(B, None)
+    scene.port.answer_result(B, None)
     assert await scene.events() == ["status:lost"]
 
 
@@ -134,8 +134,8 @@ async def test_a_result_whose_answer_was_lost_is_asked_for_again(scene: Scene) -
     """As just after a start, when the server does not know our client yet."""
     goal = scene.send()
     scene.status((A, S.SUCCEEDED))
-    await until(lambda: len(scene.port.calls.get(A, ())) == 2)
-    scene.port.answer(A, S.SUCCEEDED, b'{"n":1}')
+    await until(lambda: len(scene.port.results.get(A, ())) == 2)
+    scene.port.answer_result(A, S.SUCCEEDED, b'{"n":1}')
     assert (await scene.events())[-1] == "result:succeeded"
     assert (goal.result, goal.error) == (b'{"n":1}', None)
 
@@ -144,10 +144,10 @@ async def test_an_answer_that_does_not_end_the_goal_is_not_its_end(scene: Scene)
     goal = scene.send()
     scene.status((A, S.EXECUTING))
     await asyncio.sleep(0)
-    scene.port.answer(A, S.ACCEPTED, b'{"n":1}')
+    scene.port.answer_result(A, S.ACCEPTED, b'{"n":1}')
     await asyncio.sleep(0.02)
     assert goal.status is S.EXECUTING
     scene.status((A, S.SUCCEEDED))
-    await until(lambda: len(scene.port.calls[A]) == 2)
-    scene.port.answer(A, S.SUCCEEDED, b'{"n":2}')
+    await until(lambda: len(scene.port.results[A]) == 2)
+    scene.port.answer_result(A, S.SUCCEEDED, b'{"n":2}')
     assert (await scene.events())[-1] == "result:succeeded"

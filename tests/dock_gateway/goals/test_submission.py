@@ -19,10 +19,9 @@ from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, Claim, Delivery, outcome
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
-from tests.support.calls import FakeCall
+from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
 from tests.support.permits import acting, user
 from tests.support.tracking import A, B, S
@@ -31,34 +30,6 @@ from tests.support.waiting import until
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=3, nanosec=5))
 REJECTED = SimpleNamespace(accepted=False)
 WHY = GoalError("why", "because")
-
-
-class FakePort:
-    action_name = "/dock"
-    action_type = "pkg/action/Dock"
-
-    def __init__(self) -> None:
-        self.sent: dict[str, tuple[str, FakeCall]] = {}
-        self.requested: list[str] = []
-        self.canceled: list[str | None] = []
-        self.gone: GatewayError | None = None
-
-    def encode_goal(self, message: str) -> bytes:
-        return message.encode()
-
-    def send(self, goal_id: str, message: str) -> FakeCall:
-        if self.gone:
-            raise self.gone
-        self.sent[goal_id] = (message, FakeCall())
-        return self.sent[goal_id][1]
-
-    def request_result(self, goal_id: str) -> FakeCall:
-        self.requested.append(goal_id)
-        return FakeCall()
-
-    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
-        self.canceled.append(goal_id)
-        return CancelAnswer(frozenset({goal_id or ""}), 0)
 
 
 class FakeInterlock:
@@ -103,7 +74,7 @@ class SealingHistory(HistoryInMemory):
 
 class Scene:
     def __init__(self, **settings: Any) -> None:
-        self.port: Any = FakePort()
+        self.port: Any = FakeActionPort()
         self.history = SealingHistory()
         self.interlock: Any = FakeInterlock()
         self.watch: Any = FakeWatch()
@@ -139,8 +110,7 @@ class Scene:
         return task
 
     def answer(self, response: Any) -> None:
-        _, call = list(self.port.sent.values())[-1]
-        call.response.set_result(response)
+        self.port.answer_goal(response)
 
     async def given_up(self) -> Goal:
         """A goal that the server has not answered in time."""
@@ -184,14 +154,14 @@ async def test_a_goal_that_is_accepted(scene: Scene) -> None:
     )
     assert scene.history.keys == [None]
     assert list(scene.port.sent) == [goal.goal_id]
-    assert scene.port.sent[goal.goal_id][0] == '{"n":1}'
+    assert scene.port.messages[goal.goal_id] == '{"n":1}'
     scene.tracker.last_heard = 0.0
     scene.answer(ACCEPTED)
     assert await task is goal
     assert goal.status is S.ACCEPTED
     assert goal.last_event_id is not None
     assert scene.tracker.last_heard > 0.0, "the server lives"
-    assert scene.port.requested == [goal.goal_id]
+    assert list(scene.port.results) == [goal.goal_id]
     assert scene.port.canceled == []
     assert scene.history.sealed == [("accepted", 0)], "it is on disk before the answer"
     events = [event.data for event in (await scene.subscriber.take(1.0))[0]]
@@ -365,7 +335,7 @@ async def test_a_goal_that_is_accepted_too_late_is_canceled(hasty: Scene) -> Non
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error == TOO_LATE
     assert hasty.tracker.last_heard > 0.0, "the server lives"
-    assert hasty.port.requested == [goal.goal_id]
+    assert list(hasty.port.results) == [goal.goal_id]
     assert hasty.delivery.unanswered == {}
 
 
@@ -392,7 +362,7 @@ async def test_a_goal_that_is_rejected_too_late_says_what_its_sender_was_told(ha
 @pytest.mark.parametrize("failure", [asyncio.CancelledError(), Unavailable("gone")])
 async def test_an_answer_that_never_comes_leaves_the_goal_lost(hasty: Scene, failure: BaseException) -> None:
     goal = await hasty.given_up()
-    _, call = hasty.port.sent[goal.goal_id]
+    call = hasty.port.sent[goal.goal_id]
     problems: list[Any] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, problem: problems.append(problem))
     if isinstance(failure, GatewayError):
@@ -410,7 +380,7 @@ async def test_nothing_is_awaited_of_a_goal_that_was_given_up_and_has_ended(hast
     assert hasty.delivery.unanswered.keys() == {goal.goal_id}
     hasty.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     assert hasty.delivery.unanswered == {}
-    assert hasty.port.sent[goal.goal_id][1].response.cancelled()
+    assert hasty.port.sent[goal.goal_id].response.cancelled()
     await asyncio.sleep(0)
     assert problems == []
 
@@ -422,7 +392,7 @@ async def test_a_goal_that_ended_before_it_was_answered(scene: Scene) -> None:
     (goal,) = scene.tracker.live.values()
     scene.tracker.apply(GoalMachine.end, goal, S.SUCCEEDED, result=b"{}")
     assert (await task).status is S.SUCCEEDED
-    assert scene.port.sent[goal.goal_id][1].response.cancelled()
+    assert scene.port.sent[goal.goal_id].response.cancelled()
     assert scene.delivery.unanswered == {}
 
 

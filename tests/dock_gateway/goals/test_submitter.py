@@ -3,7 +3,6 @@
 import asyncio
 from collections.abc import AsyncIterator
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -20,44 +19,14 @@ from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, HistoryStats, fingerprint_of
-from tests.support.calls import FakeCall
+from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
 
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
 REJECTED = SimpleNamespace(accepted=False)
-
-
-class FakePort:
-    action_name = "/dock"
-    action_type = "pkg/action/Dock"
-
-    def __init__(self) -> None:
-        self.sent: dict[str, FakeCall] = {}
-        self.canceled: list[str | None] = []
-        self.gone: Unavailable | None = None
-
-    def encode_goal(self, message: str) -> bytes:
-        return message.encode()
-
-    def send(self, goal_id: str, message: str) -> FakeCall:
-        if self.gone:
-            raise self.gone
-        self.sent[goal_id] = FakeCall()
-        return self.sent[goal_id]
-
-    def request_result(self, goal_id: str) -> FakeCall:
-        return FakeCall()
-
-    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
-        self.canceled.append(goal_id)
-        return CancelAnswer(frozenset({goal_id or ""}), 0)
-
-    def answer(self, response: Any) -> None:
-        next(iter(self.sent.values())).response.set_result(response)
 
 
 class OpenInterlock:
@@ -100,7 +69,7 @@ class GatedHistory(HistoryInMemory):
 
 class Scene:
     def __init__(self) -> None:
-        self.port = FakePort()
+        self.port = FakeActionPort()
         self.history = GatedHistory()
         fanout = Fanout(queue_limit=100)
         self.tracker = GoalTracker(self.port, fanout, self.history, PendingFacts(0.01))  # type: ignore[arg-type]
@@ -147,7 +116,7 @@ async def test_a_goal_is_stored_before_it_is_sent(scene: Scene, key: str | None)
     assert not scene.port.sent
     scene.history.gate.set_result(None)
     await turns()
-    scene.port.answer(ACCEPTED)
+    scene.port.answer_goal(ACCEPTED)
     goal = await submission
     assert goal.status is GoalStatus.ACCEPTED
     assert await scene.history.get(goal.goal_id) is not None
@@ -184,7 +153,7 @@ async def test_a_stop_while_a_goal_is_stored_keeps_it_from_being_sent(scene: Sce
     await scene.interlock.release("/")
     submission = scene.submit("key")
     await turns()
-    scene.port.answer(ACCEPTED)
+    scene.port.answer_goal(ACCEPTED)
     assert (await submission).status is GoalStatus.ACCEPTED
 
 
@@ -202,7 +171,7 @@ async def test_a_goal_that_was_never_sent_is_tried_anew(scene: Scene, code: str)
         await scene.submit("key", '{"order": 1}')
     retries = [scene.submit("key"), scene.submit("key")]
     await turns()
-    scene.port.answer(ACCEPTED)
+    scene.port.answer_goal(ACCEPTED)
     goals = [await retry for retry in (*retries, scene.submit("key"))]
     assert {goal.goal_id for goal in goals} == scene.port.sent.keys()
 
@@ -211,7 +180,7 @@ async def test_a_goal_that_was_sent_is_not_sent_again(scene: Scene) -> None:
     scene.history.gate.set_result(None)
     first = scene.submit("key")
     await turns()
-    scene.port.answer(REJECTED)
+    scene.port.answer_goal(REJECTED)
     for again in (first, scene.submit("key")):
         with pytest.raises(Conflict) as refused:
             await again
@@ -240,7 +209,7 @@ async def test_what_the_server_says_of_a_rejection(scene: Scene, said: str, code
     await turns()
     (goal_id,) = scene.port.sent
     scene.reasons.put(goal_id, GoalError(said, "a sentence"))
-    scene.port.answer(REJECTED)
+    scene.port.answer_goal(REJECTED)
     with pytest.raises(Conflict, match="a sentence") as refused:
         await submission
     assert refused.value.code == code
@@ -301,7 +270,7 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_the_retry_under_it
     submission = scene.submit("key")
     await until(lambda: bool(scene.port.sent))
     assert list(scene.port.sent) == [goal.goal_id]
-    scene.port.answer(ACCEPTED)
+    scene.port.answer_goal(ACCEPTED)
     assert (await submission).goal_id == goal.goal_id
     assert (await scene.submit("key")).status is GoalStatus.ACCEPTED
     assert len(scene.port.sent) == 1
@@ -315,7 +284,7 @@ async def test_a_goal_that_runs_is_not_ended_when_the_server_refuses_its_id_once
     submission = scene.submit("key")
     await until(lambda: bool(scene.port.sent))
     scene.tracker.apply(GoalMachine.move, goal, GoalStatus.EXECUTING)  # the first request was only slow
-    scene.port.answer(REJECTED)
+    scene.port.answer_goal(REJECTED)
     assert (await submission).status is GoalStatus.EXECUTING
 
 
@@ -323,7 +292,7 @@ async def test_a_goal_whose_cancel_was_given_up_and_that_succeeds_has_no_error(s
     scene.history.gate.set_result(None)
     submission = scene.submit()
     await turns()
-    scene.port.answer(ACCEPTED)
+    scene.port.answer_goal(ACCEPTED)
     goal = await submission
     goal.error = GoalError("canceled", "it was canceled while the action server could not be reached")
     scene.tracker.apply(GoalMachine.end, goal, GoalStatus.SUCCEEDED, result=b"{}")

@@ -24,7 +24,7 @@ async def test_the_usual_order(scene: Scene) -> None:
     scene.status((A, S.EXECUTING))
     scene.feedback(1)
     await asyncio.sleep(0)
-    scene.port.answer(A, S.SUCCEEDED, b'{"n":2}')
+    scene.port.answer_result(A, S.SUCCEEDED, b'{"n":2}')
     assert await scene.events() == [
         "status:pending",
         "status:accepted",
@@ -35,7 +35,7 @@ async def test_the_usual_order(scene: Scene) -> None:
     ]
     assert goal.result == b'{"n":2}'
     assert scene.tracker.live == {}
-    assert len(scene.port.calls[A]) == 1
+    assert len(scene.port.results[A]) == 1
 
 
 async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> None:
@@ -74,12 +74,12 @@ async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
 
 async def test_a_goal_of_someone_else(scene: Scene) -> None:
     scene.status((B, S.EXECUTING))
-    await until(lambda: B in scene.port.calls)
+    await until(lambda: B in scene.port.results)
     goal = scene.tracker.live[B]
     assert (goal.action_name, goal.action_type) == ("/dock", "pkg/action/Dock")
     assert (goal.origin, goal.goal) == ("external", None)
     assert goal.created_at.year == 1970, "when the server accepted it"
-    scene.port.answer(B, S.CANCELED, b'{"n":0}')
+    scene.port.answer_result(B, S.CANCELED, b'{"n":0}')
     assert await scene.events() == ["status:executing", "status:canceled", "result:canceled"]
     kept = await scene.history.get(B)
     assert kept is not None

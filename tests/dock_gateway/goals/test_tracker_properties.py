@@ -17,8 +17,9 @@ from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.status import StatusReport
+from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
-from tests.support.tracking import A, B, FakePort
+from tests.support.tracking import A, B
 
 LIMITS = GoalLimits(result_wait=0.01, ask_again_after=0.005, end_stamp_wait=0.001, patience=0.01, lookup_retry=0.002)
 GOALS = st.sampled_from([A, B])
@@ -45,7 +46,7 @@ class World:
     def start(self) -> None:
         newest = max((event.id or "" for event in self.told), default="")
         fanout = Fanout(queue_limit=10, keep=self.keep, newest=newest)
-        self.port = FakePort()
+        self.port = FakeActionPort()
         port: Any = self.port
         self.tracker = GoalTracker(port, fanout, self.history, PendingFacts(0.001), limits=LIMITS)
 
@@ -81,9 +82,9 @@ class World:
         elif name == "lose" and live is not None:
             self.tracker.apply(GoalMachine.lose, live, GoalError("action_server_lost", "silent"))
         elif name == "answer":
-            calls = self.port.calls.get(goal_id, [])
+            calls = self.port.results.get(goal_id, [])
             if calls and not calls[-1].response.done():
-                self.port.answer(goal_id, status, b'{"n":1}')
+                self.port.answer_result(goal_id, status, b'{"n":1}')
 
 
 async def run(steps: list[tuple[Any, ...]]) -> None:

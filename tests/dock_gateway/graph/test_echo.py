@@ -21,6 +21,7 @@ from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.subscription import KEEP, Listening, listening_for
 from dock_gateway.ros.raw_port import Arrival, Heard, Reading
+from tests.support.bridge import FakeBridge
 from tests.support.waiting import PATIENCE, until
 
 BOOL, INT = "std_msgs/msg/Bool", "std_msgs/msg/Int32"
@@ -99,15 +100,6 @@ class FakePort:
             self.waited_for = False
             self.told += 1
             self.on_news()
-
-
-class FakeBridge:
-    async def call(self, function: Callable[[], Any], **_: object) -> Any:
-        await asyncio.sleep(0)
-        return function()
-
-    def to_ros(self, function: Callable[[], Any]) -> None:
-        function()
 
 
 class FakeGraph:

@@ -1,7 +1,6 @@
 """The map of a robot shows that robot alone: its place comes from `/tf`, which has the frames of all."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import orjson
 import pytest
@@ -11,17 +10,6 @@ from tests.support.gateway import RunningGateway, running_program
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
-    return Site(Path(tmp_path_factory.mktemp("site")))
-
-
-@pytest.fixture(scope="module")
-def root(site: Site) -> dict[str, str]:
-    """A user of the robot without a namespace."""
-    return bearer(site.token("root", "operator", "--robot", "/"))
 
 
 @pytest.fixture(scope="module")

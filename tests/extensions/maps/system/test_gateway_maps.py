@@ -9,7 +9,7 @@ import orjson
 import pytest
 from websockets.sync.client import connect
 
-from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.gateway import RunningGateway
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -18,12 +18,6 @@ pytestmark = pytest.mark.ros
 ROBOT = "/robot1"
 QUERY = {"robot": ROBOT}
 SIZE = 200
-
-
-@pytest.fixture(scope="module")
-def gateway(shared_domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(shared_domain) as gateway:
-        yield gateway
 
 
 @pytest.fixture(scope="module")
