@@ -9,7 +9,6 @@ from dock_gateway import extension_routes
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.assembly import open_gateway
-from dock_gateway.audit import routes as audit_routes
 from dock_gateway.doors.rest import (
     action_routes,
     battery_routes,
@@ -96,7 +95,6 @@ def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
         provider_routes.router,
         user_routes.router,
         token_routes.router,
-        audit_routes.router,
         health_routes.router,
         metrics_routes.router,
         extension_routes.router,

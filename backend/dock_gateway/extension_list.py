@@ -15,6 +15,7 @@ from importlib.util import find_spec
 from dock_gateway.settings import PREFIX, ExtensionSettings, Settings
 
 OURS = (
+    "audit_log",
     "recordings",
     "statistics",
     "maps",
@@ -42,6 +43,14 @@ def further_names() -> tuple[str, ...]:
 def find_entry_point(name: str) -> EntryPoint | None:
     """Return the entry point of an extension of another distribution; None if no distribution has it."""
     return next(iter(entry_points(group=GROUP, name=name)), None)
+
+
+def modules_of(kind: str) -> Iterator[str]:
+    """Yield the modules of one name, such as `settings`, that extensions of ours have."""
+    for name in OURS:
+        with suppress(Exception):  # as an extension that cannot be imported has none
+            if find_spec(module := f"{PACKAGE}.{name}.{kind}") is not None:
+                yield module
 
 
 def missing_extension() -> str | None:
@@ -78,11 +87,9 @@ def settings_type() -> type[Settings]:
 
 
 def _ours() -> Iterator[type[ExtensionSettings]]:
-    names = [f"{PACKAGE}.{name}.settings" for name in OURS]
-    for name in names:
+    for name in modules_of("settings"):
         with suppress(Exception):  # the alert `extension_failed` says why, once the gateway runs
-            if find_spec(name) is not None:
-                yield from filter(_is_settings, vars(import_module(name)).values())
+            yield from filter(_is_settings, vars(import_module(name)).values())
 
 
 def _further() -> Iterator[type[ExtensionSettings]]:

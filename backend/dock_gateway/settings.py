@@ -395,7 +395,7 @@ class Settings(BaseSettings):
     )
     audit_retention_days: Days = Field(
         365.0,
-        description="Days for which the entries of the [audit log](extensions/audit_log.md) are kept.",
+        description="Days for which the entries of the audit log are kept.",
     )
     audit_max_entries: int = Field(
         1_000_000,

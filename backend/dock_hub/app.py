@@ -7,7 +7,6 @@ from fastapi import APIRouter, FastAPI
 
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
-from dock_gateway.audit import routes as audit_routes
 from dock_gateway.extension import Installed
 from dock_gateway.goals import export_routes
 from dock_gateway.goals import routes as goal_routes
@@ -73,7 +72,6 @@ ROUTERS = tuple(
         provider_routes,
         user_routes,
         token_routes,
-        audit_routes,
         metrics_routes,
     )
 )

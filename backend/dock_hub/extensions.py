@@ -3,7 +3,7 @@
 from dock_gateway.extension import Installed
 from dock_gateway.extension_list import OURS
 
-NAMES = frozenset({"statistics", "webhooks"})
+NAMES = frozenset({"audit_log", "statistics", "webhooks"})
 
 
 def hub_extensions() -> Installed:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.application import Contents, build_app
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.client.documents import StopReport
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.parts import Parts
@@ -117,7 +117,7 @@ def test_an_unknown_site_keeps_none_from_being_stopped(hub: Hub) -> None:
     warning = answer.json()["warning"]
     assert (answer.status_code, warning["code"]) == (200, "site_not_found")
     assert warning["detail"] == "there is no site paris: all sites are asked to stop"
-    assert [entry.robot for entry in hub.parts[AuditLog].entries] == ["/berlin,/paris/robot1", "/"]  # type: ignore[attr-defined]
+    assert [entry.robot for entry in hub.parts[RequestRecord].entries] == ["/berlin,/paris/robot1", "/"]  # type: ignore[attr-defined]
     assert hub.site(BERLIN).latched
     assert hub.site(OSLO).latched
     assert hub.http.delete("/stop", params={"robot": "/paris"}).json()["code"] == "site_not_found"

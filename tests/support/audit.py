@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from dock_gateway.access.logins import Logins
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Unavailable
@@ -22,7 +22,7 @@ NOON = datetime(2026, 11, 21, 12, tzinfo=UTC)
 
 
 class AuditList:
-    """Takes entries, as `AuditLog` does."""
+    """Takes entries, as `RequestRecord` does."""
 
     def __init__(self) -> None:
         self.entries: list[AuditEntry] = []
@@ -41,7 +41,7 @@ def audit_parts() -> dict[type, Any]:
     settings = Settings()
     return {
         Installed: extensions(),
-        AuditLog: AuditList(),
+        RequestRecord: AuditList(),
         Subjects: Subjects(settings, lambda _: None, list),
         Logins: Logins(HistoryInMemory()),
         Quotas: Quotas(settings),

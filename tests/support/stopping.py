@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
@@ -112,7 +112,9 @@ class FakeFleet:
         self.actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock, timing)
         self.audit = AuditList()
-        self.parts = FakeParts({**audit_parts(), AuditLog: self.audit, Stopper: self.stopper, Settings: Settings()})
+        self.parts = FakeParts(
+            {**audit_parts(), RequestRecord: self.audit, Stopper: self.stopper, Settings: Settings()}
+        )
 
     def _place(self, namespace: str | None = None) -> str:
         name = ALL_ROBOTS if namespace is None else read_namespace(namespace)

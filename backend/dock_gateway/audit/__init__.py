@@ -1,1 +1,1 @@
-"""The audit log: who did what."""
+"""The record of requests: who did what."""

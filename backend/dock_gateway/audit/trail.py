@@ -1,4 +1,4 @@
-"""Records requests and the commands of `/ws` in the audit log."""
+"""Records requests and the commands of `/ws`."""
 
 import asyncio
 import logging
@@ -11,7 +11,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Send
 from starlette.types import Scope as ConnectionScope
 
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.access import Principal
 from dock_gateway.core.audit import AuditEntry
@@ -75,7 +75,7 @@ class Trail:
 
     async def _record(self, what: str, status: int, code: str | None) -> None:
         parts = parts_of(HTTPConnection(self._scope))
-        subjects, log = parts[Subjects], parts[AuditLog]
+        subjects, requests = parts[Subjects], parts[RequestRecord]
         if self._command is None:
             said = subjects.of_request(self._scope)
         else:
@@ -86,9 +86,9 @@ class Trail:
         entry = self._entry(what, status, code, fields)
         operation = self._operation or find_operation(self._scope["route"])
         if status < 400 and operation is not None and operation.audit is Audit.STORED_FIRST:
-            await log.store(entry)
+            await requests.store(entry)
         else:
-            log.record(entry)
+            requests.record(entry)
 
     def _entry(self, what: str, status: int, code: str | None, fields: dict[str, Any]) -> AuditEntry:
         principal: Principal | None = self._scope.get("principal")

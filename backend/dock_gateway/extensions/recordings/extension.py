@@ -3,7 +3,7 @@
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 
-from dock_gateway.audit.log import AuditLog
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.recordings.recorder import Recorder
@@ -45,7 +45,7 @@ def _follow(parts: Parts, recorder: Recorder) -> None:
     actions.on_change.append(recorder.follow)
     actions.on_end.append(recorder.end)
     actions.on_lost.append(recorder.end)
-    parts[AuditLog].on_entry.append(recorder.on_command)
+    parts[RequestRecord].on_entry.append(recorder.on_command)
     robots.on_scan.append(recorder.update)
     robots.before_removal.append(recorder.leave)
 

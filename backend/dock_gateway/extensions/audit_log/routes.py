@@ -8,12 +8,12 @@ from fastapi import APIRouter, Depends, Query, Request
 from pydantic import StringConstraints
 from starlette.responses import Response
 
-from dock_gateway.audit.schema import AuditPage, AuditRecord
 from dock_gateway.core.audit import AuditFilter, AuditRow, RequestOutcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.extensions.audit_log.schema import AuditPage, AuditRecord
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part

@@ -9,9 +9,10 @@ from pathlib import Path
 import orjson
 import pytest
 
-from dock_gateway.audit.log import LIMITS, AuditLimits, AuditLog
+from dock_gateway.audit.record import RECORD_LIMITS, RequestRecord
 from dock_gateway.core.audit import START, AuditEntry, AuditFilter, AuditRow, extend
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.extensions.audit_log.log import LIMITS, AuditLimits, AuditLog
 from dock_gateway.storage import AuditSpool
 from tests.support.audit import make_entry
 from tests.support.history import timed
@@ -51,14 +52,26 @@ def store() -> Store:
     return Store()
 
 
+class Recorded:
+    """A log, and what it follows."""
+
+    def __init__(self, store: Store, spool: AuditSpool | None = None, limits: AuditLimits = LIMITS) -> None:
+        requests = RequestRecord()
+        self.record, self.store = requests.record, requests.store
+        self.log = AuditLog(requests, store, spool, limits)
+
+    def __len__(self) -> int:
+        return len(self.log)
+
+
 @asynccontextmanager
-async def opened(store: Store, folder: Path | None = None, limits: AuditLimits = LIMITS) -> AsyncIterator[AuditLog]:
-    audit = AuditLog(store, None if folder is None else AuditSpool(folder), limits)
-    await audit.open()
+async def opened(store: Store, folder: Path | None = None, limits: AuditLimits = LIMITS) -> AsyncIterator["Recorded"]:
+    audit = Recorded(store, None if folder is None else AuditSpool(folder), limits)
+    await audit.log.open()
     try:
         yield audit
     finally:
-        await audit.close()
+        await audit.log.close()
 
 
 async def test_entries_are_stored_in_their_order_soon(store: Store) -> None:
@@ -100,7 +113,7 @@ async def test_while_the_history_is_away_an_answer_waits_once_and_entries_are_ke
         assert 0.4 < await timed(audit.store(make_entry(1))) < PATIENCE
         store.away = True
         store.answering.set()
-        await until(lambda: not audit.answering)
+        await until(lambda: not audit.log.answering)
         async with asyncio.timeout(0.3):  # it is known to be away
             await audit.store(make_entry(2))
         audit.record(make_entry(3))
@@ -134,7 +147,7 @@ async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(store: Stor
     async with opened(store, limits=AuditLimits(waiting=10)) as audit:
         for number in range(17):
             audit.record(make_entry(number))
-        assert (len(audit), audit.lost) == (10, 7)
+        assert (len(audit), audit.log.lost) == (10, 7)
         store.away = False
         await until(lambda: not len(audit))
     *kept, remark = await store.stored()
@@ -142,54 +155,21 @@ async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(store: Stor
     assert (remark.what, remark.subject, remark.outcome) == ("entries_lost", "7 entries", "failed")
 
 
-async def test_a_flood_without_a_token_is_counted(store: Store) -> None:
-    async with opened(store, limits=AuditLimits(period=0.5)) as audit:
-        for number in range(100_000):
-            audit.record(make_entry(number, principal=None, role=None, token_id=None, status=401))
-            assert len(audit) <= LIMITS.unknown
-        audit.record(make_entry(100_000))  # of somebody who is known
-        await until(lambda: len(store._rows) == LIMITS.unknown + 2)
-        stored = await store.stored()
-        assert stored[LIMITS.unknown] == make_entry(100_000)
-        assert (stored[-1].what, stored[-1].subject) == (
-            "more_requests",
-            f"{100_000 - LIMITS.unknown} more requests without a valid token",
-        )
-        audit.record(make_entry(7, role=None))  # in the next period
-        await until(lambda: len(store._rows) == LIMITS.unknown + 3)
-
-
-async def test_one_user_who_floods_is_counted_and_others_are_recorded(store: Store) -> None:
-    async with opened(store, limits=AuditLimits(period=0.5, of_user=5)) as audit:
-        for number in range(50):
-            audit.record(make_entry(number, principal="eve"))
-        audit.record(make_entry(50))
-        await audit.store(make_entry(51, principal="eve", what="release_stop"))
-        await until(lambda: len(store._rows) == 8)
-        stored = await store.stored()
-        assert stored[5:7] == [make_entry(50), make_entry(51, principal="eve", what="release_stop")]
-        assert (stored[7].what, stored[7].subject, stored[7].outcome) == (
-            "more_requests",
-            "45 more requests of eve",
-            "refused",
-        )
-
-
 async def test_closing_stores_what_waits(store: Store) -> None:
     async with opened(store) as audit:
-        for number in range(LIMITS.unknown + 2):
+        for number in range(RECORD_LIMITS.unknown + 2):
             audit.record(make_entry(number, role=None))
     stored = await store.stored()
-    assert len(stored) == LIMITS.unknown + 1
+    assert len(stored) == RECORD_LIMITS.unknown + 1
     assert stored[-1].subject == "2 more requests without a valid token"
 
 
 async def test_closing_does_not_wait_for_a_history_that_is_away(store: Store, caplog: pytest.LogCaptureFixture) -> None:
     store.answering.clear()
-    audit = AuditLog(store)
-    await audit.open()
+    audit = Recorded(store)
+    await audit.log.open()
     audit.record(make_entry(1))
-    assert await timed(audit.close()) < PATIENCE
+    assert await timed(audit.log.close()) < PATIENCE
     assert "1 entries are lost" in caplog.text
 
 

@@ -2,8 +2,6 @@
 
 import asyncio
 import logging
-import uuid
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -11,10 +9,9 @@ from itertools import islice
 
 import orjson
 
+from dock_gateway.audit.record import RequestRecord, remark
 from dock_gateway.core.audit import AuditEntry, AuditRow
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import utc_now
-from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.storage import AuditSpool, AuditStore
 
@@ -23,8 +20,6 @@ log = logging.getLogger("dock_gateway.audit")
 BATCH = 500  # entries per transaction
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # seconds before the first retry, and at most
 CLOSE_TIMEOUT = 1.0  # seconds for the history, and as many for the spool
-# All clients without a valid login.
-UNKNOWN = ""
 
 
 @dataclass(frozen=True)
@@ -35,40 +30,40 @@ class AuditLimits:
         waiting: Entries in memory; more are lost, and counted.
         batch_interval: Time to collect a batch, unless an answer waits for it.
         answer_timeout: How long an answer waits until its entry is stored.
-        period: The time over which the two limits below apply. Entries beyond are only counted, so that they neither
-            fill a disk nor displace earlier entries.
-        of_user: Maximum entries of one user in a period.
-        unknown: Maximum entries of all clients without a valid login together in a period.
     """
 
     waiting: int = 10_000
     batch_interval: float = 0.2
     answer_timeout: float = 0.5
-    period: float = 60.0
-    of_user: int = 600
-    unknown: int = 30
 
 
 LIMITS = AuditLimits()
 
 
 class AuditLog:
-    """Takes entries without waiting, and stores them in batches, in the order in which they came.
+    """Stores the record of requests in batches, in the order in which they came.
 
     Each entry is also logged, once: with its digest when it is stored, or without it if that takes longer.
 
     While the history does not answer, entries are in the spool as well, so that they outlast this process.
 
     Args:
-        store: Stores them.
+        record: The record of requests.
+        store: Stores its entries.
         spool: Keeps them on disk meanwhile; None: nowhere.
         limits: How much it takes.
     """
 
-    def __init__(self, store: AuditStore, spool: AuditSpool | None = None, limits: AuditLimits = LIMITS) -> None:
+    def __init__(
+        self,
+        record: RequestRecord,
+        store: AuditStore,
+        spool: AuditSpool | None = None,
+        limits: AuditLimits = LIMITS,
+    ) -> None:
         self._limits = limits
+        self._record = record
         self.lost = 0  # entries since the start
-        self.on_entry = Listeners[[AuditEntry]]("an entry is recorded")
         self._store = store
         self._spool = spool
         self._spooled: set[str] = set()  # which of those that wait are in the spool
@@ -77,8 +72,6 @@ class AuditLog:
         self._logged: set[str] = set()  # which of them
         self._tickets: dict[str, asyncio.Future[None]] = {}  # of answers, by entry id
         self._unreported = 0  # lost entries that no entry says yet
-        self._requests: Counter[str | None] = Counter()  # in this period, by user
-        self._period: asyncio.TimerHandle | None = None
         self.answering = True  # whether the history took the last batch
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
@@ -97,25 +90,14 @@ class AuditLog:
             self._spooled.update(self._waiting)
             self._wake.set()
         self._tasks.spawn(self._write_on())
+        self._record.on_entry.append(self._put)
+        self._record.until_stored = self.until_stored
 
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def record(self, entry: AuditEntry) -> None:
-        """Record an entry, or only count it; never waits, never raises."""
-        user = UNKNOWN if entry.role is None else entry.principal
-        self._requests[user] += 1
-        if self._period is None:
-            self._period = asyncio.get_running_loop().call_later(self._limits.period, self._end_period)
-        if self._requests[user] <= self._most(user):
-            self._put(entry)
-
-    async def store(self, entry: AuditEntry) -> None:
-        """Record an entry and wait until it is stored, for half a second at most and only if the history answers."""
-        if entry.role is None:
-            self.record(entry)
-        else:
-            self._put(entry)
+    async def until_stored(self, entry: AuditEntry) -> None:
+        """Wait until an entry is stored, for half a second at most and only if the history answers."""
         if not self.answering or entry.entry_id not in self._waiting:
             return
         ticket = self._tickets[entry.entry_id] = asyncio.get_running_loop().create_future()
@@ -135,23 +117,6 @@ class AuditLog:
             return
         self._waiting[entry.entry_id] = entry
         self._wake.set()
-        self.on_entry(entry)
-
-    def _most(self, user: str | None) -> int:
-        return self._limits.unknown if user == UNKNOWN else self._limits.of_user
-
-    def _end_period(self) -> None:
-        """Record how many requests of each user have no entry of their own."""
-        if self._period is not None:
-            self._period.cancel()
-        self._period = None
-        for user, count in self._requests.items():
-            if (more := count - self._most(user)) > 0:
-                unknown = user == UNKNOWN
-                whose = "without a valid token" if unknown else f"of {user or 'users without a name'}"
-                status, code = (401, "not_authenticated") if unknown else (429, "too_many_requests")
-                self._put(_remark("more_requests", f"{more} more requests {whose}", status, code))
-        self._requests.clear()
 
     # ------------------------------------------------------------------ the history
 
@@ -202,7 +167,7 @@ class AuditLog:
             if ticket is not None and not ticket.done():
                 ticket.set_result(None)
         if self._unreported:
-            self._put(_remark("entries_lost", f"{self._unreported} entries", 500, "entries_lost"))
+            self._record.on_entry(remark("entries_lost", f"{self._unreported} entries", 500, "entries_lost"))
             self._unreported = 0
 
     def _log(self, batch: Sequence[AuditEntry], rows: dict[str, AuditRow]) -> None:
@@ -249,7 +214,7 @@ class AuditLog:
     async def close(self) -> None:
         """Store the waiting entries, for one second at most; the rest goes to the spool."""
         await self._tasks.close()
-        self._end_period()
+        self._record.end_period()
         with suppress(TimeoutError):
             async with asyncio.timeout(CLOSE_TIMEOUT):
                 if await self._flush():
@@ -263,14 +228,6 @@ class AuditLog:
         if self._spool is not None:
             with suppress(OSError):
                 await self._spool.close()
-
-
-def _remark(what: str, subject: str, status: int, code: str) -> AuditEntry:
-    """Return an entry of the gateway itself."""
-    no_request = dict.fromkeys(
-        ("principal", "role", "token_id", "client", "request_id", "robot", "action_name", "goal_id"), None
-    )
-    return AuditEntry(uuid.uuid4().hex, utc_now(), what=what, subject=subject, status=status, code=code, **no_request)
 
 
 def _text(entry: AuditEntry | AuditRow) -> str:

@@ -42,6 +42,9 @@ def verify_audit(expect: str | None, database_url: str | None) -> None:
         sys.exit(1)
 
 
+COMMANDS = (audit,)
+
+
 async def _check(url: str, expected: str | None) -> Verdict:
     from dock_gateway.storage.audit import check  # noqa: PLC0415 - takes a second
     from dock_gateway.storage.database import DATABASE_ERRORS, brief  # noqa: PLC0415
