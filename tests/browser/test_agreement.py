@@ -14,8 +14,11 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 from tests.browser.conftest import PATIENCE_MS
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
+
+pytestmark = needs("simulator")
 
 ROBOT, OTHER = "/robot1", "/robot2"
 AT = {"robot": ROBOT}

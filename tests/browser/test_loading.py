@@ -8,6 +8,7 @@ from playwright.sync_api import Browser, expect
 
 from tests.browser.loading import WATCH, first_visit
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
 MAX_BYTES = 320_000
@@ -45,6 +46,7 @@ def test_a_first_visit_is_small_and_does_not_move(browser: Browser, gateway: Run
     assert visit.shift < MAX_SHIFT, json.dumps(visit.moved, indent=2)
 
 
+@needs("simulator")
 def test_a_marker_that_is_detected_late_moves_nothing(browser: Browser, gateway: RunningGateway) -> None:
     def place(theta: float) -> None:
         gateway.http.post("/simulator/place", json={"x": -1.5, "y": 0.0, "theta": theta}).raise_for_status()

@@ -9,7 +9,10 @@ from playwright.sync_api import FloatRect, Page, expect
 
 from tests.browser.axe import find_violations
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
+
+pytestmark = needs("simulator")
 
 STARTS = {"/robot1": (-1.0, 0.5, 0.0), "/robot2": (-2.5, -0.5, 1.57)}
 

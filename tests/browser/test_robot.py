@@ -12,8 +12,11 @@ from sensor_msgs.msg import BatteryState
 from tests.browser.axe import find_violations
 from tests.support.docking import battery_state
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.observer import ros_observer
 from tests.support.waiting import wait_until
+
+pytestmark = needs("simulator")
 
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
 # With a dead charger a goal waits on the dock for as long as a test needs.

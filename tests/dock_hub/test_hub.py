@@ -186,6 +186,7 @@ async def test_a_stream_through_the_hub_ends_with_the_login(hub: Hub) -> None:
     assert closed.value.rcvd.code == 4401
 
 
+@needs("audit_log")
 async def test_a_socket_for_commands_is_in_the_audit_log(hub: Hub) -> None:
     _, header = await hub.token("ada", Role.ADMIN)
     address = f"{hub.url.replace('http', 'ws')}/sites/berlin/ws"

@@ -18,11 +18,12 @@ from tests.support.gateway import (
     running_program,
     running_servers,
 )
+from tests.support.installed import needs
 from tests.support.pages import PAGES, Block, blocks
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("simulator"), pytest.mark.ros]
 
 BLOCKS = [block for page in PAGES for block in blocks(page) if not block.reason]
 FLEET = ("/robot1", "/robot2", "/robot3")

@@ -8,9 +8,10 @@ import pytest
 
 from tests.support.access import Site, bearer
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("simulator"), pytest.mark.ros]
 
 PARAMETERS = "/nodes/dock_simulator/parameters"
 PUBLISHED = {"state": {"percentage": 0.5}, "rate_hz": 0.1}

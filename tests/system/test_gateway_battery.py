@@ -8,6 +8,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.observer import Observer
 from tests.support.waiting import wait_until
 
@@ -100,6 +101,7 @@ def test_a_driver_that_counts_to_100_by_the_setting(domain: int, observer: Obser
         wait_until(lambda: battery(gateway)["percentage"] == 0.12, "12 %")
 
 
+@needs("simulator")
 def test_the_simulators_fault_is_one_of_them(domain: int) -> None:
     with running_program(domain, "dock_simulator"), running_gateway(domain) as gateway:
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
@@ -114,6 +116,7 @@ def test_the_simulators_fault_is_one_of_them(domain: int) -> None:
         assert battery(gateway)["percentage"] == pytest.approx(0.24, abs=0.02)
 
 
+@needs("simulator")
 def test_a_docked_robot_whose_battery_has_no_status(domain: int) -> None:
     """As the Create 3: the current says that it charges; nothing is low, and nothing has to dock."""
     parameters = ("battery_reports_status:=false", "battery_start:=0.1", "battery_charges_negative:=true")

@@ -7,9 +7,10 @@ import pytest
 
 from tests.support.docking import FAST, UNMEASURED
 from tests.support.gateway import RunningGateway, Stream, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("simulator"), pytest.mark.ros]
 
 SIMULATOR = ("-p", FAST)
 SERVER = ("-p", "controller:=dock_pose", "-p", UNMEASURED, "-p", "wait_charge_timeout:=1.5", "-p", "max_retries:=1")

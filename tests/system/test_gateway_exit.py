@@ -15,6 +15,7 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, ready_gateway, running_dock_server, running_gateway
+from tests.support.installed import needs
 from tests.support.processes import BIN, Process, free_port, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -151,6 +152,7 @@ def children(pid: int) -> list[int]:
         return [int(child) for child in listing.read().split()]
 
 
+@needs("simulator")
 def test_up_runs_a_simulated_robot_that_docks_and_one_ctrl_c_ends_it(domain: int) -> None:
     with up(domain, free_port()) as (process, gateway):
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")

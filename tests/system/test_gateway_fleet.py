@@ -10,9 +10,10 @@ import pytest
 
 from tests.support.docking import FAST, UNMEASURED
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("simulator"), pytest.mark.ros]
 
 CHARGING, NOT_CHARGING = 1, (2, 3)
 # `make bench-docking` tries hundreds of starts and each controller, without a gateway.

@@ -15,9 +15,10 @@ import pytest
 from tests.support.access import PASSWORD, Site, bearer, log_in, try_login
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server
+from tests.support.installed import needs
 from tests.support.waiting import PATIENCE, wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("audit_log"), pytest.mark.ros]
 
 
 @pytest.fixture

@@ -10,10 +10,11 @@ import pytest
 
 from tests.support.access import Site, bearer, ends_with, log_in, stream
 from tests.support.gateway import RunningGateway
+from tests.support.installed import needs
 from tests.support.provider import FakeProvider, oidc_settings, rsa_key, running_mock
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("audit_log"), pytest.mark.ros]
 
 ADA = {"sub": "4711", "preferred_username": "ada", "roles": ["ops"]}
 EVE = {"sub": "4712", "preferred_username": "eve", "roles": ["guests"]}

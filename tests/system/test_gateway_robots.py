@@ -11,6 +11,7 @@ import pytest
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -102,6 +103,7 @@ def test_a_robot_is_labeled(gateway: RunningGateway) -> None:
     assert labels(gateway) == LABELED
 
 
+@needs("simulator")
 def test_a_robot_is_followed_onto_its_dock(domain: int, gateway: RunningGateway, database: str) -> None:
     at = {"robot": SECOND}
     gateway.http.post("/simulator/place", params=at, json=NEAR).raise_for_status()

@@ -10,6 +10,7 @@ from websockets.exceptions import InvalidStatus
 from dock_gateway.client import AsyncClient, Client, GatewayRefused
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_service_node, running_talker
+from tests.support.installed import needs
 from tests.support.processes import Process
 from tests.support.waiting import wait_until
 
@@ -278,6 +279,7 @@ def test_stops_and_actions_cannot_be_faked_whatever_the_settings_say(open_gatewa
     assert refusal(open_gateway, "POST", path, {}) == (403, "use_the_action")
 
 
+@needs("audit_log")
 def test_by_default_there_is_only_reading(domain: int, node: Process) -> None:
     with running_gateway(domain) as gateway:
         wait_for_node(gateway)

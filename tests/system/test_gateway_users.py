@@ -11,6 +11,7 @@ import pytest
 from tests.support.access import PASSWORD, Site, bearer, ends_with, log_in, stream, try_login
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server
+from tests.support.installed import needs
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import wait_until
 
@@ -97,6 +98,7 @@ def test_who_fails_at_the_same_address_locks_nobody_out(shared_domain: int, site
         assert browser.post("/session", json={"user": "root", "password": PASSWORD}).status_code == 200
 
 
+@needs("audit_log")
 def test_nobody_chooses_the_address_by_a_header(shared_domain: int, site: Site) -> None:
     secret = site.token("reader", "admin")
     with site.gateway(shared_domain, trusted_proxies="") as gateway:

@@ -11,6 +11,7 @@ import pytest
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.hubs import RunningHub, running_hub, site_settings, until_event
+from tests.support.installed import needs
 from tests.support.nats import NatsServer, nats_server
 from tests.support.waiting import wait_until
 
@@ -69,6 +70,7 @@ def sites(berlin: RunningGateway, oslo: RunningGateway) -> None:
 
 
 @pytest.mark.usefixtures("sites")
+@needs("audit_log")
 def test_a_hub_and_its_sites(berlin: RunningGateway, nats: NatsServer, folder: Path) -> None:
     with ExitStack() as stack:
         hub = stack.enter_context(running_hub(nats.url, folder))

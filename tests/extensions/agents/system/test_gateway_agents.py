@@ -12,9 +12,10 @@ from mcp_types import ElicitRequestFormParams, ElicitResult
 from tests.support.access import Site, bearer
 from tests.support.agents import agent, answer, refusal
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [needs("simulator"), pytest.mark.ros]
 
 REAL, SIMULATED = "/real/fibonacci", "/fibonacci"
 ROUTE = {"Accept": "application/json, text/event-stream", "Content-Type": "application/json"}
@@ -51,6 +52,7 @@ def world(shared_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Itera
         yield World(gateway, *tokens)
 
 
+@needs("audit_log")
 async def test_an_agent_finds_its_way_and_sends_a_goal(world: World) -> None:
     async with agent(world.gateway, world.agent) as client:
         tools = {tool.name: tool for tool in (await client.list_tools()).tools}
@@ -176,6 +178,7 @@ async def test_a_goal_to_a_real_robot_waits_for_a_person(world: World) -> None:
         assert "(stopped)" in refusal(await calling)
 
 
+@needs("audit_log")
 async def test_the_person_who_uses_the_agent_is_asked_in_its_program(world: World) -> None:
     """Where the settings say that their answer counts. Who is on the dashboard may refuse all the same."""
     http, operator = world.gateway.http, bearer(world.operator)

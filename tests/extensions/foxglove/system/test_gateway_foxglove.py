@@ -22,6 +22,7 @@ from tests.support.gateway import (
     running_gateway_with_talker,
     running_talker,
 )
+from tests.support.installed import needs
 from tests.support.processes import free_port
 from tests.support.waiting import wait_until
 
@@ -92,6 +93,7 @@ def test_the_feedback_of_an_action_and_topics_that_come_and_go(
         pass
 
 
+@needs("audit_log")
 def test_a_goal_by_services(gateway: RunningGateway, client: Client) -> None:
     sent = client.call("/fibonacci/send_goal", serialize_message(Fibonacci.Goal(order=4)))
     assert b"accepted" in sent or b"executing" in sent
@@ -137,6 +139,7 @@ def test_a_stop_holds_and_is_carried_out_whatever_its_request_is(gateway: Runnin
     assert client.ask("/fibonacci/send_goal", order=2)["goal_id"]
 
 
+@needs("audit_log")
 def test_services_parameters_and_the_connection_graph(gateway: RunningGateway, client: Client) -> None:
     client.send("getParameters", parameterNames=[PARAMETER, "/nobody.a"], id="g")
     assert client.until("parameterValues", id="g")["parameters"] == [{"name": PARAMETER, "value": False}]

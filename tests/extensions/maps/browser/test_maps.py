@@ -8,7 +8,10 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.axe import find_violations
 from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
+
+pytestmark = needs("simulator")
 
 LAB = (-2.5, 1.6)
 DOCKS = (

@@ -16,6 +16,7 @@ from tests.support.gateway import (
     RunningGateway,
     running_gateway_with_talker,
 )
+from tests.support.installed import needs
 from tests.support.processes import free_port
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -259,6 +260,7 @@ def test_messages_are_published_where_that_is_allowed(client: Client) -> None:
     assert message["header"]["stamp"]["sec"] > 1_700_000_000
 
 
+@needs("audit_log")
 def test_nothing_is_published_on_the_velocity_of_a_stopped_robot(gateway: RunningGateway, client: Client) -> None:
     client.send("subscribe", topic="/cmd_vel", type=TWIST)
     client.send("advertise", topic="/cmd_vel", type=TWIST)
@@ -280,6 +282,7 @@ def twist(speed: float) -> dict[str, Any]:
     return {"linear": {**zero, "x": speed}, "angular": zero}
 
 
+@needs("audit_log")
 def test_services_and_parameters(gateway: RunningGateway, client: Client) -> None:
     service = "/talker0/talker/get_parameters"
     assert client.call(service, names=["use_sim_time"])["values"][0]["bool_value"] is False

@@ -17,10 +17,11 @@ from dock_gateway.sites.messages import Refusal
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteTimeout
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 from tests.support.hub import SmallHub, small_hub
+from tests.support.installed import needs
 from tests.support.nats import NatsServer, nats_server
 from tests.support.waiting import until
 
-pytestmark = [pytest.mark.ros, pytest.mark.asyncio(loop_scope="module")]
+pytestmark = [needs("audit_log"), pytest.mark.ros, pytest.mark.asyncio(loop_scope="module")]
 
 
 @pytest.fixture(scope="module")
