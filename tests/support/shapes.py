@@ -76,6 +76,10 @@ def check_event(path: str, text: str | bytes) -> None:
     """Compare a message of a stream with the schema of its type."""
     where = f"{path.partition('?')[0]}, a message"
     message = orjson.loads(text)
+    if path.partition("?")[0] == "/ws" and "type" in message:
+        if not isinstance(message.pop("subscription", None), str):
+            _note(where, "it does not say to which subscription it belongs")
+        text = orjson.dumps(message)
     if path.startswith("/ws/topics"):
         name = "EchoEvent"
     elif "op" in message:

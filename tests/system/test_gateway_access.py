@@ -34,11 +34,11 @@ def test_roles_over_every_way(domain: int, site: Site) -> None:
 
         with stream(gateway, "/ws", viewer) as socket:
             socket.send(orjson.dumps({"op": "send_goal", "id": "1"}).decode())
-            assert orjson.loads(socket.recv())["code"] == "role_required"
+            assert orjson.loads(socket.recv())["error"]["code"] == "role_required"
             socket.send(orjson.dumps({"op": "stop", "id": "2", "by": "somebody else"}).decode())
             assert orjson.loads(socket.recv())["stop"]["by"] == "viewer"
             socket.send(orjson.dumps({"op": "release_stop", "id": "3"}).decode())
-            assert orjson.loads(socket.recv())["code"] == "role_required"
+            assert orjson.loads(socket.recv())["error"]["code"] == "role_required"
         assert gateway.http.delete("/stop", headers=bearer(operator)).status_code == 403
         assert gateway.http.delete("/stop", headers=bearer(supervisor)).status_code == 200
         sent = gateway.http.post("/dock", headers=bearer(operator))

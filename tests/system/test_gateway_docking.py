@@ -106,7 +106,11 @@ def test_undocking(gateway: RunningGateway) -> None:
     assert {event["type"] for event in gateway.http.get(history).json()["events"]} == {"status", "feedback", "result"}
     exported = gateway.http.get(f"/goals/{goal['goal_id']}/export").json()["events"]
     assert [event for event in exported if event["type"] == "pose"] == poses
-    assert do(gateway, "undock")["status"] == "succeeded"
+    with gateway.stream(path="/ws") as socket:
+        socket.connection.send('{"op": "send_goal", "id": "1", "verb": "undock"}')
+        again = socket.next()["goal"]
+    assert again["verb"] == "undock"
+    assert gateway.wait_for_goal(again["goal_id"], "succeeded", "aborted")["status"] == "succeeded"
     assert [entry["goal_id"] for entry in gateway.http.get("/undock").json()["goals"]][1] == goal["goal_id"]
     assert gateway.http.get(f"/undock/{goal['goal_id']}").json() == goal
     again = gateway.http.post(f"/undock/{goal['goal_id']}/cancel")

@@ -185,7 +185,8 @@ def test_commands_of_a_socket_have_the_same_limits(robots: Robots, goals: dict[s
         ):
             socket.send(orjson.dumps({"id": str(number), **command}).decode())
             answer = orjson.loads(socket.recv())
-            assert (answer["op"], answer["id"], answer.get("code")) == ("error", str(number), "not_covered"), command
+            assert (answer["op"], answer["id"]) == ("error", str(number)), command
+            assert answer["error"]["code"] == "not_covered", command
 
 
 def test_commands_about_another_goal_are_answered_like_those_about_none(robots: Robots, goals: dict[str, str]) -> None:
@@ -196,7 +197,7 @@ def test_commands_about_another_goal_are_answered_like_those_about_none(robots: 
                 socket.send(orjson.dumps({"op": op, "id": "1", "goal_id": goal_id}).decode())
                 answers.append(str(socket.recv()).replace(goal_id, MISSING))
             assert answers[0] == answers[1]
-            assert orjson.loads(answers[0])["code"] == "goal_not_found"
+            assert orjson.loads(answers[0])["error"]["code"] == "goal_not_found"
 
 
 def test_an_idempotency_key_belongs_to_its_user(robots: Robots, goals: dict[str, str]) -> None:
@@ -223,7 +224,7 @@ def test_an_idempotency_key_belongs_to_its_user(robots: Robots, goals: dict[str,
     with stream(robots.gateway, "/ws", robots.one) as socket:
         command = {"op": "send_goal", "action": action, "goal": body, "idempotency_key": "night shift"}
         socket.send(orjson.dumps({"id": "1", **command}).decode())
-        assert orjson.loads(socket.recv())["goal_id"] == own["goal_id"]
+        assert orjson.loads(socket.recv())["error"]["goal_id"] == own["goal_id"]
 
 
 def test_a_stream_carries_the_own_robot_only(robots: Robots, goals: dict[str, str]) -> None:
@@ -339,6 +340,10 @@ def test_actions_and_topics_are_limits_of_their_own(robots: Robots) -> None:
     robots.ask(robots.admin, "POST", f"/goals/{goal_id}/cancel")
     answer = robots.answer(robots.undocker, "POST", f"/undock?robot={ONE}")
     assert answer.json()["code"] != "not_covered"  # there is no undocking server, but it was let through
+    with stream(robots.gateway, "/ws", robots.undocker) as socket:
+        for verb, code in (("dock", "not_covered"), ("undock", answer.json()["code"])):
+            socket.send(orjson.dumps({"op": "send_goal", "id": verb, "verb": verb, "robot": ONE}).decode())
+            assert orjson.loads(socket.recv())["error"]["code"] == code
     with stream(robots.gateway, f"/ws/topics?topic={TWO}/battery_status", robots.reporter) as socket:
         assert "battery_status" in socket.recv(PATIENCE)
     with (

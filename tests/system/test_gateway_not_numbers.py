@@ -186,8 +186,8 @@ def test_other_doors_say_what_to_send(gateway: RunningGateway, number: str) -> N
     with connect(f"{url}/ws") as socket:
         socket.send(f'{{"op": "publish_battery", "id": "1", "state": {body.decode()}}}')
         error = json.loads(socket.recv(PATIENCE))
-        assert (error["op"], error["code"]) == ("error", "malformed_json")
-        assert SAYS in error["detail"]
+        assert (error["op"], error["error"]["code"]) == ("error", "malformed_json")
+        assert SAYS in error["error"]["detail"]
     with open_websocket(f"{url}/foxglove", subprotocols=[Subprotocol("foxglove.websocket.v1")]) as socket:
         channel = {"id": 1, "topic": "/number", "encoding": "json", "schemaName": NUMBER}
         socket.send(json.dumps({"op": "advertise", "channels": [channel]}))

@@ -161,11 +161,11 @@ def test_changes_come_at_most_twice_a_second(gateway: RunningGateway) -> None:
 def test_on_the_socket_too(gateway: RunningGateway) -> None:
     with connect(f"{gateway.url.replace('http', 'ws')}/ws") as socket:
         for text in (
-            '{"op": "subscribe", "id": "1", "include": "robots", "feedback": false}',
+            '{"op": "subscribe", "id": "1", "include": ["robots"], "feedback": false}',
             '{"op": "subscribe", "id": "2", "feedback": "some"}',
         ):
             socket.send(text)
         received = [orjson.loads(socket.recv(PATIENCE)) for _ in range(4)]
     answers = {answer["id"]: answer for answer in received if "op" in answer}
-    assert (answers["1"]["op"], answers["2"]["code"]) == ("ack", "invalid_field")
+    assert (answers["1"]["op"], answers["2"]["error"]["code"]) == ("ack", "invalid_field")
     assert {len(event["robots"]) for event in received if event.get("type") == "snapshot"} == {2}

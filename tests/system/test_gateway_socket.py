@@ -79,7 +79,7 @@ def socket(gateway: RunningGateway) -> Iterator[Socket]:
 
 def test_the_tutorial_on_one_socket(socket: Socket) -> None:
     assert socket.ask("publish_battery", state=LOW, rate_hz=5)["battery_publisher"]["active"] is True
-    ack = socket.ask("subscribe", include="battery,cmd_vel")
+    ack = socket.ask("subscribe", include=["battery", "cmd_vel"])
     assert (ack["op"], ack["subscription"]) == ("ack", ack["id"])
     socket.until(type="snapshot")
     goal = socket.ask("send_goal", goal={"desired_battery_state": CHARGING})["goal"]
@@ -89,7 +89,7 @@ def test_the_tutorial_on_one_socket(socket: Socket) -> None:
     assert result["status"] == "succeeded"
     assert socket.ask("stop_publishing")["battery_publisher"]["active"] is False
     assert socket.ask("unsubscribe", subscription=ack["id"])["op"] == "ack"
-    assert socket.ask("unsubscribe", subscription=ack["id"])["code"] == "invalid_field"
+    assert socket.ask("unsubscribe", subscription=ack["id"])["error"]["code"] == "invalid_field"
 
 
 def test_cancel_stop_and_ping(socket: Socket) -> None:
@@ -103,17 +103,17 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
         return answer if answer["op"] != "ack" else None
 
     again = wait_until(refusal, "the end of the goal")
-    assert (again["op"], again["code"], again["status"]) == ("error", "goal_terminal", 409)
+    assert (again["op"], again["error"]["code"], again["error"]["status"]) == ("error", "goal_terminal", 409)
     second = socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"]
     assert socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"] == second
-    assert socket.ask("send_goal")["code"] == "dock_busy"
-    socket.ask("subscribe", include="system")
+    assert socket.ask("send_goal")["error"]["code"] == "dock_busy"
+    socket.ask("subscribe", include=["system"])
     stopped = socket.ask("stop", by="Ada")
     assert second in stopped["canceling"] or stopped["unconfirmed"]
     assert (stopped["stop"]["latched"], stopped["stop"]["by"]) == (True, "Ada")
     assert stopped["warning"] is None or stopped["warning"]["code"] == "stop_not_persisted"  # a busy machine's disk
     assert socket.until(type="stop")["stop"] | {"persisted": None} == stopped["stop"] | {"persisted": None}
-    assert socket.ask("send_goal")["code"] == "stop_latched"
+    assert socket.ask("send_goal")["error"]["code"] == "stop_latched"
     assert socket.ask("release_stop")["stop"]["latched"] is False
     for unclear in ({"robot": 7}, {"robots": "/robot1"}):
         stopped = socket.ask("stop", **unclear)
@@ -123,6 +123,20 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
     assert (stopped["stop"]["latched"], stopped["warning"]["errors"][0]["path"]) == (True, "by")
     assert socket.ask("release_stop")["stop"]["latched"] is False
     assert "time" in socket.ask("ping")
+
+
+def test_each_event_says_to_which_subscription_it_belongs(socket: Socket) -> None:
+    first, second = socket.ask("subscribe")["id"], socket.ask("subscribe", feedback=False)["id"]
+    for identity in (first, second):
+        socket.until(type="snapshot", subscription=identity)
+    socket.ask("publish_battery", state=LOW, rate_hz=5)
+    goal_id = socket.ask("send_goal")["goal"]["goal_id"]
+    socket.until(type="feedback", goal_id=goal_id, subscription=first)
+    socket.ask("unsubscribe", subscription=first)
+    socket.events.clear()
+    socket.ask("stop", latch=False)
+    socket.until(type="status", goal_id=goal_id, status="canceled")
+    assert {event["subscription"] for event in socket.events} == {second}
 
 
 def test_goals_outlive_their_socket(gateway: RunningGateway, socket: Socket) -> None:
@@ -167,7 +181,11 @@ def test_a_command_whose_socket_breaks_is_carried_out_once(gateway: RunningGatew
         ('{"op": "cancel_goal", "id": "a"}', "invalid_field", "a"),
         ('{"op": "cancel_goal", "id": "a", "goal_id": "7d9c1c9e-0000-4000-8000-000000000000"}', "goal_not_found", "a"),
         ('{"op": "subscribe"}', "invalid_field", None),
-        ('{"op": "subscribe", "id": "a", "include": "all"}', "invalid_field", "a"),
+        ('{"op": "subscribe", "id": "a", "include": ["all"]}', "invalid_field", "a"),
+        ('{"op": "subscribe", "id": "a", "include": "battery"}', "invalid_field", "a"),
+        ('{"op": "send_goal", "id": "a", "verb": "fly"}', "invalid_field", "a"),
+        ('{"op": "send_goal", "id": "a", "verb": "dock", "action": "/fibonacci", "goal": {}}', "invalid_field", "a"),
+        ('{"op": "send_goal", "id": "a", "verb": "undock", "robot": "/robot9"}', "robot_not_found", "a"),
         ('{"op": "subscribe", "id": "a", "max_rate": 0}', "invalid_field", "a"),
         ('{"op": "subscribe", "id": "a", "after": "yesterday"}', "invalid_field", "a"),
         ('{"op": "publish_battery", "id": "a", "state": {"voltage": 1e300}}', "invalid_field", "a"),
@@ -184,8 +202,9 @@ def test_bad_messages_get_an_error_and_the_socket_goes_on(
 ) -> None:
     with open_socket(gateway) as socket:
         socket.connection.send(message)
-        error = socket.receive()
-        assert (error["op"], error["code"], error["id"]) == ("error", code, identity)
+        answer = socket.receive()
+        error = answer["error"]
+        assert (answer["op"], error["code"], answer["id"]) == ("error", code, identity)
         assert not [each for each in error.get("errors", ()) if each["path"].startswith("query.")]
         assert "query." not in error["detail"]
         assert socket.ask("ping")["op"] == "ack"
@@ -197,7 +216,7 @@ def test_two_subscriptions_of_one_name(gateway: RunningGateway) -> None:
             socket.connection.send('{"op": "subscribe", "id": "mine"}')
             while (answer := socket.receive()).get("op") is None:
                 pass
-            assert answer.get("code") == code
+            assert answer.get("error", {}).get("code") == code
 
 
 def test_the_gateway_says_goodbye() -> None:

@@ -38,7 +38,7 @@ async def use_a_socket(gateway: RunningGateway, goal_id: str, choose: random.Ran
     """Send commands, without waiting for answers, and leave at any moment, politely or not."""
     commands = [
         {"op": "subscribe", "id": "a", "goal_id": goal_id},
-        {"op": "subscribe", "id": "a", "include": "battery,scene,robots"},
+        {"op": "subscribe", "id": "a", "include": ["battery", "scene", "robots"]},
         {"op": "subscribe", "id": "b", "goal_id": goal_id},
         {"op": "unsubscribe", "subscription": "a"},
         {"op": "ping"},

@@ -55,7 +55,7 @@ def test_what_changes_while_a_goal_runs(domain: int, site: Site) -> None:
             assert [ends_with(socket) for socket in sockets] == [INVALID_TOKEN] * len(STREAMS)
         with stream(gateway, "/ws", ada) as socket:
             socket.send(orjson.dumps({"op": "cancel_goal", "id": "1", "goal_id": goal}).decode())
-            assert orjson.loads(socket.recv())["code"] == "role_required"
+            assert orjson.loads(socket.recv())["error"]["code"] == "role_required"
 
         other = log_in(gateway, "ada")
         with stream(gateway, "/ws/feedback", ada) as first, stream(gateway, "/ws/feedback", other) as second:

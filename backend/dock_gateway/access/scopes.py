@@ -73,7 +73,7 @@ async def _require_action(parts: Parts, grant: Grant, subject: Subject) -> None:
     if name is not None:
         _require(grant.covers_action(name), f"the action {name[:100]}")
     elif subject.scope is not Scope.GOAL:
-        verb: Verb = "undock" if subject.scope is Scope.UNDOCK else "dock"
+        verb: Verb = "undock" if subject.scope is Scope.UNDOCK else subject.verb
         name = parts[RobotActions].docking_name(verb, _robot(parts, subject))
         _require(grant.covers_action(name), _describe_robot(parts, subject))
     if subject.scope is Scope.GOAL:  # an unknown goal and another's: the same answer

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from dock_gateway.core.goal import Verb
 from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.http.operation import Scope
 from dock_gateway.settings import Settings
@@ -21,7 +22,8 @@ class Subject:
     Attributes:
         scope: What kind of subject it is.
         robot: The robot, or `ALL_ROBOTS`; several as a tuple; None: the configured one, if it is about a robot.
-        action: The absolute name of an action.
+        action: The absolute name of an action; None: the one that docks or undocks the robot, as `verb` says.
+        verb: `dock` or `undock`.
         identity: The id of a goal, an alert or an approval.
         kind: `topic`, `service` or `node`; empty if it is none of them.
         name: Its absolute name.
@@ -30,6 +32,7 @@ class Subject:
     scope: Scope
     robot: Any = None
     action: str | None = None
+    verb: Verb = "dock"
     identity: Any = None
     kind: str = ""
     name: str = ""
@@ -44,6 +47,8 @@ def read_subject(scope: Scope, names: Names, settings: Settings) -> Subject:
             about["robot"] = robot
         case Scope.NEW_GOAL | Scope.APPROVAL:  # what a program that asks its person says of the goal is recorded, too
             about = {"robot": robot, "identity": names.get("approval_id")}
+            if names.get("verb") == "undock":
+                about["verb"] = "undock"
             if (action := names.get("action")) is not None:
                 about["action"] = settings.resolve(str(action), None if robot is None else str(robot))
         case Scope.ANY | Scope.ROBOTS if scope is Scope.ROBOTS or "robot" in names:  # `robot` of ANY: a stop's

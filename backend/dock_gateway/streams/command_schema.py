@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, WithJsonSchema, WrapValidator
 
+from dock_gateway.core.goal import Verb
 from dock_gateway.goals.schema import ActionGoal
 from dock_gateway.http.schema import Schema
 from dock_gateway.operations.battery import MAX_RATE, MIN_RATE
@@ -34,10 +35,11 @@ class Command(Schema):
 
 
 class SendGoalCommand(Command):
-    """Send a goal to `action`, or a robot to its charging dock."""
+    """Send a goal to `action`, or a robot to its charging dock; with `verb` `undock` away from it."""
 
     op: Literal["send_goal"] = "send_goal"
     action: str | None = None
+    verb: Verb | None = None
     robot: str | None = None
     goal: Annotated[Any, WithJsonSchema({"type": ["object", "null"], "additionalProperties": True})] = None
     idempotency_key: str | None = None
@@ -51,14 +53,17 @@ class CancelGoalCommand(Command):
 
 
 class SubscribeCommand(Command):
-    """Start a subscription, named by the `id` of the command. Its fields are the parameters of `/ws/feedback`."""
+    """Start a subscription, named by the `id` of the command. Its fields are the parameters of `/ws/feedback`.
+
+    Each of its events has this id as `subscription`.
+    """
 
     op: Literal["subscribe"] = "subscribe"
     id: Annotated[Any, WithJsonSchema(NAMED | {"minLength": 1})]
     goal_id: str | None = None
     action: str | None = None
     robot: str | None = None
-    include: str | None = None
+    include: list[str] | None = None
     after: str | None = None
     feedback: Annotated[Any, WithJsonSchema({"type": ["boolean", "null"]})] = None
     max_rate: Annotated[
@@ -171,11 +176,15 @@ class PingAck(Ack):
     time: datetime
 
 
-class CommandError(StopProblem):
-    """A command was refused or failed. `canceling`, `failed`, `unconfirmed` and `stop` belong to `stop`."""
+class CommandError(Schema):
+    """A command was refused or failed. `id` is the command's, or that of a subscription that has ended by itself.
+
+    `canceling`, `failed`, `unconfirmed` and `stop` of the error belong to `stop`.
+    """
 
     op: Literal["error"]
     id: str | None
+    error: StopProblem
 
 
 # What a command is answered if it is not refused.

@@ -54,8 +54,10 @@ def read_command(message: object) -> tuple[str, str | None, Fields]:
 
 @carries_out(goals.send_goal)
 async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Fields:
-    """Send a goal to `action`, or a robot to its charging dock. The ack has the goal."""
+    """Send a goal to `action`, or a robot to its charging dock or away from it. The ack has the goal."""
     command = read_fields(SendGoalCommand, fields)
+    if command.action is not None and command.verb is not None:
+        raise InvalidField([FieldError("verb", "either an action or a verb", "got both")])
     name, robot, goal = command.action, command.robot, command.goal
     key = check_key(command.idempotency_key, "idempotency_key")
     if name is not None:
@@ -67,7 +69,7 @@ async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Field
             return await action.read_goal(goal, "goal")
         return action.parse_request(action.default_request if goal is None else goal, "goal")
 
-    order = goals.SendGoal(read, name, robot=robot, key=None if key is None else principal.own(key))
+    order = goals.SendGoal(read, name, command.verb or "dock", robot, key=None if key is None else principal.own(key))
     _, sent = await goals.send_goal(parts, principal, order)
     return {"goal": sent.document()}
 

@@ -108,7 +108,7 @@ class CommandSession(SocketSession):
 
     async def refuse(self, request: Request, error: GatewayError) -> None:
         """Answer with the error."""
-        await self._answer("error", request.identity, error.problem())
+        await self._answer("error", request.identity, {"error": error.problem()})
 
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     def subscribe(self, identity: str | None, fields: Fields) -> None:
@@ -121,6 +121,7 @@ class CommandSession(SocketSession):
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise TooManyRequests(f"this socket already has {MAX_SUBSCRIPTIONS} subscriptions")
         query = {name: str(value) for name, value in fields.items() if value is not None}
+        query |= {"include": ",".join(fields["include"])} if fields.get("include") else {}
         after, max_rate = read_after(query), read_max_rate(query)
         if self.closed:
             raise Unavailable("the socket is closed", code="shutting_down")
@@ -137,8 +138,9 @@ class CommandSession(SocketSession):
         with subscribed(self.parts, self.rights.principal, event_filter) as subscriber:
             await self._answer("ack", identity, {"subscription": identity})
             self._subscriptions[identity].acknowledged = True
+            mark = f'{{"subscription":{encode(identity).decode()},'
             async for event in feed(self.parts, subscriber, after=after, max_rate=max_rate):
-                await self._send(event.text)
+                await self._send(mark + event.text[1:])  # it is encoded once for all readers
             if subscriber.overrun:
                 await self.connection.close("too_slow")
 

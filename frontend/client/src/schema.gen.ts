@@ -2788,78 +2788,11 @@ export interface components {
         Command: components["schemas"]["SendGoalCommand"] | components["schemas"]["CancelGoalCommand"] | components["schemas"]["SubscribeCommand"] | components["schemas"]["UnsubscribeCommand"] | components["schemas"]["PublishBatteryCommand"] | components["schemas"]["StopPublishingCommand"] | components["schemas"]["StopCommand"] | components["schemas"]["ReleaseStopCommand"] | components["schemas"]["PingCommand"];
         /**
          * CommandError
-         * @description A command was refused or failed. `canceling`, `failed`, `unconfirmed` and `stop` belong to `stop`.
+         * @description A command was refused or failed. `id` is the command's, or that of a subscription that has ended by itself.
+         *
+         *     `canceling`, `failed`, `unconfirmed` and `stop` of the error belong to `stop`.
          */
         CommandError: {
-            /** Type */
-            type: string;
-            /** Title */
-            title: string;
-            /** Status */
-            status: number;
-            /** Code */
-            code: string;
-            /** Detail */
-            detail: string;
-            /**
-             * Errors
-             * @default null
-             */
-            errors: components["schemas"]["FieldProblem"][] | null;
-            /**
-             * Goal Id
-             * @default null
-             */
-            goal_id: string | null;
-            /**
-             * Retry After
-             * @default null
-             */
-            retry_after: number | null;
-            /**
-             * Robots
-             * @default null
-             */
-            robots: string[] | null;
-            /**
-             * Settings
-             * @default null
-             */
-            settings: string[] | null;
-            /** @default null */
-            gateway: components["schemas"]["GatewayAddress"] | null;
-            /**
-             * Stopped
-             * @default null
-             */
-            stopped: string[] | null;
-            /**
-             * Not Stopped
-             * @default null
-             */
-            not_stopped: string[] | null;
-            /**
-             * Canceling
-             * @default null
-             */
-            canceling: string[] | null;
-            /**
-             * Failed
-             * @default null
-             */
-            failed: components["schemas"]["StopFailure"][] | null;
-            /**
-             * Unconfirmed
-             * @default null
-             */
-            unconfirmed: string[] | null;
-            /** @default null */
-            stop: components["schemas"]["StopState"] | null;
-            /**
-             * Others
-             * @default null
-             */
-            others: components["schemas"]["GatewayAddress"][] | null;
             /**
              * Op
              * @constant
@@ -2867,6 +2800,7 @@ export interface components {
             op: "error";
             /** Id */
             id: string | null;
+            error: components["schemas"]["StopProblem"];
         };
         /**
          * CreatedToken
@@ -5003,7 +4937,7 @@ export interface components {
         };
         /**
          * SendGoalCommand
-         * @description Send a goal to `action`, or a robot to its charging dock.
+         * @description Send a goal to `action`, or a robot to its charging dock; with `verb` `undock` away from it.
          */
         SendGoalCommand: {
             /** Id */
@@ -5015,6 +4949,8 @@ export interface components {
             op: "send_goal";
             /** Action */
             action?: string | null;
+            /** Verb */
+            verb?: ("dock" | "undock") | null;
             /** Robot */
             robot?: string | null;
             /** Goal */
@@ -5591,6 +5527,8 @@ export interface components {
         /**
          * SubscribeCommand
          * @description Start a subscription, named by the `id` of the command. Its fields are the parameters of `/ws/feedback`.
+         *
+         *     Each of its events has this id as `subscription`.
          */
         SubscribeCommand: {
             /** Id */
@@ -5607,7 +5545,7 @@ export interface components {
             /** Robot */
             robot?: string | null;
             /** Include */
-            include?: string | null;
+            include?: string[] | null;
             /** After */
             after?: string | null;
             /** Feedback */

@@ -74,6 +74,7 @@ def event(path: str, document: object) -> list[str]:
 def test_events_and_answers_of_a_stream() -> None:
     assert event("/ws/feedback?include=system", HEARTBEAT) == []
     assert event("/ws", {"op": "ack", "id": "1", "time": "2026-11-22T09:00:00Z"}) == []
+    assert event("/ws", HEARTBEAT | {"subscription": "1"}) == []
     feedback = {**HEARTBEAT, "type": "feedback", "id": "1", "goal_id": "a", "action_name": "/fibonacci"}
     assert event(GOAL_EVENTS, feedback | {"feedback": {"partial_sequence": [0]}}) == []
 
@@ -85,6 +86,7 @@ def test_events_and_answers_of_a_stream() -> None:
         ("/ws/feedback?include=system", HEARTBEAT | {"robot": "/"}, "/ws/feedback, a message of type heartbeat: $: "),
         ("/ws/topics?topic=/a", HEARTBEAT | {"type": "snapshot"}, "its type is 'snapshot'"),
         ("/ws", {"op": "ack", "id": "1"}, "/ws, a message: "),
+        ("/ws", HEARTBEAT, "it does not say to which subscription it belongs"),
         (GOAL_EVENTS, HEARTBEAT | {"time": 1}, "$.time: 1 is not of type 'string'"),
     ],
 )

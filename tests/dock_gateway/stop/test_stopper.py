@@ -108,7 +108,7 @@ async def test_a_stop_that_reaches_no_robot_says_so_and_does_all_else(fleet: Fak
     assert [failure["robot"] for failure in problem["failed"]] == list(NAMES)
     assert "emergency stop" in problem["detail"]
     check_answer("POST", "/stop", 503, "application/problem+json", encode(problem))
-    check_event("/ws", encode({"op": "error", "id": "1", **problem}))
+    check_event("/ws", encode({"op": "error", "id": "1", "error": problem}))
 
 
 async def test_stops_that_come_together_are_one_with_the_first_name_and_the_latch_of_any(fleet: FakeFleet) -> None:

@@ -84,7 +84,7 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     session.most = 2
     await session.read()
     await asyncio.sleep(0.01)
-    assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
+    assert [(answer["op"], answer.get("error", {}).get("code"), answer["id"]) for answer in websocket.told] == [
         ("error", "too_many_requests", None),
         ("error", "too_many_requests", None),
         ("ack", None, "stop"),
@@ -142,7 +142,7 @@ async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_r
     session = session_of(websocket, lookups)
     await session.read()
     await asyncio.sleep(0.1)
-    assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
+    assert [(answer["op"], answer.get("error", {}).get("code"), answer["id"]) for answer in websocket.told] == [
         ("error", "subscription_exists", "a"),
         ("ack", None, "a"),
         ("ack", None, "b"),
@@ -202,7 +202,7 @@ async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
         session = CommandSession(cast("WebSocket", websocket), fleet.parts, ANYBODY)
         await session.handle({"text": None, "bytes": b'{"op": "ping"}'})
         await session.handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
-        assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [
+        assert [(answer["op"], answer.get("error", {}).get("code")) for answer in websocket.told] == [
             ("error", "malformed_json"),
             ("ack", None),
         ]

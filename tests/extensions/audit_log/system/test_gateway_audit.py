@@ -42,7 +42,7 @@ def test_every_way_leaves_its_record_and_a_kill_loses_no_release(shared_domain: 
             socket.send(orjson.dumps({"op": "ping", "id": "1"}).decode())
             socket.recv()
             socket.send(orjson.dumps({"op": "release_stop", "id": "2", "by": "mallory"}).decode())
-            assert orjson.loads(socket.recv())["code"] == "invalid_field"
+            assert orjson.loads(socket.recv())["error"]["code"] == "invalid_field"
             socket.send(orjson.dumps({"op": "release_stop", "id": "3"}).decode())
             assert orjson.loads(socket.recv())["op"] == "ack"
         gateway.process.send_signal(signal.SIGKILL)  # at once after the answer

@@ -102,7 +102,7 @@ async def test_sockets(hub: SmallHub) -> None:
         while "2" not in answers:
             said = orjson.loads(await anext(socket))
             answers[said.get("id")] = said
-    assert (answers["1"]["code"], answers["2"]["op"]) == ("role_required", "ack")
+    assert (answers["1"]["error"]["code"], answers["2"]["op"]) == ("role_required", "ack")
 
 
 async def test_rosbridge_through_the_tunnel(hub: SmallHub) -> None:
