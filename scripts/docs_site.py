@@ -41,9 +41,10 @@ def with_links(page: Path, linked: set[Path]) -> str:
         target = (ROOT / page.parent / link).resolve()
         if not target.exists():
             sys.exit(f"{page}: there is no file {link}")
-        if target.suffix == ".md" and text.endswith(target.name):
+        is_page = target.suffix == ".md" and (target.is_relative_to(ROOT / "docs") or target.parent == ROOT)
+        if is_page and text.endswith(target.name):
             return f"[{title(target)}]({link}{heading})"
-        if target.suffix == ".md" or target.is_relative_to(ROOT / "docs"):
+        if is_page or target.is_relative_to(ROOT / "docs"):
             return match[0]
         path = target.relative_to(ROOT)
         linked.add(path)

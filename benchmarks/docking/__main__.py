@@ -10,7 +10,7 @@ from multiprocessing import Pool
 from pathlib import Path
 
 from benchmarks.docking.comparison import COMPARISON
-from benchmarks.docking.page import PAGE, SEEDS, STATISTICS, empty_part, with_list, with_part
+from benchmarks.docking.page import PAGE, RESULTS, SEEDS, STATISTICS, empty_part, with_list, with_part
 from benchmarks.docking.picture import picture
 from benchmarks.docking.robustness import ROBUSTNESS
 from benchmarks.docking.rows import Table
@@ -48,7 +48,7 @@ def parsed_options() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, help="of the first start (default: as on the page)")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="default: one a core")
     parser.add_argument("--output", type=Path, default=Path(__file__).parents[1] / "results", help="a folder")
-    parser.add_argument("--docs", action="store_true", help="write into docs/docking-results.md instead")
+    parser.add_argument("--docs", action="store_true", help="write into the repository's pages instead")
     tables = parser.add_mutually_exclusive_group()
     tables.add_argument("--robustness", action="store_true", help="with each fault of a real robot instead")
     tables.add_argument("--laws", action="store_true", help="with each fault, beside nav2's control law")
@@ -68,7 +68,7 @@ def parsed_options() -> argparse.Namespace:
 def page_of(options: argparse.Namespace, name: str) -> Path:
     """The file that a table is written into."""
     if options.docs:
-        return PAGE
+        return PAGE if name == STATISTICS else RESULTS
     page: Path = options.output / f"docking-{name}.md"
     page.parent.mkdir(parents=True, exist_ok=True)
     if not page.exists():
@@ -96,7 +96,7 @@ def main() -> None:
     else:
         text = faults.measure(options.rows, seeds, options.processes, page, missing=options.missing)
     if options.docs:
-        page.write_text(with_list(page.read_text()))
+        PAGE.write_text(with_list(PAGE.read_text(), RESULTS.read_text()))
     print(text)
     print(f"\n{time.monotonic() - begun:.0f} s; written: {page}", file=sys.stderr)
 

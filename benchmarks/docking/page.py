@@ -1,4 +1,8 @@
-"""The tables of docs/docking-results.md, which the benchmark writes between two comments of the page each."""
+"""The tables of docking, which the benchmark writes between two comments of a page each.
+
+The one of usual robots, and the list of rows that dock less, are in docs/docking-results.md; all rows are beside this
+module, in results.md.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,6 +12,7 @@ from benchmarks.docking.table import markdown
 from benchmarks.docking.worlds import WORLDS
 
 PAGE = Path(__file__).parents[2] / "docs" / "docking-results.md"
+RESULTS = Path(__file__).with_name("results.md")
 ENOUGH = 95.0
 """A row that docks less, in %, is named in words."""
 STATISTICS, BELOW = "statistics", "below"
@@ -18,7 +23,7 @@ SEEDS = {
     "laws": range(500000, 500040),
     "physics": range(500000, 500060),
 }
-"""The starts of each table of the page: of each controller, or of each row."""
+"""The starts of each table: of each controller, or of each row."""
 
 Row = dict[str, str]
 Rows = dict[tuple[str, str], Row]
@@ -61,15 +66,15 @@ def table_of(rows: Mapping[tuple[str, str], Row], heads: tuple[str, str], order:
     )
 
 
-def with_list(page: str) -> str:
-    """A page with the list of its rows that dock less than 95 % renewed: a line for each reason."""
+def with_list(page: str, results: str) -> str:
+    """A page with the list of rows of the results that dock less than 95 % renewed: a line for each reason."""
     found = [
         (name, controller, row, CASES_BY_NAME[name].why)
-        for (controller, name), row in rows_in(part_of(page, "robustness")).items()
+        for (controller, name), row in rows_in(part_of(results, "robustness")).items()
     ]
     found += [
         (name, "in MuJoCo", row, WORLDS[name][1].why)
-        for (name, law), row in rows_in(part_of(page, "physics")).items()
+        for (name, law), row in rows_in(part_of(results, "physics")).items()
         if law == "ours"
     ]
     lines: dict[str, list[str]] = {}

@@ -7,7 +7,19 @@ from random import Random
 import pytest
 from benchmarks.docking.cases import CASES
 from benchmarks.docking.comparison import COMPARISON, with_laws
-from benchmarks.docking.page import PAGE, SEEDS, empty_part, is_low, part_of, rows_in, table_of, with_list, with_part
+from benchmarks.docking.page import (
+    PAGE,
+    RESULTS,
+    SEEDS,
+    STATISTICS,
+    empty_part,
+    is_low,
+    part_of,
+    rows_in,
+    table_of,
+    with_list,
+    with_part,
+)
 from benchmarks.docking.robustness import ROBUSTNESS
 from benchmarks.docking.trial import simulation_of
 from benchmarks.docking.worlds import WORLDS
@@ -59,23 +71,24 @@ TABLES = [*((table.name, table.keys) for table in (ROBUSTNESS, COMPARISON)), *PH
 
 
 @pytest.mark.parametrize(("name", "keys"), TABLES)
-def test_the_page_has_a_row_for_each_case(name: str, keys: Sequence[tuple[str, str]]) -> None:
-    shown = rows_in(part_of(PAGE.read_text(), name))
+def test_the_results_have_a_row_for_each_case(name: str, keys: Sequence[tuple[str, str]]) -> None:
+    shown = rows_in(part_of(RESULTS.read_text(), name))
     assert list(keys) == list(shown), f"make bench-docking BENCH_ARGS='--{name} --docs --missing'"
 
 
 @pytest.mark.parametrize("name", SEEDS)
 def test_the_page_says_with_which_starts_its_tables_are_made(name: str) -> None:
-    before = PAGE.read_text().partition(f"<!-- {name}:")[0].rpartition("<!-- end")[2]
+    page = PAGE if name == STATISTICS else RESULTS
+    before = page.read_text().partition(f"<!-- {name}:")[0].rpartition("<!-- end")[2]
     seeds = SEEDS[name]
     assert f"{len(seeds)} starts for each" in before
     assert f"seeds {seeds.start} to {seeds.stop - 1}" in before
 
 
 def test_the_page_names_every_row_that_docks_less_than_95_percent_with_the_reason() -> None:
-    page = PAGE.read_text()
-    assert with_list(page) == page, "make bench-docking BENCH_ARGS='--docs'"
-    low = [name for (_, name), row in rows_in(part_of(page, "robustness")).items() if is_low(row)]
+    page, results = PAGE.read_text(), RESULTS.read_text()
+    assert with_list(page, results) == page, "make bench-docking BENCH_ARGS='--docs'"
+    low = [name for (_, name), row in rows_in(part_of(results, "robustness")).items() if is_low(row)]
     reasons = {case.name: case.why for case in CASES}
     assert [name for name in low if not reasons[name]] == []
     assert part_of(page, "below").count("* (") >= len(low)
@@ -83,5 +96,5 @@ def test_the_page_names_every_row_that_docks_less_than_95_percent_with_the_reaso
 
 def test_a_row_that_falls_below_95_percent_is_named() -> None:
     row = f"| controller | fault | docked |\n| - | - | - |\n| `dock_pose` | {CASES[0].name} | 94.9 % |"
-    page = with_list(with_part(empty_part("robustness") + empty_part("below"), "robustness", row))
+    page = with_list(empty_part("below"), with_part(empty_part("robustness"), "robustness", row))
     assert part_of(page, "below") == f"- *{CASES[0].name}* (`dock_pose`, 94.9 %)."

@@ -10,7 +10,7 @@ class AlertKind:
     """A kind of alerts.
 
     Attributes:
-        value: The kind as clients are told.
+        value: The kind in documents for clients.
         critical: Whether an operator must act, if the alert itself does not say.
         on_graph: Whether it is about a fault on the ROS graph.
     """
@@ -20,7 +20,7 @@ class AlertKind:
     on_graph: bool = False
 
     def __str__(self) -> str:
-        """Return the kind as clients are told."""
+        """Return the kind in documents for clients."""
         return self.value
 
 

@@ -46,7 +46,7 @@ class OriginGuard:
             try:
                 self._check(scope)
             except NotAllowed as error:
-                if scope["type"] == "websocket":  # a page is not told why
+                if scope["type"] == "websocket":  # a page cannot see why
                     log.warning("a WebSocket was refused: %s", error.detail)
                 raise
         await self._app(scope, receive, send)

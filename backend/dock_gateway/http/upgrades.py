@@ -35,7 +35,7 @@ def install_upgrades(app: FastAPI, routes: Iterable[BaseRoute]) -> None:
 
     async def no_websocket(websocket: WebSocket) -> None:
         error = NotFound(f"there is no WebSocket at {websocket.scope['path'][:200]!r}; there are {', '.join(paths)}")
-        log.warning("a WebSocket was refused: %s", error.detail)  # a page is not told why
+        log.warning("a WebSocket was refused: %s", error.detail)  # a page cannot see why
         raise error
 
     for path in paths:

@@ -67,7 +67,7 @@ def set_aside(path: Path) -> Path:
     """Rename a damaged database and its other files; return its new path. It must not be opened meanwhile.
 
     Raises:
-        OSError: It cannot be renamed, or too many have been set aside already.
+        OSError: It cannot be renamed, or too many damaged files are there already.
     """
     if len(found := aside(path)) >= MAX_ASIDE:
         raise OSError(f"{len(found)} damaged files are already kept in {path.parent}; check the disk")
@@ -77,7 +77,7 @@ def set_aside(path: Path) -> Path:
 
 
 def aside(path: Path) -> dict[datetime, Path]:
-    """Return the damaged files that were set aside, by the time at which they were renamed."""
+    """Return the damaged files, by the time at which they were renamed."""
     found = {}
     for each in path.parent.iterdir():
         name, _, stamp = each.name.rpartition(MARK)

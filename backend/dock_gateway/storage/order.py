@@ -2,7 +2,7 @@
 
 A gateway publishes an event only up to an id that it was allowed: by a *turn*, a short transaction that also returns
 the states and results of goals that any gateway has stored since its last one. Each of them is stored with an id behind
-all that any gateway was allowed. So nobody publishes a later id before it knows of them, and a reader may resume
+all that any gateway was allowed. So no gateway publishes a later id before it knows of them, and a reader may resume
 anywhere.
 """
 

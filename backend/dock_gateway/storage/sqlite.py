@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 BUSY_TIMEOUT = 0.5
 # The same while the tables are created and several processes may start at once.
 LOCK_PATIENCE = 3.0
-# How long a deleted or replaced file is reported. A file that was set aside is reported until it has been moved.
+# How long a deleted or replaced file is reported. A damaged file that was renamed is reported until it has been moved.
 TOLD_FOR = timedelta(hours=24)
 
 

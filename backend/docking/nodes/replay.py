@@ -48,7 +48,7 @@ def main(args: Sequence[str] | None = None) -> int:
         0 if the goal takes the recorded course, 1 if it does not, 2 if it cannot be replayed, or if the recording does
         not allow a verdict.
     """
-    # Nobody may hear the velocities that are commanded here.
+    # No robot may receive the velocities that are commanded here.
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
     os.environ.pop("ROS_STATIC_PEERS", None)
     arguments = sys.argv[1:] if args is None else args

@@ -1,6 +1,6 @@
 """Replays a recorded goal to an action server: with its own clock, at once, and without moving anything.
 
-The server is the real one with its subscriptions, in a process that nobody discovers. It is not spun: each recorded
+The server is the real one with its subscriptions, in a process that no other node sees. It is not spun: each recorded
 message is handed to the callbacks of its topic, and the control steps come when they came: feedback and velocities tell
 when. So a server that a busy machine held up for a moment is held up here, too. Odometry is compared with the recorded
 velocities, which are those that the robot followed.
@@ -304,6 +304,6 @@ class _Handle:
         """The control steps are done by `Replay`."""
 
     def publish_feedback(self, _: object) -> None:
-        """Nobody waits for it."""
+        """There is no client that waits for it."""
 
     succeed = abort = canceled = lambda self: None

@@ -49,7 +49,7 @@ class Caller:
         timing: When a site counts as gone.
         max_streams: Maximum number of streams at the same time, in all and of one site, beyond which only the hub
             itself opens more, and only stops are passed on.
-        patience: Seconds for which a request is tried again while nobody gets it: a site says hello a little before it
+        patience: Seconds for which a request is retried while no site takes it: a site says hello a little before it
             listens, and servers of a cluster do not know at once of all that listen.
 
     Attributes:

@@ -296,7 +296,7 @@ class Channel:
             self._on_end()
 
     async def abort(self, reason: str, detail: str) -> None:
-        """End the stream at both ends, as far as the other one can be told. Idempotent."""
+        """End the stream, and ask the other end to do so, if it can be reached. Idempotent."""
         if self.ended is None:
             try:
                 await self._send({"type": "abort", "reason": reason, "detail": detail})
