@@ -31,6 +31,7 @@ from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
 from dock_hub.labels import SiteLabels
+from dock_hub.limits import hub_limits
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
 from dock_hub.settings import HubSettings
@@ -118,7 +119,7 @@ def _open_overview(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -
 async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     """Open the extensions, with what measures them."""
     installed = parts[Installed]
-    parts.add(Quotas, Quotas(parts[Settings]))
+    parts.add(Quotas, Quotas(parts[Settings], hub_limits(parts[Settings])))
     parts.add(Includes, Includes())
     await installed.open(parts, stack)
     parts[Overview].sources.append(installed.alerts)

@@ -22,6 +22,7 @@ from dock_gateway.core.request import PERMIT, hold, turn
 from dock_gateway.extension import extensions
 from dock_gateway.http.quotas import TURNS, Quotas, limits
 from dock_gateway.settings import Settings
+from dock_hub.limits import hub_limits
 from tests.support.bounds import OF_HUB, ROOT, bounds
 from tests.support.permits import acting, permit, user
 
@@ -88,7 +89,8 @@ BOUNDS = {
 
 SOURCE = "".join(path.read_text() for root in (ROOT, OF_HUB) for path in root.rglob("*.py"))
 TAKING_TURNS = sorted(set(re.findall(r'turn\("([^"]+)"', SOURCE)))
-FURTHER = extensions().limits(Settings())
+OF_A_HUB = hub_limits(Settings())
+FURTHER = {**extensions().limits(Settings()), **OF_A_HUB}
 LIMITS = {**limits(Settings()), **FURTHER}
 NONE = "\N{EN DASH}"
 # Those of which all users together have a number. `exports` are the others' business only by their number of users.
@@ -111,7 +113,7 @@ def test_each_share_is_taken_somewhere() -> None:
     assert set(TURNS) < set(TAKING_TURNS)
 
 
-PAGES = {"configuration.md": limits(Settings())} | {
+PAGES = {"configuration.md": {**limits(Settings()), **OF_A_HUB}} | {
     f"extensions/{extension.name}.md": extension.limits(Settings())
     for extension in extensions()
     if extension.limits(Settings())

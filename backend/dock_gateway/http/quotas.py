@@ -58,7 +58,7 @@ def limits(settings: Settings) -> dict[str, Limit]:
     """Return what users share of the gateway itself, by name: docs/configuration.md shows it.
 
     `streams` are WebSockets, event streams and subscriptions of `/ws`; `goals` are those of one action that wait for
-    its server; `requests` are those that are carried to other sites.
+    its server.
     """
     subscribers, pending, streams = settings.max_subscribers, settings.max_pending_goals, settings.max_streams_per_user
     return {
@@ -74,8 +74,6 @@ def limits(settings: Settings) -> dict[str, Limit]:
         "large messages": Limit("large messages waiting to be read", 32, 8, 8),
         "logins": Limit("logins in progress", 100, 10, 10, "too_many_logins", of_address=20),
         "provider logins": Limit("logins in progress", 20, 5, code="too_many_logins", of_address=5),
-        "requests": Limit("requests to sites in progress", 5000, streams, 500, "too_many_streams"),
-        "requests of one": Limit("requests in progress to", 450, min(150, streams), 50, "too_many_streams"),
     }
 
 
