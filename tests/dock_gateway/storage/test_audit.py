@@ -25,12 +25,6 @@ from tests.support.waiting import PATIENCE, until
 APPENDER = [sys.executable, "-m", "tests.support.audit"]
 
 
-@pytest.fixture
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine is no outage."""
-    monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
-
-
 pytestmark = pytest.mark.usefixtures("patient")
 
 

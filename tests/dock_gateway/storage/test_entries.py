@@ -14,20 +14,14 @@ from pydantic import BaseModel
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.fleet.alert import Acknowledgement
 from dock_gateway.robots.labels import RobotLabel
-from dock_gateway.storage import Entries, History, sqlite
+from dock_gateway.storage import Entries, History
 from tests.support.history import locked, open_place
-from tests.support.waiting import PATIENCE, until
+from tests.support.waiting import until
 
 AT = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
 LEFT = RobotLabel("Left forklift", ("hall 1", "Gabelstapler ü, \"'"))
 RIGHT = RobotLabel(None, ("hall 1",))
 BARE = RobotLabel("Bar\u00e9", ())
-
-
-@pytest.fixture
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine is no outage."""
-    monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
 
 
 @asynccontextmanager

@@ -8,11 +8,11 @@ import pytest
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
-from dock_gateway.storage import GoalNotes, History, Note, immediate, sqlite
+from dock_gateway.storage import GoalNotes, History, Note, immediate
 from dock_gateway.storage.notes import MAX_NOTES
 from dock_gateway.storage.tables import goal_notes, goal_tags
 from tests.support.history import NOW, locked, make_goal, open_at, open_place, page_of, settled, written
-from tests.support.waiting import PATIENCE, until
+from tests.support.waiting import until
 
 NOTHING = GoalNotes((), ())
 
@@ -21,10 +21,7 @@ def note(number: int, text: str = "wheel was blocked by a box ü\n\tand a 'chair
     return Note(f"{number:032x}", "Ada", NOW + timedelta(seconds=number), text)
 
 
-@pytest.fixture(autouse=True)
-def patient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine is no outage."""
-    monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
+pytestmark = pytest.mark.usefixtures("patient")
 
 
 async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """The notifier with a real receiver: each alert once, whatever the gateways, the history and the receiver do."""
 
 import asyncio
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
 from typing import Any, cast
@@ -22,7 +22,7 @@ from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
-from tests.support.webhooks import Receiver, running_receiver
+from tests.support.webhooks import Receiver
 
 HALL = RobotSelection(groups=("hall 1",))
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
@@ -90,12 +90,6 @@ class Site:
     async def close(self) -> None:
         for gateway in self.gateways:
             await gateway.close()
-
-
-@pytest.fixture
-def receiver() -> Iterator[Receiver]:
-    with running_receiver() as receiver:
-        yield receiver
 
 
 @pytest.fixture

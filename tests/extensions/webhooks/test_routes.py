@@ -15,7 +15,7 @@ from dock_gateway.robots.labels import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.support.history import HistoryInMemory
 from tests.support.route_client import RouteClient
-from tests.support.webhooks import Receiver, running_receiver
+from tests.support.webhooks import Receiver
 
 SECRET = "whsec_" + "A" * 32
 
@@ -51,12 +51,6 @@ class Client(RouteClient):
 def client() -> Iterator[Client]:
     with Client() as client:
         yield client
-
-
-@pytest.fixture
-def receiver() -> Iterator[Receiver]:
-    with running_receiver() as receiver:
-        yield receiver
 
 
 HOOK = {"name": "Control room", "url": "https://hooks.example.com/a?b=c"}

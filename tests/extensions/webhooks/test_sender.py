@@ -3,7 +3,7 @@
 import asyncio
 import gzip
 import threading
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime
 from itertools import chain, repeat
@@ -11,13 +11,7 @@ from itertools import chain, repeat
 import pytest
 
 from dock_gateway.extensions.webhooks.sender import Sender, is_secret, new_secret, sign
-from tests.support.webhooks import Receiver, running_receiver
-
-
-@pytest.fixture
-def receiver() -> Iterator[Receiver]:
-    with running_receiver() as receiver:
-        yield receiver
+from tests.support.webhooks import Receiver
 
 
 @pytest.fixture

@@ -1,22 +1,14 @@
 """A webhook by clicking: it is added and tested, receives a stop, and is removed."""
 
 import re
-from collections.abc import Iterator
 
-import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway
 from tests.support.waiting import wait_until
-from tests.support.webhooks import Receiver, running_receiver
-
-
-@pytest.fixture
-def receiver() -> Iterator[Receiver]:
-    with running_receiver() as receiver:
-        yield receiver
+from tests.support.webhooks import Receiver
 
 
 def test_a_webhook_is_added_tested_and_told_of_a_stop(page: Page, gateway: RunningGateway, receiver: Receiver) -> None:

@@ -1,24 +1,17 @@
 """Webhooks of real gateways: each alert once, over restarts, with two gateways, and a receiver that comes late."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.waiting import wait_until
-from tests.support.webhooks import Receiver, running_receiver
+from tests.support.webhooks import Receiver
 
 pytestmark = pytest.mark.ros
 
 RAISED, CLEARED = ("alert.raised", "stop_latched"), ("alert.cleared", "stop_latched")
 HOOK = {"name": "Control room", "severities": ["critical"], "by": "Ada"}
-
-
-@pytest.fixture
-def receiver() -> Iterator[Receiver]:
-    with running_receiver() as receiver:
-        yield receiver
 
 
 def put(gateway: RunningGateway, url: str) -> dict[str, Any]:
