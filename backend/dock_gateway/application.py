@@ -3,18 +3,18 @@
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any, TypedDict
 
 from fastapi import APIRouter, Depends, FastAPI
 from starlette.middleware.cors import CORSMiddleware
+from starlette.routing import BaseRoute
 
 from dock_gateway import __version__
 from dock_gateway.access.authorization import authorize
 from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
-from dock_gateway.http.methods import HeadAsGet, allowed_methods
+from dock_gateway.http.methods import AllowedMethods, HeadAsGet, allowed_methods
 from dock_gateway.http.openapi import Models, Union, install_openapi, serve_document
 from dock_gateway.http.operation import require_declared, require_distinct
 from dock_gateway.http.origin import OriginGuard
@@ -93,11 +93,25 @@ def build_app(
         swagger_ui_oauth2_redirect_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
+    routes = _add_routes(app, routers)
+    _add_documents(app, settings, contents)
+    install_docs(app)
+    install_dashboard(app, settings)
+    install_upgrades(app, routes)
+    _add_middleware(app, settings, allowed_methods([*routes, *app.routes]), many_sites=contents.many_sites)
+    return app
+
+
+def _add_routes(app: FastAPI, routers: Sequence[APIRouter]) -> list[BaseRoute]:
     routes = [route for router in routers for route in router.routes]
     require_distinct(routes)
+    require_declared(routes)
     for router in routers:
-        require_declared(router.routes)
         app.include_router(router, dependencies=[Depends(authorize)])
+    return routes
+
+
+def _add_documents(app: FastAPI, settings: Settings, contents: Contents) -> None:
     install_openapi(
         app,
         authentication=settings.authentication,
@@ -106,12 +120,12 @@ def build_app(
         messages=contents.messages,
         values=contents.values,
     )
-    if contents.asyncapi is not None:
-        serve_document(app, "/asyncapi.json", partial(_asyncapi, app, contents.asyncapi))
-    install_docs(app)
-    install_dashboard(app, settings)
-    install_upgrades(app, routes)
-    allowed = allowed_methods([*routes, *app.routes])
+    if (make := contents.asyncapi) is not None:
+        serve_document(app, "/asyncapi.json", lambda: make(app.openapi()))
+
+
+def _add_middleware(app: FastAPI, settings: Settings, allowed: AllowedMethods, *, many_sites: bool) -> None:
+    """Add what is around the routes; the last one added is the outermost."""
     if settings.allowed_origins:
         app.add_middleware(
             CORSMiddleware,
@@ -124,13 +138,8 @@ def build_app(
         )
     app.add_middleware(AuditTrail)
     app.add_middleware(OriginGuard, settings=settings)
-    install_problems(app, allowed, many_sites=contents.many_sites)  # the last middleware added is the outermost
-    app.state.many_sites = contents.many_sites
+    install_problems(app, allowed, many_sites=many_sites)
+    app.state.many_sites = many_sites
     app.state.requests = RequestMetrics()
     app.add_middleware(RequestMeter, metrics=app.state.requests)
     app.add_middleware(HeadAsGet)
-    return app
-
-
-def _asyncapi(app: FastAPI, make: Callable[[Document], Document]) -> Document:
-    return make(app.openapi())

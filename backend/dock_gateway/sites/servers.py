@@ -1,6 +1,5 @@
 """The addresses of NATS servers, with and without their secrets."""
 
-import ipaddress
 from dataclasses import dataclass, field
 from urllib.parse import unquote, urlsplit
 
@@ -25,16 +24,6 @@ class Server:
     def __str__(self) -> str:
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"{'tls' if self.tls else 'nats'}://{host}:{self.port}"
-
-    @property
-    def is_protected(self) -> bool:
-        """Whether others on the network cannot read along: TLS, or a server on this machine."""
-        if self.tls or self.host == "localhost":
-            return True
-        try:
-            return ipaddress.ip_address(self.host).is_loopback
-        except ValueError:
-            return False
 
 
 def read_server(url: str) -> Server:

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any, BinaryIO
 
 from dock_gateway.core.graph import FEEDBACK_TYPE
+from dock_gateway.extensions.recordings.type_hash import type_hash
 from dock_gateway.ros.messages.full_definition import full_definition
 from dock_gateway.ros.messages.interfaces import load_message
-from dock_gateway.ros.messages.type_hash import type_hash
 from robot_io.recording import QOS, TYPE, TYPE_HASH, Sample
 
 log = logging.getLogger(__name__)
