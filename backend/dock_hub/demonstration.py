@@ -16,7 +16,7 @@ from typing import Any
 
 import click
 
-from dock_gateway.cli.supervisor import END_TIMEOUT, Readiness, supervise
+from dock_gateway.cli.supervisor import END_TIMEOUT, ReadinessProbe, supervise
 from dock_gateway.sites.identity import Signer
 
 NAMES = ("berlin", "oslo", "lyon", "porto", "turin")
@@ -183,7 +183,7 @@ def run_sites(  # noqa: PLR0917 - called by its entry point
                 commands[f"{part} of {site}"] = command
                 environments[f"{part} of {site}"] = environment
         links = "".join(f"    {site}: http://127.0.0.1:{port}\n" for site, port in zip(names, ports, strict=True))
-        readiness = Readiness(
+        readiness = ReadinessProbe(
             "/sites", partial(all_connected, len(ports)), f"\n  The sites' own gateways, which need no hub:\n{links}"
         )
         supervising = supervise(

@@ -13,7 +13,7 @@ from starlette.types import Scope as ConnectionScope
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.tunnel.answer import TunnelAnswer
-from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_hub.fields import ForeignDocumentError
 
 # Seconds that a site may take to begin with a request, and may show no sign of life until it answers. For a request of
@@ -66,7 +66,7 @@ class SiteClient:
         clock: Returns the time of the site's clock, in seconds since 1970.
     """
 
-    def __init__(self, caller: Caller, signer: Signer, address: Address, clock: Callable[[], float]) -> None:
+    def __init__(self, caller: Caller, signer: Signer, address: TunnelAddress, clock: Callable[[], float]) -> None:
         self._caller = caller
         self._signer = signer
         self.address = address

@@ -22,8 +22,8 @@ from dock_gateway.sites.identity import AGREEMENT, Signer
 from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, read
 from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.seals import KeyAgreement
-from dock_gateway.sites.subscription import Received
-from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.subscription import SiteMessage
+from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
 from dock_gateway.storage import History
 from dock_hub.directory import Directory, Site, SiteState
@@ -75,7 +75,7 @@ class Sites:
         self._caller = caller
         self._signer = signer
         self._keys = KeyAgreement()
-        self._agreed: dict[str, tuple[Address, str]] = {}  # by site: its process, and the public key of that
+        self._agreed: dict[str, tuple[TunnelAddress, str]] = {}  # by site: its process, and the public key of that
         self._history = history
         self._entries = history.documents("site", SiteEntry)
         self._store = store
@@ -124,7 +124,7 @@ class Sites:
 
     # ------------------------------------------------------------------ hellos
 
-    async def _on_hello(self, received: Received) -> None:
+    async def _on_hello(self, received: SiteMessage) -> None:
         name = subjects.read_hello(received.subject)
         if name is None:
             self._broker.refuse("foreign_subject", received.subject, "a site cannot have that name")
@@ -149,7 +149,7 @@ class Sites:
         self._heard[name] += 1
         return self._heard[name] > MAX_HELLOS_OF_SITE
 
-    async def _answer(self, name: str, hello: Hello, received: Received) -> None:
+    async def _answer(self, name: str, hello: Hello, received: SiteMessage) -> None:
         answer = self._judge(name, hello)
         if isinstance(answer, Refusal) and answer.code == "site_connected_elsewhere" and await self._is_gone(name):
             answer = self._judge(name, hello)
@@ -166,7 +166,7 @@ class Sites:
 
     def _agree(self, name: str, hello: Hello, welcome: Welcome) -> Welcome:
         """Agree on a key for the requests to a process of a site; return the welcome that contains it."""
-        address = Address(name, hello.instance)
+        address = TunnelAddress(name, hello.instance)
         if self._agreed.get(name) != (address, hello.public):
             try:
                 key = self._keys.agree(hello.public, name, hello.instance)
@@ -349,7 +349,7 @@ class Sites:
         return self._client_of(name, instance)
 
     def _client_of(self, name: str, instance: str) -> SiteClient:
-        return SiteClient(self._caller, self._signer, Address(name, instance), partial(self._clock_of, name))
+        return SiteClient(self._caller, self._signer, TunnelAddress(name, instance), partial(self._clock_of, name))
 
     def _clock_of(self, name: str) -> float:
         site = self._directory.sites.get(name)

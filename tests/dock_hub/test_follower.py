@@ -13,7 +13,7 @@ import pytest
 from dock_gateway.core.event import Event, moment, result_event, status_event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
 from dock_hub import follower
@@ -46,7 +46,7 @@ def make_goal(goal_id: str, status: GoalStatus, second: int = 0) -> Goal:
 class FakeSite:
     """What a site says on each connection, and on requests. The last connection stays."""
 
-    address = Address("berlin", "0" * 16)
+    address = TunnelAddress("berlin", "0" * 16)
 
     def __init__(self, *connections: Iterable[Any]) -> None:
         self.connections = list(connections)

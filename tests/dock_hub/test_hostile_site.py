@@ -21,7 +21,7 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.storage import History, retention
 from dock_gateway.storage.retention import OVERHEAD
 from dock_hub import follower, pace
@@ -182,7 +182,7 @@ async def test_goals_that_never_end_go_too_when_a_site_has_nothing_else(database
 
 
 class HostileSite(FakeSite):
-    address = Address("evil", "0" * 16)
+    address = TunnelAddress("evil", "0" * 16)
 
 
 async def test_a_site_that_tells_without_end_does_not_hold_up_another(

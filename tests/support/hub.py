@@ -12,9 +12,9 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.messages import Hello, Refusal, Welcome, read
-from dock_gateway.sites.subscription import Received
+from dock_gateway.sites.subscription import SiteMessage
 from dock_gateway.sites.tunnel.answer import TunnelAnswer
-from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_gateway.sites.tunnel.conversation import Conversation
 from dock_gateway.sites.tunnel.failures import SiteUnreachable
 from tests.support.waiting import PATIENCE, until
@@ -53,7 +53,7 @@ class SmallHub:
     def clock(self) -> float:
         return time.time() - self.late
 
-    async def _answer(self, received: Received) -> None:
+    async def _answer(self, received: SiteMessage) -> None:
         hello, site = read(Hello, received.data), subjects.read_hello(received.subject)
         if site != self.site:
             return
@@ -72,8 +72,8 @@ class SmallHub:
             await asyncio.sleep(0.02)
 
     @property
-    def address(self) -> Address:
-        return Address(self.site, self.hellos[-1].instance)
+    def address(self) -> TunnelAddress:
+        return TunnelAddress(self.site, self.hellos[-1].instance)
 
     def sign(
         self,

@@ -22,7 +22,7 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer, Verifier
 from dock_gateway.sites.messages import Hello, Refusal, Welcome, read_answer
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.channel import Timing
 from dock_gateway.sites.tunnel.server import TunnelServer
 from tests.support.waiting import until
@@ -99,7 +99,7 @@ async def small_site(
         assert isinstance(await say_hello(broker, name, instance), Welcome)
         server = TunnelServer(
             broker,
-            Address(name, instance),
+            TunnelAddress(name, instance),
             APP,
             lambda token, method, path, content: verifier.verify(token, instance, method, path, time.time(), content),
             {},

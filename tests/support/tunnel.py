@@ -10,7 +10,7 @@ from starlette.types import ASGIApp, Message
 
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
-from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_gateway.sites.tunnel.channel import Timing
 from dock_gateway.sites.tunnel.server import TunnelServer
 from tests.support.waiting import until
@@ -36,7 +36,7 @@ class Tunnel:
     site: Broker
     caller: Caller
     server: TunnelServer
-    address: Address
+    address: TunnelAddress
 
 
 @asynccontextmanager
@@ -50,7 +50,7 @@ async def open_tunnel(
     max_streams: int = 500,
 ) -> AsyncIterator[Tunnel]:
     """Open both ends, and wait until both are connected."""
-    address = Address(SITE, subjects.new_id())
+    address = TunnelAddress(SITE, subjects.new_id())
     async with open_broker(options_of(url, "hub")) as hub, open_broker(options_of(site_url or url, SITE)) as site:
         caller = Caller(hub, timing=timing, patience=0.1)
         server = TunnelServer(

@@ -36,7 +36,7 @@ ERROR_CODE = re.compile(r"[a-z_]{1,40}")
 
 
 @dataclass(frozen=True)
-class Endpoints:
+class ProviderEndpoints:
     """Addresses of the provider.
 
     Attributes:
@@ -71,7 +71,7 @@ class Provider:
         assert settings.oidc_issuer is not None
         self._timeout = timeout
         self.issuer = settings.oidc_issuer
-        self.endpoints: Endpoints | None = None
+        self.endpoints: ProviderEndpoints | None = None
         self.keys = Keys()
         self._client_id = settings.oidc_client_id
         secret = settings.oidc_client_secret
@@ -102,7 +102,7 @@ class Provider:
         if self._http is not None:
             await self._http.aclose()
 
-    async def refresh(self) -> Endpoints:
+    async def refresh(self) -> ProviderEndpoints:
         """Read the addresses and the keys of the provider, unless they were read a moment ago.
 
         A request with an unknown key causes this, too, but not more often, and one at a time.
@@ -125,7 +125,7 @@ class Provider:
             self._looked_at = self._clock()
             return self.endpoints
 
-    async def _read(self) -> tuple[Endpoints, Keys]:
+    async def _read(self) -> tuple[ProviderEndpoints, Keys]:
         address = self.issuer.rstrip("/") + DISCOVERY
         document = await self._get(address)
         try:
@@ -235,7 +235,7 @@ def _client() -> httpx2.AsyncClient:
     return httpx2.AsyncClient(headers=headers, timeout=TIMEOUT, follow_redirects=False)
 
 
-def _read_endpoints(document: Mapping[str, Any], issuer: str) -> tuple[Endpoints, str]:
+def _read_endpoints(document: Mapping[str, Any], issuer: str) -> tuple[ProviderEndpoints, str]:
     """Return the addresses of the provider, and that of its keys.
 
     Raises:
@@ -245,7 +245,7 @@ def _read_endpoints(document: Mapping[str, Any], issuer: str) -> tuple[Endpoints
         raise ValueError(f"the issuer is {str(document.get('issuer'))[:200]!r}, not {issuer!r}")
     methods = document.get("token_endpoint_auth_methods_supported", ["client_secret_basic"])
     basic = not isinstance(methods, list) or "client_secret_basic" in methods or "client_secret_post" not in methods
-    endpoints = Endpoints(
+    endpoints = ProviderEndpoints(
         authorization=_address(document, "authorization_endpoint"),
         token=_address(document, "token_endpoint"),
         userinfo=_optional_address(document, "userinfo_endpoint"),

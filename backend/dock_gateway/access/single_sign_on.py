@@ -26,7 +26,7 @@ MAX_CODE = 4096
 
 
 @dataclass(frozen=True)
-class Person:
+class ProviderUser:
     """Someone who has logged in at the provider.
 
     Attributes:
@@ -128,7 +128,7 @@ class SingleSignOn:
             raise _failure("the identity provider has sent no code")
         return code, attempt
 
-    async def redeem(self, code: str, attempt: LoginAttempt, redirect_uri: str) -> Person:
+    async def redeem(self, code: str, attempt: LoginAttempt, redirect_uri: str) -> ProviderUser:
         """Return who has logged in.
 
         Args:
@@ -142,7 +142,7 @@ class SingleSignOn:
         """
         client_id = self._require_client()
         claims = await self._redeem(code, attempt, redirect_uri, client_id)
-        return Person(self.rules.name_of(claims), subject_of(claims), digest_of(attempt.state), claims)
+        return ProviderUser(self.rules.name_of(claims), subject_of(claims), digest_of(attempt.state), claims)
 
     def _require_client(self) -> str:
         if self.client_id is None:
@@ -239,7 +239,7 @@ class SingleSignOn:
         assert principal.expires_at is not None
         return utc_now() < principal.expires_at and principal.key in self.provider.keys
 
-    def grant_of(self, person: Person) -> Grant:
+    def grant_of(self, person: ProviderUser) -> Grant:
         """Return what a person may do.
 
         Raises:

@@ -19,10 +19,10 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.http.edge.certificates import Certificates, load_certificates
-from dock_gateway.http.edge.connection import Connection
+from dock_gateway.http.edge.connection import GuardedConnection
 from dock_gateway.http.edge.forwarded import ForwardedHeaders
 from dock_gateway.http.edge.limits import raise_file_limit
-from dock_gateway.http.edge.listener import Listener
+from dock_gateway.http.edge.listener import PortListener
 from dock_gateway.http.edge.options import edge_options
 from dock_gateway.http.edge.security import SecurityHeaders
 from dock_gateway.http.edge.tls import open_tls
@@ -38,7 +38,7 @@ log = logging.getLogger(__name__)
 GRACE = 1
 FAREWELL = 0.5
 
-ConnectionFactory = Callable[..., Connection]
+ConnectionFactory = Callable[..., GuardedConnection]
 S = TypeVar("S", bound=Settings)
 OpenParts = Callable[[S], AbstractAsyncContextManager[Parts]]
 CreateApp = Callable[[S, Parts], ASGIApp]
@@ -93,9 +93,9 @@ class Server(uvicorn.Server):
         for way in self._ways:
             await way.open(self._app, self.lifespan.state)
 
-    def _bind(self, port: int) -> Listener:
+    def _bind(self, port: int) -> PortListener:
         try:
-            return Listener(self.config.host, port)
+            return PortListener(self.config.host, port)
         except OSError as error:
             log.error("cannot listen on %s, port %d: %s", self.config.host, port, error)
             raise SystemExit(STARTUP_FAILURE) from error

@@ -79,7 +79,7 @@ def _end(parts: Sequence[Part], timeout: float) -> None:
             part.process.wait()
 
 
-class Readiness(NamedTuple):
+class ReadinessProbe(NamedTuple):
     """What says that everything is up.
 
     Attributes:
@@ -93,10 +93,10 @@ class Readiness(NamedTuple):
     text: str = ""
 
 
-GATEWAY_READY = Readiness()
+GATEWAY_READY = ReadinessProbe()
 
 
-async def _announce(url: str, readiness: Readiness) -> None:
+async def _announce(url: str, readiness: ReadinessProbe) -> None:
     context = tls_context(url)
     if context is not None:  # the certificate is for another name than that of this machine's loopback interface
         context.check_hostname = False
@@ -115,7 +115,7 @@ async def supervise(
     url: str,
     *,
     environments: Mapping[str, Mapping[str, str]] = {},
-    readiness: Readiness = GATEWAY_READY,
+    readiness: ReadinessProbe = GATEWAY_READY,
     start_window: float = 5.0,
     longest_delay: float = 10.0,
     end_timeout: float = END_TIMEOUT,

@@ -10,7 +10,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import WebSocketException
 
 from dock_gateway.client import calls
-from dock_gateway.client.connection import Attempts, Connection, Reading
+from dock_gateway.client.connection import Attempts, Connection, ReadPosition
 from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
 from dock_gateway.client.errors import succeeded
 
@@ -101,7 +101,7 @@ class AsyncClient:
 
     def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
         """Yield events as they happen, first a snapshot; forever."""
-        return self.read(Reading(self.connection, query, after))
+        return self.read(ReadPosition(self.connection, query, after))
 
     async def request(
         self, method: str, path: str, body: object = None, *, params: calls.Params | None = None, wait: int = 0
@@ -120,7 +120,7 @@ class AsyncClient:
             else:
                 return self.connection.read(response, call.read)
 
-    async def read(self, reading: Reading) -> AsyncGenerator[Event]:
+    async def read(self, reading: ReadPosition) -> AsyncGenerator[Event]:
         """Yield the events of a stream, over any number of connections."""
         while True:
             try:
@@ -158,7 +158,7 @@ class AsyncGoal:
 
     async def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
         """Yield events until the goal ends, first a snapshot."""
-        reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after)
+        reading = ReadPosition(self._client.connection, {**query, "goal_id": self.id}, after)
         async with aclosing(self._client.read(reading)) as events:
             async for event in events:
                 yield event

@@ -240,7 +240,7 @@ def refusal(status: int, body: bytes | bytearray | None) -> GatewayRefused:
         return GatewayRefused(status)
 
 
-class Reading:
+class ReadPosition:
     """How far a stream was read, so that the next connection resumes there; and until when it is read."""
 
     def __init__(

@@ -9,7 +9,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from dock_gateway.client import calls
-from dock_gateway.client.connection import Attempts, Connection, Reading
+from dock_gateway.client.connection import Attempts, Connection, ReadPosition
 from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
 from dock_gateway.client.errors import succeeded
 
@@ -143,7 +143,7 @@ class Client:
             after: Id of the last event that is known. The events since then come first, instead of a snapshot.
             query: Selects events, as docs/streams.md says: `goal_id`, `action`, `robot`, `include`, `max_rate`, …
         """
-        return self.read(Reading(self.connection, query, after))
+        return self.read(ReadPosition(self.connection, query, after))
 
     def request(
         self, method: str, path: str, body: object = None, *, params: calls.Params | None = None, wait: int = 0
@@ -170,7 +170,7 @@ class Client:
             else:
                 return self.connection.read(response, call.read)
 
-    def read(self, reading: Reading) -> Iterator[Event]:
+    def read(self, reading: ReadPosition) -> Iterator[Event]:
         """Yield the events of a stream, over any number of connections.
 
         Raises:
@@ -219,7 +219,7 @@ class Goal:
         return self._events(after, query, _deadline(timeout))
 
     def _events(self, after: str | None, query: dict[str, Any], deadline: float | None) -> Iterator[Event]:
-        reading = Reading(self._client.connection, {**query, "goal_id": self.id}, after, deadline)
+        reading = ReadPosition(self._client.connection, {**query, "goal_id": self.id}, after, deadline)
         for event in self._client.read(reading):
             yield event
             if event.ends_goal or (reading.to_be_checked(event) and self._refresh(deadline).ended):

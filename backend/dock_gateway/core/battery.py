@@ -82,7 +82,7 @@ class Doubt(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Reading:
+class BatteryReading:
     """A battery state as far as it is believed; None: not measured, or not believed.
 
     Attributes:

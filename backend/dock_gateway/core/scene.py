@@ -72,7 +72,7 @@ class Pose(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenPose:
     """A pose that was observed or reported: its frame, its own stamp, and when it was received, in seconds."""
 
     pose: Pose
@@ -85,21 +85,21 @@ class Track:
     """The robot's recent poses in one frame."""
 
     def __init__(self) -> None:
-        self._poses: deque[Seen] = deque(maxlen=REMEMBERED)
+        self._poses: deque[SeenPose] = deque(maxlen=REMEMBERED)
 
-    def add(self, seen: Seen) -> None:
+    def add(self, seen: SeenPose) -> None:
         """Add a newer pose. A stamp that steps back means that the robot restarted, so older poses are dropped."""
         if self._poses and seen.stamp < self._poses[-1].stamp:
             self._poses.clear()
         self._poses.append(seen)
 
-    def latest(self, now: float) -> Seen | None:
+    def latest(self, now: float) -> SeenPose | None:
         """Return the newest pose, or None if it is too old."""
         if not self._poses or now - self._poses[-1].heard_at > PLACED_FOR:
             return None
         return self._poses[-1]
 
-    def near(self, stamp: float) -> Seen | None:
+    def near(self, stamp: float) -> SeenPose | None:
         """Return the pose nearest to a stamp."""
         return min(self._poses, key=lambda seen: abs(seen.stamp - stamp), default=None)
 
@@ -111,11 +111,11 @@ class Scene:
         self._tracks = {ODOM: Track(), WORLD: Track()}
         self._world_from_odom: Pose | None = None
         self._dock: Pose | None = None
-        self._said: dict[str, Seen] = {}
+        self._said: dict[str, SeenPose] = {}
         self._ranges: dict[str, tuple[float | None, float]] = {}
         self._footprint: dict[str, Any] | None = None
 
-    def place(self, seen: Seen) -> None:
+    def place(self, seen: SeenPose) -> None:
         """Add the robot's pose, from odometry or the true one, depending on its frame."""
         track, other = (WORLD, ODOM) if seen.frame == WORLD else (ODOM, WORLD)
         self._tracks[track].add(seen)
@@ -129,7 +129,7 @@ class Scene:
         if believed and true and (abs(believed.stamp - true.stamp) <= AT_ONCE or self._world_from_odom is None):
             self._world_from_odom = true.pose.compose(believed.pose.inverse())
 
-    def say(self, name: str, seen: Seen) -> None:
+    def say(self, name: str, seen: SeenPose) -> None:
         """Store an observed or planned pose: `marker`, `docked`, `staging`."""
         self._said[name] = seen
 
@@ -174,7 +174,7 @@ class Scene:
         origin = self._origin(seen, frame)
         return None if origin is None else origin.compose(seen.pose).document()
 
-    def _origin(self, seen: Seen, frame: str) -> Pose | None:
+    def _origin(self, seen: SeenPose, frame: str) -> Pose | None:
         """Return the pose of an observation's frame in `frame`, or None if no transform is known."""
         if seen.frame == frame:
             return Pose(0.0, 0.0, 0.0)
@@ -199,7 +199,7 @@ def _rounded(distance: float | None) -> float | None:
     return None if distance is None else round(distance, 4)
 
 
-class Pace:
+class EvenRate:
     """Rate limit with even spacing.
 
     Args:

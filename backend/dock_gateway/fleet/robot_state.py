@@ -8,7 +8,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.robots.battery import Battery, BatteryPublisher
+from dock_gateway.robots.battery import BatteryPublisher, LatestBattery
 from dock_gateway.robots.labels import RobotLabel
 
 CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
@@ -41,7 +41,7 @@ class RobotState:
     name: str
     label: RobotLabel
     default: bool
-    battery: Battery
+    battery: LatestBattery
     battery_topic: str
     publisher: BatteryPublisher
     stop: dict[str, Any]

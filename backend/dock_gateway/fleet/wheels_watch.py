@@ -17,7 +17,7 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.findings import Finding, commands_lost
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.robots.wheels import Command
+from dock_gateway.robots.wheels import VelocityCommand
 
 log = logging.getLogger(__name__)
 
@@ -56,7 +56,7 @@ class WheelsWatch:
         self._goals: dict[str, set[str]] = {}  # of each robot, those that run
         self._ended_at: dict[str, float] = {}
         self._names: dict[bytes, str] = {}
-        self._silent: dict[str, Command] = {}  # of robots whose commands had ended at the last scan, the last one
+        self._silent: dict[str, VelocityCommand] = {}  # the last of robots whose commands had ended
         self._stopped: dict[str, Finding] = {}
         self._changed: Callable[[], None] = lambda: None
         self._wake = asyncio.Event()
@@ -134,7 +134,7 @@ class WheelsWatch:
         for robot, last in self._heard(now):
             self._check(robot, last, now)
 
-    def _heard(self, now: float) -> Iterator[tuple[str, Command]]:
+    def _heard(self, now: float) -> Iterator[tuple[str, VelocityCommand]]:
         """Yield the robots whose commands are heard: with a goal, and a moment longer."""
         for robot in [*self._goals, *self._ended_at]:
             wheels = self._robots.get(robot).velocity if robot in self._robots else None
@@ -146,7 +146,7 @@ class WheelsWatch:
                 wheels.catch_up()
             yield robot, wheels.last
 
-    def _check(self, robot: str, last: Command, now: float) -> None:
+    def _check(self, robot: str, last: VelocityCommand, now: float) -> None:
         if last.publisher is not None and last.publisher not in self._names:
             self._names[last.publisher] = UNKNOWN
             self._tasks.spawn(self._learn(robot, last.publisher))
@@ -166,9 +166,9 @@ class WheelsWatch:
         """Return the seconds without a command that do not stop a robot."""
         return max(self._timeout, min(LONGEST, MISSED * self._robots.get(robot).velocity.interval))
 
-    def _stop(self, robot: str, last: Command, allowed: float) -> None:
+    def _stop(self, robot: str, last: VelocityCommand, allowed: float) -> None:
         wheels = self._robots.get(robot).velocity
-        wheels.last = Command(time.monotonic(), motion=False)
+        wheels.last = VelocityCommand(time.monotonic(), motion=False)
         try:
             wheels.publish_zero()
         except Exception:

@@ -17,7 +17,7 @@ from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
-from dock_gateway.goals.submission import BeforeSend, Delivery
+from dock_gateway.goals.submission import BeforeSend, GoalDelivery
 from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -76,7 +76,7 @@ class Action:
         self.tracker = GoalTracker(port, fanout, history, reasons, adapter, remark=remark, halt=halt, limits=limits)
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, interlock, limits)
-        self.delivery = Delivery(
+        self.delivery = GoalDelivery(
             settings,
             history,
             self.tracker,

@@ -43,7 +43,7 @@ class News(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Publish:
+class PublishEvent:
     """Publish an event of a goal."""
 
     event: Event
@@ -81,7 +81,7 @@ class Notify:
     goal: Goal
 
 
-Output = Publish | Store | AwaitResult | PublishEnd | Notify
+Output = PublishEvent | Store | AwaitResult | PublishEnd | Notify
 
 
 class GoalMachine:
@@ -371,7 +371,7 @@ class GoalMachine:
         return True
 
     def _publish(self, make: MakeEvent, goal: Goal, source_ns: int) -> None:
-        self.outputs.append(Publish(make(goal, self._stamp(source_ns), source_ns), goal))
+        self.outputs.append(PublishEvent(make(goal, self._stamp(source_ns), source_ns), goal))
 
     def _retire(self, goal: Goal) -> None:
         self.live.pop(goal.goal_id, None)

@@ -36,7 +36,7 @@ from dock_gateway.storage import History
 log = logging.getLogger(__name__)
 
 
-class DockingServers(NamedTuple):
+class DockingServerStates(NamedTuple):
     """The states of a robot's docking and undocking servers."""
 
     dock: ServerState
@@ -362,10 +362,10 @@ class ActionRegistry:
             if goal := action.tracker.live.get(goal_id):
                 action.tracker.apply(GoalMachine.progress, goal, stage, retries, stamp_ns)
 
-    def servers_of(self, namespace: str) -> DockingServers:
+    def servers_of(self, namespace: str) -> DockingServerStates:
         """Return the states of a robot's docking and undocking servers, even if they have never been seen."""
         names = self.robot_actions.docking_pair(namespace)
-        return DockingServers(self._server(names.dock), self._server(names.undock))
+        return DockingServerStates(self._server(names.dock), self._server(names.undock))
 
     def _server(self, name: str) -> ServerState:
         if action := self._actions.get(name):

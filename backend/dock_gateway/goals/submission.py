@@ -31,14 +31,14 @@ STOPPED_ON_ITS_WAY = "the goal was not sent, as a stop was requested first"
 
 
 @dataclass(frozen=True)
-class Claim:
+class KeyClaim:
     """An idempotency key. `take` claims it for a goal; if another goal has it already, it returns that one."""
 
     key: str
     take: Callable[[Goal], Awaitable[Goal | None]]
 
 
-class Delivery:
+class GoalDelivery:
     """Delivers the goals of one action.
 
     Args:
@@ -102,7 +102,7 @@ class Delivery:
     def start(
         self,
         message: Any,
-        claim: Claim | None = None,
+        claim: KeyClaim | None = None,
         stops: int | None = None,
         again: Goal | None = None,
         *,
@@ -142,7 +142,7 @@ class Delivery:
     # ------------------------------------------------------------------ sending
 
     async def _deliver(
-        self, message: Any, claim: Claim | None, stops: int, again: Goal | None, sender: Principal | None
+        self, message: Any, claim: KeyClaim | None, stops: int, again: Goal | None, sender: Principal | None
     ) -> Goal:
         """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
         port = self._tracker.port

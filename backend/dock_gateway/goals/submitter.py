@@ -7,7 +7,7 @@ from typing import Any
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.goals.submission import Claim, Delivery, outcome
+from dock_gateway.goals.submission import GoalDelivery, KeyClaim, outcome
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History, fingerprint_of
@@ -19,7 +19,7 @@ CLAIM_WAIT = 2.0
 class Submitter:
     """Submits goals of one action."""
 
-    def __init__(self, settings: Settings, history: History, tracker: GoalTracker, delivery: Delivery) -> None:
+    def __init__(self, settings: Settings, history: History, tracker: GoalTracker, delivery: GoalDelivery) -> None:
         self._settings = settings
         self._history = history
         self._tracker = tracker
@@ -98,7 +98,7 @@ class Submitter:
             goal = self._tracker.live.get(goal.goal_id) or await self._history.get(goal.goal_id) or goal
         return self._tracker.live.get(goal.goal_id, goal)
 
-    def _claim_of(self, idempotency_key: str) -> Claim:
+    def _claim_of(self, idempotency_key: str) -> KeyClaim:
         async def take(goal: Goal) -> Goal | None:
             fingerprint = fingerprint_of(goal.action_name, goal.goal)
             goal_id, first_fingerprint = await self._history.claim(idempotency_key, goal.goal_id, fingerprint)
@@ -117,7 +117,7 @@ class Submitter:
             goal.goal_id = goal_id
             return None
 
-        return Claim(idempotency_key, take)
+        return KeyClaim(idempotency_key, take)
 
     @staticmethod
     def _require_same(first: object, second: object) -> None:

@@ -19,7 +19,7 @@ from dock_gateway.core.goal import Goal, GoalError, Json, Origin, ResultAnswer
 from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
-from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, PublishEnd, PublishEvent, Store
 from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.results import Results
@@ -142,7 +142,7 @@ class GoalTracker:
         change(self._machine, Now.read(), *args, **kwargs)
         while self._machine.outputs:
             match self._machine.outputs.popleft():
-                case Publish(event, goal):
+                case PublishEvent(event, goal):
                     self._publisher.publish(event, goal)
                     self.on[News.CHANGED](goal)
                 case Store(goal):

@@ -14,7 +14,7 @@ from dock_gateway.core.goal import fragment
 from dock_gateway.core.tasks import cancel
 from dock_gateway.core.work import Work
 from dock_gateway.graph.subscription import TopicSubscription, wait
-from dock_gateway.ros.raw_port import EchoType, Heard, Reading, read_message
+from dock_gateway.ros.raw_port import DecodedMessage, EchoType, Heard, read_message
 
 log = logging.getLogger(__name__)
 
@@ -141,10 +141,10 @@ class Echo:
         for viewer in due:
             viewer.seen, viewer.due = heard.messages, began + max(viewer.period, rest)
 
-    async def _read(self, kind: EchoType, message: bytes) -> Reading | None:
+    async def _read(self, kind: EchoType, message: bytes) -> DecodedMessage | None:
         before = self._hint_of(kind)
         self._unreadable, self._unreadable_kind = None, kind
-        reading: Reading | None = None
+        reading: DecodedMessage | None = None
         try:
             reading = await self._work(len(message), read_message, kind.name, message)
         except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about

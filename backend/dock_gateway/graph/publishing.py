@@ -91,7 +91,7 @@ class Publication:
 
 
 @dataclass(frozen=True)
-class Published:
+class SentMessage:
     """A message that was published, its type, its class, and the number of subscriptions that it reached."""
 
     type: str
@@ -167,7 +167,7 @@ class Publishing:
 
     async def publish(
         self, name: str, fields: object, *, type_name: str | None = None, grant: Grant = UNLIMITED
-    ) -> Published:
+    ) -> SentMessage:
         """Publish one message. Its publisher is kept for a minute, for the next one.
 
         Args:
@@ -197,7 +197,7 @@ class Publishing:
             raise Unavailable(f"the publisher of {name} has left meanwhile: try again", code="ros_unavailable")
         publication.port.publish(message)
         publication.used = time.monotonic()
-        return Published(publication.topic.type, publication.port.subscribers, publication.kind, message)
+        return SentMessage(publication.topic.type, publication.port.subscribers, publication.kind, message)
 
     async def _open(self, name: str, type_name: str | None, grant: Grant, fields: object) -> tuple[Publication, object]:
         topic = await self.find(name, type_name, grant)

@@ -72,7 +72,7 @@ class FoundService:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ServiceResponse:
     """The response of a service as a message, with its type and that type's class."""
 
     type: str
@@ -151,7 +151,7 @@ class ServiceCalls:
         type_name: str | None = None,
         timeout: float = 5.0,
         grant: Grant = UNLIMITED,
-    ) -> Answer:
+    ) -> ServiceResponse:
         """Call a service and return its response as a message. Nothing is sent unless the request is valid.
 
         Args:
@@ -189,7 +189,7 @@ class ServiceCalls:
                     f"{name} did not answer within {timeout:g} s; it may still carry out the call",
                     code="service_timeout",
                 ) from None
-        return Answer(service.type, kind, response)
+        return ServiceResponse(service.type, kind, response)
 
     @staticmethod
     async def load(service: FoundService) -> Any:
@@ -238,7 +238,7 @@ class ServiceCalls:
             self._clients.pop(oldest).close()
         return client
 
-    async def encode(self, name: str, answer: Answer) -> Json:
+    async def encode(self, name: str, answer: ServiceResponse) -> Json:
         """Return the response of a service as JSON.
 
         Raises:

@@ -5,7 +5,7 @@ from typing import Any
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
-from dock_gateway.graph.service_calls import Answer, ServiceCalls
+from dock_gateway.graph.service_calls import ServiceCalls, ServiceResponse
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Parts
 
@@ -28,7 +28,7 @@ class CallService:
 
 
 @operation(Role.OPERATOR, Scope.SERVICE, errors=(409, 429, 502, 504))
-async def call_service(parts: Parts, principal: Principal, order: CallService) -> Answer:
+async def call_service(parts: Parts, principal: Principal, order: CallService) -> ServiceResponse:
     """Call a service of a ROS node. Return its response.
 
     Raises:

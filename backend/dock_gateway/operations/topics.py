@@ -7,7 +7,7 @@ from typing import Any
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
 from dock_gateway.core.request import hold
-from dock_gateway.graph.publishing import FoundTopic, Published, Publishing
+from dock_gateway.graph.publishing import FoundTopic, Publishing, SentMessage
 from dock_gateway.graph.relay import Outlet
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.operation import Audit, Scope, operation
@@ -62,7 +62,7 @@ class Publish:
 
 
 @operation(Role.OPERATOR, Scope.PUBLISHING, errors=(409,))
-async def publish(parts: Parts, principal: Principal, order: Publish) -> Published:
+async def publish(parts: Parts, principal: Principal, order: Publish) -> SentMessage:
     """Publish one message on a topic.
 
     Raises:

@@ -11,7 +11,7 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.core.battery import Reading
+from dock_gateway.core.battery import BatteryReading
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
@@ -30,7 +30,7 @@ NOTHING: Mapping[str, Any] = {}
 
 
 @dataclass
-class Publisher:
+class BatteryPublishing:
     """The state that is being published, its rate, and the number of messages published."""
 
     active: bool = False
@@ -40,7 +40,7 @@ class Publisher:
     started_at: datetime | None = None
 
 
-class Battery:
+class LatestBattery:
     """The latest battery state.
 
     Args:
@@ -66,7 +66,7 @@ class Battery:
         self._stale_after = stale_after
         self._state: Json | None = None
         self._plausibility = plausibility or Plausibility()
-        self._reading = Reading()
+        self._reading = BatteryReading()
         self._heard_at = 0.0
         self._received_at: datetime | None = None
         self._awaiting: set[asyncio.Queue[Json]] = set()
@@ -118,7 +118,7 @@ class Battery:
         return None if self._state is None else time.monotonic() - self._heard_at
 
     @property
-    def reading(self) -> Reading:
+    def reading(self) -> BatteryReading:
         """The believed values of the last message."""
         return self._reading
 
@@ -147,12 +147,12 @@ class Battery:
 class BatteryPublisher:
     """Publishes battery states, once or at a rate, as `ros2 topic pub` does."""
 
-    def __init__(self, port: BatteryPort, battery: Battery, fanout: Fanout, robot: str) -> None:
+    def __init__(self, port: BatteryPort, battery: LatestBattery, fanout: Fanout, robot: str) -> None:
         self._robot = robot
         self._battery = battery
         self._port = port
         self._fanout = fanout
-        self._publisher = Publisher()
+        self._publisher = BatteryPublishing()
         self._task: asyncio.Task[None] | None = None
         self._changing = asyncio.Lock()
         self._published_at = 0.0
@@ -186,7 +186,7 @@ class BatteryPublisher:
             await self._cancel()
             stamp = _unstamped(message)
             state = fragment(await self._port.publish(message, stamp=stamp))
-            self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
+            self._publisher = BatteryPublishing(True, state, rate_hz, 1, utc_now())
             self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
             self._publish_count()
 
@@ -200,7 +200,7 @@ class BatteryPublisher:
 
     async def _cancel(self) -> None:
         task, self._task = self._task, None
-        self._publisher = Publisher()
+        self._publisher = BatteryPublishing()
         if task is not None:
             await cancel(task)
 

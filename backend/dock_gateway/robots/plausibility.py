@@ -4,7 +4,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from dock_gateway.core.battery import SURELY_TO_100, Doubt, PowerSupply, Reading, doubt_unit, doubts, fraction, measured
+from dock_gateway.core.battery import (
+    SURELY_TO_100,
+    BatteryReading,
+    Doubt,
+    PowerSupply,
+    doubt_unit,
+    doubts,
+    fraction,
+    measured,
+)
 
 # Seconds for which a field must be right again until it is believed: two publishers on one topic may take turns. The
 # time doubles each time that the field is wrong again within `RECENT`, up to `MAX_HOLD`.
@@ -53,7 +62,7 @@ class Plausibility:
         self._offset = 0.0  # seconds from the stamp to its first arrival
         self._moves = False  # whether the stamp moves with the clock, apart from that
 
-    def judge(self, state: Mapping[str, Any], now: float, wall: float) -> Reading:
+    def judge(self, state: Mapping[str, Any], now: float, wall: float) -> BatteryReading:
         """Return the plausible values of a state.
 
         Args:
@@ -72,10 +81,10 @@ class Plausibility:
         latest = tuple(each.latest for _, each in held)
         named = tuple(each.first for _, each in held if each.last - each.since >= each.first.grace)
         if stamp is not None and not self._moves:
-            return Reading(doubts=latest, named=named)
+            return BatteryReading(doubts=latest, named=named)
         fields = self._held.keys()
         current = None if "current" in fields else measured(state, "current")
-        return Reading(
+        return BatteryReading(
             PowerSupply.UNKNOWN if "power_supply_status" in fields else state["power_supply_status"],
             None if "percentage" in fields else fraction(state, counts_to_100=self._counts_to_100),
             None if current is None else self._sign * current,

@@ -15,7 +15,7 @@ from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace, read_namespace
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.latch.interlock import Interlock
-from dock_gateway.robots.battery import Battery, BatteryPublisher
+from dock_gateway.robots.battery import BatteryPublisher, LatestBattery
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.robots.wheels import Wheels
@@ -44,7 +44,7 @@ class Robot:
     """One robot. `ports` are all of its topics that the gateway uses; the stop's is the last."""
 
     namespace: str
-    battery: Battery
+    battery: LatestBattery
     publisher: BatteryPublisher
     velocity: Wheels
     ports: Ports
@@ -107,7 +107,7 @@ class RobotRegistry:
     async def open(self, namespace: str) -> Robot:
         """Join the topics of a robot."""
         settings, fanout = self._settings, self._fanout
-        battery = Battery(
+        battery = LatestBattery(
             fanout,
             settings.battery_stale_after,
             namespace,

@@ -20,7 +20,7 @@ PERIOD = 0.1
 INTERVALS, FEWEST = 5, 3
 
 
-class VelocityPort(Protocol):
+class ZeroPublisher(Protocol):
     """Publishes zero velocity."""
 
     def publish_zero(self) -> None:
@@ -32,7 +32,7 @@ class VelocityPort(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class VelocityCommand:
     """A message on the velocity topic.
 
     Attributes:
@@ -59,8 +59,8 @@ class Wheels:
         catch_up: Takes commands that have arrived and wait. It does not raise.
     """
 
-    def __init__(self, port: VelocityPort, *, period: float = PERIOD, clock: Callable[[], float] = time.monotonic):
-        self.last: Command | None = None
+    def __init__(self, port: ZeroPublisher, *, period: float = PERIOD, clock: Callable[[], float] = time.monotonic):
+        self.last: VelocityCommand | None = None
         self.catch_up: Callable[[], None] = _nothing_waits
         self._hearing = threading.Lock()
         self._driver: bytes | None = None  # who moved the robot last, and when: not before it stood last
@@ -112,7 +112,7 @@ class Wheels:
 
     def listen(self) -> None:
         """Note that the topic is subscribed to. The last command before is not known: it may be a motion."""
-        self.last = Command(self._clock(), motion=True)
+        self.last = VelocityCommand(self._clock(), motion=True)
 
     def hear(self, motion: bool, publisher: bytes, at: float) -> None:
         """Note a command, unless a later one is known; on any thread.
@@ -125,7 +125,7 @@ class Wheels:
         with self._hearing:
             if self.last is not None and at < self.last.at:
                 return
-            self.last = Command(at, motion, publisher)
+            self.last = VelocityCommand(at, motion, publisher)
             if motion and publisher != self._driver:
                 self._driver, self._moved_at = publisher, None
                 self._intervals.clear()

@@ -47,7 +47,7 @@ NO_GOALS: KnownGoals = _NoGoals()
 
 
 @dataclass
-class Publisher:
+class UnknownGoalPublisher:
     """A publisher of unknown goals.
 
     Attributes:
@@ -88,8 +88,8 @@ class Admission:
         self._on_excess = on_excess
         self._clock = clock
         self._lock = threading.Lock()  # an action can be heard by two listeners
-        self._publishers: dict[bytes, Publisher] = {}
-        self._others = Publisher()
+        self._publishers: dict[bytes, UnknownGoalPublisher] = {}
+        self._others = UnknownGoalPublisher()
         self._ignored_at = float("-inf")
 
     @property
@@ -125,15 +125,15 @@ class Admission:
             self._on_excess(publisher)
         return False
 
-    def _find(self, gid: bytes, now: float) -> Publisher:
+    def _find(self, gid: bytes, now: float) -> UnknownGoalPublisher:
         if gid not in self._publishers and len(self._publishers) >= MAX_PUBLISHERS:
             idle = next((gid for gid, each in self._publishers.items() if each.is_idle(now)), None)
             if idle is None:
                 return self._others
             del self._publishers[idle]
-        return self._publishers.setdefault(gid, Publisher())
+        return self._publishers.setdefault(gid, UnknownGoalPublisher())
 
-    def _forget(self, publisher: Publisher, now: float) -> None:
+    def _forget(self, publisher: UnknownGoalPublisher, now: float) -> None:
         """Forget goals that no longer count: old ones, and those that have ended, as goals of real servers do."""
         publisher.checked_at = now
         publisher.since = {

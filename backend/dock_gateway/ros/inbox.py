@@ -21,7 +21,7 @@ MAX_BYTES = 4_000_000
 PORTION = 0.002
 
 
-class Message(NamedTuple):
+class InboxCall(NamedTuple):
     """A call for the loop; `size` is in bytes if it may be dropped, else None."""
 
     function: Callable[..., object]
@@ -51,14 +51,14 @@ class Inbox:
         self._on_drop = on_drop
         self._max_messages = max_messages
         self._wait_for_room = wait_for_room
-        self._messages: deque[Message] = deque()
+        self._messages: deque[InboxCall] = deque()
         self._size = 0
 
     def put(self, function: Callable[..., object], *args: object) -> None:
         """Call a function on the loop. If the inbox is full, wait a moment for room: DDS keeps later messages."""
         with self._inboxes.changed:
             self._inboxes.changed.wait_for(lambda: len(self._messages) < self._max_messages, self._wait_for_room)
-            self._append(Message(function, args, None))
+            self._append(InboxCall(function, args, None))
 
     def offer(self, size: int, function: Callable[..., object], *args: object) -> None:
         """Call a function on the loop; if the inbox is full, drop the oldest calls.
@@ -68,9 +68,9 @@ class Inbox:
             function: The function to call.
             args: Its arguments.
         """
-        dropped: list[Message] = []
+        dropped: list[InboxCall] = []
         with self._inboxes.changed:
-            self._append(Message(function, args, size))
+            self._append(InboxCall(function, args, size))
             while self._is_over_full() and (found := self._drop_oldest()):
                 dropped.append(found)
         for message in dropped:
@@ -79,13 +79,13 @@ class Inbox:
     def _is_over_full(self) -> bool:
         return len(self._messages) > self._max_messages or self._size > MAX_BYTES
 
-    def _append(self, message: Message) -> None:
+    def _append(self, message: InboxCall) -> None:
         self._messages.append(message)
         self._size += message.size or 0
         if len(self._messages) == 1:
             self._inboxes.announce(self)
 
-    def _drop_oldest(self) -> Message | None:
+    def _drop_oldest(self) -> InboxCall | None:
         for index, message in enumerate(self._messages):
             if message.size is not None and index + 1 < len(self._messages):  # the newest stays
                 del self._messages[index]
@@ -93,7 +93,7 @@ class Inbox:
                 return message
         return None
 
-    def take(self) -> tuple[Message, bool]:
+    def take(self) -> tuple[InboxCall, bool]:
         """Remove and return the oldest message, and whether there are more."""
         message = self._messages.popleft()
         self._size -= message.size or 0
@@ -134,7 +134,7 @@ class Inboxes:
                 asyncio.get_running_loop().call_soon(self._serve)
                 return
 
-    def _next(self) -> Message | None:
+    def _next(self) -> InboxCall | None:
         with self.changed:
             if not self._ready:
                 self._called = False

@@ -74,7 +74,7 @@ class EchoType:
         """Whether its messages can be read."""
         return self.message_class is not None
 
-    def read(self, message: bytes) -> "Reading":
+    def read(self, message: bytes) -> "DecodedMessage":
         """Decode a message to abbreviated JSON; thread-safe.
 
         Raises:
@@ -83,7 +83,7 @@ class EchoType:
         began = time.thread_time()
         decoded = self.decode(message)
         lengths = abbreviate(decoded)
-        return Reading(codec(self.message_class).encode(decoded), lengths, time.thread_time() - began)
+        return DecodedMessage(codec(self.message_class).encode(decoded), lengths, time.thread_time() - began)
 
     def decode(self, message: bytes) -> Any:
         """Return a message as an instance of `message_class`; thread-safe.
@@ -100,7 +100,7 @@ def echo_type(name: str) -> EchoType:
     return EchoType(name)
 
 
-def read_message(name: str, message: bytes) -> "Reading":
+def read_message(name: str, message: bytes) -> "DecodedMessage":
     """Decode a message of the type of this name to abbreviated JSON.
 
     Raises:
@@ -109,7 +109,7 @@ def read_message(name: str, message: bytes) -> "Reading":
     return echo_type(name).read(message)
 
 
-class Reading(NamedTuple):
+class DecodedMessage(NamedTuple):
     """A decoded message, the original lengths of its truncated fields by dotted path, and seconds of CPU time."""
 
     message: Json

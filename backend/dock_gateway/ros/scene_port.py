@@ -15,7 +15,7 @@ from sensor_msgs.msg import Range
 
 from dock_gateway.core.event import Event, moment, scene_event
 from dock_gateway.core.footprint import footprint_document
-from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
+from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, EvenRate, Pose, Scene, SeenPose
 from dock_gateway.ros.listener import Handler
 from dock_gateway.ros.messages.types import type_name
 from dock_gateway.ros.typed_topics import TypedTopic, TypedTopics
@@ -77,7 +77,7 @@ class ScenePort:
         self._on_scene = on_scene
         self._scene = Scene()
         self._doubted: set[str] = set()  # topics whose poses were not used
-        self._pace = Pace(self.max_rate)
+        self._pace = EvenRate(self.max_rate)
         self._truth_at = time.monotonic()  # wait for ground truth before odometry alone is shown
         self._topics: list[TypedTopic] = []
 
@@ -129,7 +129,7 @@ class ScenePort:
     def _place(self, message: Odometry, frame: str, now: float) -> bool:
         pose = self._read_pose(message.pose.pose, TRUTH if frame == WORLD else ODOMETRY)
         if pose is not None:
-            self._scene.place(Seen(pose, frame, read_stamp(message), now))
+            self._scene.place(SeenPose(pose, frame, read_stamp(message), now))
         return pose is not None
 
     def _show(self, now: float, info: dict[str, Any]) -> None:
@@ -156,7 +156,7 @@ class ScenePort:
         def hear(message: PoseStamped, _: dict[str, Any]) -> None:
             if (pose := self._read_pose(message.pose, topic)) is not None:
                 frame = message.header.frame_id.lstrip("/")
-                self._scene.say(name, Seen(pose, frame, read_stamp(message), time.monotonic()))
+                self._scene.say(name, SeenPose(pose, frame, read_stamp(message), time.monotonic()))
 
         return hear
 

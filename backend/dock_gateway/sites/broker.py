@@ -20,7 +20,7 @@ from dock_gateway.core.listeners import Listeners
 from dock_gateway.sites.nats_client import ConnectFailed, NatsClient
 from dock_gateway.sites.servers import read_server
 from dock_gateway.sites.subjects import new_id
-from dock_gateway.sites.subscription import BrokerSubscription, Received
+from dock_gateway.sites.subscription import BrokerSubscription, SiteMessage
 
 log = logging.getLogger(__name__)
 
@@ -146,7 +146,7 @@ class Broker:
             if not answer.cancel() and not answer.cancelled():
                 answer.exception()  # it is known: the message was not sent
 
-    async def subscribe(self, subject: str, handler: Callable[[Received], Awaitable[None]]) -> BrokerSubscription:
+    async def subscribe(self, subject: str, handler: Callable[[SiteMessage], Awaitable[None]]) -> BrokerSubscription:
         """Hand messages of a subject to a handler, one after the other, until the subscription is closed.
 
         The handler must not wait for anything but `reply`: it holds up all that follow. However many come, other work
@@ -160,7 +160,7 @@ class Broker:
                 await asyncio.sleep(0)  # nats-py has none while messages wait
                 breaks = time.monotonic()
             try:
-                await handler(Received(message.subject, message.data, message.reply, self.publish))
+                await handler(SiteMessage(message.subject, message.data, message.reply, self.publish))
             except Unavailable as error:
                 log.info("while handling a message on %s: %s", message.subject, error.detail)
             except Exception:

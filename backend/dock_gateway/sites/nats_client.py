@@ -10,7 +10,7 @@ from typing import Any
 from nats import errors
 from nats.aio.client import PING_PROTO, Client, RawCredentials
 
-from dock_gateway.sites.servers import Server
+from dock_gateway.sites.servers import ServerAddress
 
 # Seconds for each step of a connection: TCP, TLS, the server's greeting.
 CONNECT_TIMEOUT = 5.0
@@ -30,7 +30,7 @@ class NatsClient(Client):
         reason: Why, as far as it is known.
     """
 
-    def __init__(self, server: Server) -> None:
+    def __init__(self, server: ServerAddress) -> None:
         super().__init__()
         self.server = server
         self.lost = asyncio.Event()

@@ -7,7 +7,7 @@ PORT = 4222
 
 
 @dataclass(frozen=True)
-class Server:
+class ServerAddress:
     """One NATS server. As text it has no user and no password.
 
     Attributes:
@@ -26,7 +26,7 @@ class Server:
         return f"{'tls' if self.tls else 'nats'}://{host}:{self.port}"
 
 
-def read_server(url: str) -> Server:
+def read_server(url: str) -> ServerAddress:
     """Read `nats://[user:password@]host[:port]` or `tls://…`.
 
     Raises:
@@ -43,4 +43,4 @@ def read_server(url: str) -> Server:
         raise ValueError("a NATS URL must end after the port; a / ? or # in a password is written %2F %3F %23")
     user = None if parts.username is None else unquote(parts.username)
     password = None if parts.password is None else unquote(parts.password)
-    return Server(parts.hostname, port, parts.scheme == "tls", user, password)
+    return ServerAddress(parts.hostname, port, parts.scheme == "tls", user, password)

@@ -16,7 +16,7 @@ INBOXES = "_INBOX."
 
 
 @dataclass(frozen=True)
-class Received:
+class SiteMessage:
     """A message that has arrived."""
 
     subject: str

@@ -41,7 +41,7 @@ class BatterySpan:
 
 
 @dataclass
-class Tally:
+class FieldTally:
     """The aggregate of one field's measurements."""
 
     count: int = 0
@@ -49,7 +49,7 @@ class Tally:
     low: float | None = None
     high: float | None = None
 
-    def add(self, other: "Tally") -> None:
+    def add(self, other: "FieldTally") -> None:
         """Merge another tally into this one."""
         self.count += other.count
         self.total += other.total
@@ -68,7 +68,7 @@ class Bucket:
 
     stamp: int = 0
     status: int | None = None
-    tallies: dict[str, Tally] = field(default_factory=lambda: {name: Tally() for name in FIELDS})
+    tallies: dict[str, FieldTally] = field(default_factory=lambda: {name: FieldTally() for name in FIELDS})
 
     def add(self, other: "Bucket") -> None:
         """Merge another bucket into this one."""
@@ -95,8 +95,8 @@ def _believed(state: dict[str, Any], name: str, span: BatterySpan) -> float | No
     return fraction(state, counts_to_100=span.counts_to_100) if name == "percentage" else measured(state, name)
 
 
-def _tally(value: float | None) -> Tally:
-    return Tally() if value is None else Tally(1, value, value, value)
+def _tally(value: float | None) -> FieldTally:
+    return FieldTally() if value is None else FieldTally(1, value, value, value)
 
 
 _STAMP = sa.func.substr(events.c.id, 1, STAMP_DIGITS)
@@ -155,5 +155,5 @@ def _bucket(row: "sa.Row[Any]") -> Bucket:
     bucket = Bucket(int(last[:STAMP_DIGITS]), int(last[STAMP_DIGITS:]))
     for place, name in enumerate(FIELDS):
         count, total, low, high = reckoned[place * len(_RECKON) :][: len(_RECKON)]
-        bucket.tallies[name] = Tally(count, total or 0.0, low, high)
+        bucket.tallies[name] = FieldTally(count, total or 0.0, low, high)
     return bucket

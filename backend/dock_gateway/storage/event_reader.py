@@ -13,7 +13,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.storage import battery, queries
 from dock_gateway.storage.battery import BatterySpan, Bucket, add_events
 from dock_gateway.storage.reader import Reader
-from dock_gateway.storage.waiting import Waiting
+from dock_gateway.storage.waiting import WaitingEntries
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class LaterEvents:
 class EventReader:
     """Reads events: pending ones first, because they may be written meanwhile and must not be missed."""
 
-    def __init__(self, reader: Reader, waiting: Waiting) -> None:
+    def __init__(self, reader: Reader, waiting: WaitingEntries) -> None:
         self._reader = reader
         self._waiting = waiting
 

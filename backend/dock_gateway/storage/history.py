@@ -29,7 +29,7 @@ from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.retention import Limits, Retention
 from dock_gateway.storage.sealer import Sealer
 from dock_gateway.storage.spool import Spool
-from dock_gateway.storage.waiting import Waiting
+from dock_gateway.storage.waiting import WaitingEntries
 from dock_gateway.storage.writer import Writer
 
 log = logging.getLogger(__name__)
@@ -89,7 +89,7 @@ class History:
     def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
         self.database = open_database(url)
         self.spool = spool
-        self.waiting = Waiting(max_waiting)
+        self.waiting = WaitingEntries(max_waiting)
         self.writer = Writer(self.database, self.spool, self.waiting, self._write_again)
         self._sealer = Sealer(self.database)
         self._newest = ""

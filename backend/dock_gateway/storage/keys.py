@@ -10,7 +10,7 @@ from dock_gateway.storage import queries
 from dock_gateway.storage.database import DATABASE_ERRORS, Database
 from dock_gateway.storage.reader import AWAY, Reader
 from dock_gateway.storage.rows import KEY_LIFETIME, Key, fingerprint_of
-from dock_gateway.storage.waiting import Waiting
+from dock_gateway.storage.waiting import WaitingEntries
 from dock_gateway.storage.writer import Writer
 
 KEY_TIMEOUT = 0.5  # Seconds to look up an idempotency key before its goal is sent.
@@ -27,7 +27,7 @@ class IdempotencyKeys:
         waiting: The keys that the database has not taken yet.
     """
 
-    def __init__(self, database: Database, writer: Writer, reader: Reader, waiting: Waiting) -> None:
+    def __init__(self, database: Database, writer: Writer, reader: Reader, waiting: WaitingEntries) -> None:
         self._database = database
         self._writer = writer
         self._reader = reader

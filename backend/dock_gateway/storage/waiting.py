@@ -18,7 +18,7 @@ Kept = TypeVar("Kept")
 Name = tuple[str, str]
 
 
-class Waiting:
+class WaitingEntries:
     """Goals, events and keys that the database has not taken yet.
 
     Feedback and battery events beyond `limit` are dropped, oldest first. Other entries beyond `limit` are removed once
@@ -191,7 +191,7 @@ class Waiting:
 
 def batch_of(entries: list[Entry]) -> Batch:
     """Return spool entries as one batch; versions of the same goal are merged."""
-    waiting = Waiting(len(entries))
+    waiting = WaitingEntries(len(entries))
     for entry in entries:
         if isinstance(entry, Goal):
             waiting.put_goal(entry)

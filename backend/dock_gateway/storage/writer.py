@@ -16,7 +16,7 @@ from dock_gateway.storage.database import DATABASE_ERRORS, WRITE_TIMEOUT, Databa
 from dock_gateway.storage.group_commit import GroupCommit
 from dock_gateway.storage.rows import Batch, Entry, Key
 from dock_gateway.storage.spool import Spool
-from dock_gateway.storage.waiting import Name, Waiting, batch_of
+from dock_gateway.storage.waiting import Name, WaitingEntries, batch_of
 
 log = logging.getLogger(__name__)
 
@@ -39,7 +39,7 @@ class Writer:
         on_loss: Called when the database has lost its data.
     """
 
-    def __init__(self, database: Database, spool: Spool, waiting: Waiting, on_loss: Callable[[], None]) -> None:
+    def __init__(self, database: Database, spool: Spool, waiting: WaitingEntries, on_loss: Callable[[], None]) -> None:
         self.reachable = database.prepared
         # Why the database does not answer; None says that it does. Set while it is reachable, it is slow: it kept a
         # goal waiting and has not answered since.

@@ -10,7 +10,7 @@ from websockets.http11 import Headers, Response
 
 from dock_gateway.client import ClientError, GatewayRefused, GatewayUnreachable
 from dock_gateway.client.calls import robots
-from dock_gateway.client.connection import Connection, Reading, Retry
+from dock_gateway.client.connection import Connection, ReadPosition, Retry
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 
@@ -33,7 +33,7 @@ def message(kind: str, **fields: object) -> bytes:
     return encode({"type": kind, "time": utc_now(), **fields})
 
 
-def after(reading: Reading) -> str | None:
+def after(reading: ReadPosition) -> str | None:
     return parse_qs(urlsplit(reading.url).query).get("after", [None])[0]
 
 
@@ -65,7 +65,7 @@ def test_the_token_is_sent_over_both_protocols(connection: Connection) -> None:
 
 
 def test_a_stream_resumes_after_the_largest_id_and_shows_no_event_twice(connection: Connection) -> None:
-    reading = Reading(connection, {"goal_id": "g", "include": "battery"}, None)
+    reading = ReadPosition(connection, {"goal_id": "g", "include": "battery"}, None)
     assert reading.url.startswith("ws://robot.example:8000/ws/feedback?")
     assert after(reading) is None
     reading.read(message("snapshot", goals=[{"last_event_id": "3"}]))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.scene import BASE, FARTHEST, ODOM, WORLD, Pace, Pose, Scene, Seen
+from dock_gateway.core.scene import BASE, FARTHEST, ODOM, WORLD, EvenRate, Pose, Scene, SeenPose
 
 numbers = st.floats(-10, 10)
 poses = st.builds(Pose, numbers, numbers, st.floats(-3.1, 3.1))
@@ -33,7 +33,7 @@ def test_a_pose_ahead_and_to_the_left() -> None:
 def test_nothing_is_shown_of_a_robot_that_nobody_sees() -> None:
     scene = Scene()
     assert scene.document(0.0) is None
-    scene.place(Seen(Pose(1, 2, 3), ODOM, 100.0, 0.0))
+    scene.place(SeenPose(Pose(1, 2, 3), ODOM, 100.0, 0.0))
     assert scene.document(0.5) is not None
     assert scene.document(1.1) is None
 
@@ -41,10 +41,10 @@ def test_nothing_is_shown_of_a_robot_that_nobody_sees() -> None:
 def test_a_real_robot_is_shown_in_odom() -> None:
     scene = Scene()
     robot = Pose(-1.0, 0.5, -0.3)
-    scene.place(Seen(robot, ODOM, 100.0, 0.0))
-    scene.say("marker", Seen(Pose(1.0, 0.0, 0.1), BASE, 100.0, 0.0))
-    scene.say("staging", Seen(Pose(-0.9, 0.0, 0.0), ODOM, 100.0, 0.0))
-    scene.say("docked", Seen(Pose(0.0, 0.0, 0.0), "camera", 100.0, 0.0))  # nobody says where that is
+    scene.place(SeenPose(robot, ODOM, 100.0, 0.0))
+    scene.say("marker", SeenPose(Pose(1.0, 0.0, 0.1), BASE, 100.0, 0.0))
+    scene.say("staging", SeenPose(Pose(-0.9, 0.0, 0.0), ODOM, 100.0, 0.0))
+    scene.say("docked", SeenPose(Pose(0.0, 0.0, 0.0), "camera", 100.0, 0.0))  # nobody says where that is
     scene.set_range("center", math.inf, 0.0)
     scene.set_range("left", 0.42, 0.0)
     document = scene.document(0.1)
@@ -58,7 +58,7 @@ def test_a_real_robot_is_shown_in_odom() -> None:
 
 def test_a_footprint_is_in_the_scene_once_it_is_known() -> None:
     scene = Scene()
-    scene.place(Seen(Pose(1, 2, 3), ODOM, 100.0, 0.0))
+    scene.place(SeenPose(Pose(1, 2, 3), ODOM, 100.0, 0.0))
     assert (scene.document(0.0) or {})["footprint"] is None
     scene.set_footprint({"radius": 0.3, "points": None})
     assert (scene.document(0.0) or {})["footprint"] == {"radius": 0.3, "points": None}
@@ -67,10 +67,10 @@ def test_a_footprint_is_in_the_scene_once_it_is_known() -> None:
 @given(poses, poses, poses)
 def test_what_odometry_believes_is_shown_where_it_is_in_truth(truth: Pose, believed: Pose, goal: Pose) -> None:
     scene = Scene()
-    scene.place(Seen(believed, ODOM, 100.0, 0.0))
-    scene.place(Seen(truth, WORLD, 100.0, 0.0))
+    scene.place(SeenPose(believed, ODOM, 100.0, 0.0))
+    scene.place(SeenPose(truth, WORLD, 100.0, 0.0))
     scene.set_dock(Pose(0.0, 0.0, 0.0))
-    scene.say("docked", Seen(believed.compose(goal), ODOM, 100.0, 0.0))
+    scene.say("docked", SeenPose(believed.compose(goal), ODOM, 100.0, 0.0))
     document = scene.document(0.0)
     assert document is not None
     assert (document["frame"], document["dock"]) == (WORLD, {"x": 0.0, "y": 0.0, "theta": 0.0})
@@ -81,21 +81,21 @@ def test_what_odometry_believes_is_shown_where_it_is_in_truth(truth: Pose, belie
 def test_frames_are_related_by_poses_of_one_moment() -> None:
     scene = Scene()
     for step in range(3):
-        scene.place(Seen(Pose(step, 0.0, 0.0), ODOM, step, 0.0))
-        scene.say("staging", Seen(Pose(5.0, 0.0, 0.0), ODOM, step, 0.0))
+        scene.place(SeenPose(Pose(step, 0.0, 0.0), ODOM, step, 0.0))
+        scene.say("staging", SeenPose(Pose(5.0, 0.0, 0.0), ODOM, step, 0.0))
         if step:  # the truth of the moment has not come yet
             document = scene.document(0.0)
             assert document is not None
             assert document["staging"]["x"] == 15.0
-        scene.place(Seen(Pose(step + 10.0, 0.0, 0.0), WORLD, step, 0.0))
+        scene.place(SeenPose(Pose(step + 10.0, 0.0, 0.0), WORLD, step, 0.0))
 
 
 def test_frames_are_related_whichever_is_ahead() -> None:
     scene = Scene()
     for step in range(5):  # the truth is always a moment late, and the robot is set down elsewhere on the way
-        scene.place(Seen(Pose(step, 0.0, 0.0), ODOM, step, 0.0))
-        scene.place(Seen(Pose(step - 1.0 + (10.0 if step < 3 else 20.0), 0.0, 0.0), WORLD, step - 1.0, 0.0))
-    scene.say("staging", Seen(Pose(5.0, 0.0, 0.0), ODOM, 4.0, 0.0))
+        scene.place(SeenPose(Pose(step, 0.0, 0.0), ODOM, step, 0.0))
+        scene.place(SeenPose(Pose(step - 1.0 + (10.0 if step < 3 else 20.0), 0.0, 0.0), WORLD, step - 1.0, 0.0))
+    scene.say("staging", SeenPose(Pose(5.0, 0.0, 0.0), ODOM, 4.0, 0.0))
     document = scene.document(0.0)
     assert document is not None
     assert document["staging"]["x"] == 25.0
@@ -104,8 +104,8 @@ def test_frames_are_related_whichever_is_ahead() -> None:
 def test_a_marker_is_where_it_was_seen_from() -> None:
     scene = Scene()
     for step in range(5):
-        scene.place(Seen(Pose(step / 10, 0.0, 0.0), ODOM, step, 0.0))
-    scene.say("marker", Seen(Pose(1.0, 0.0, 0.0), BASE, 2.1, 0.0))
+        scene.place(SeenPose(Pose(step / 10, 0.0, 0.0), ODOM, step, 0.0))
+    scene.say("marker", SeenPose(Pose(1.0, 0.0, 0.0), BASE, 2.1, 0.0))
     document = scene.document(0.0)
     assert document is not None
     assert document["marker"]["x"] == 1.2
@@ -114,10 +114,10 @@ def test_a_marker_is_where_it_was_seen_from() -> None:
 @pytest.mark.parametrize(("name", "after"), [("marker", 0.6), ("docked", 1.6), ("staging", 1.6)])
 def test_what_is_no_longer_said_is_forgotten(name: str, after: float) -> None:
     scene = Scene()
-    scene.say(name, Seen(Pose(1.0, 0.0, 0.0), ODOM, 0.0, 0.0))
+    scene.say(name, SeenPose(Pose(1.0, 0.0, 0.0), ODOM, 0.0, 0.0))
     scene.set_range("left", 1.0, 0.0)
     for now, there in ((0.4, True), (after, False)):
-        scene.place(Seen(Pose(0.0, 0.0, 0.0), ODOM, now, now))
+        scene.place(SeenPose(Pose(0.0, 0.0, 0.0), ODOM, now, now))
         document = scene.document(now)
         assert document is not None
         assert (document[name] is not None) is there
@@ -126,8 +126,8 @@ def test_what_is_no_longer_said_is_forgotten(name: str, after: float) -> None:
 
 def test_truth_that_ends_leaves_odometry() -> None:
     scene = Scene()
-    scene.place(Seen(Pose(7.0, 0.0, 0.0), WORLD, 0.0, 0.0))
-    scene.place(Seen(Pose(1.0, 0.0, 0.0), ODOM, 2.0, 2.0))
+    scene.place(SeenPose(Pose(7.0, 0.0, 0.0), WORLD, 0.0, 0.0))
+    scene.place(SeenPose(Pose(1.0, 0.0, 0.0), ODOM, 2.0, 2.0))
     document = scene.document(2.0)
     assert document is not None
     assert (document["frame"], document["robot"]["x"]) == (ODOM, 1.0)
@@ -135,7 +135,7 @@ def test_truth_that_ends_leaves_odometry() -> None:
 
 @given(st.floats(5.0, 500.0))
 def test_the_pace_is_kept_whatever_comes(rate: float) -> None:
-    pace = Pace(20.0)
+    pace = EvenRate(20.0)
     sent = [now for tick in range(int(10 * rate)) if pace.due(now := tick / rate)]
     assert len(sent) <= 201
     assert len(sent) >= 9.8 * min(rate, 20.0)
@@ -156,8 +156,8 @@ def test_what_cannot_be_right_is_never_shown(
         pose = Pose.in_plane(x, y, turn)
     except ValueError:
         pose = Pose(1.0, 2.0, 0.0)
-    scene.place(Seen(pose, "odom", 0.0, 0.0))
-    scene.say("docked", Seen(pose, "base_link", 0.0, 0.0))
+    scene.place(SeenPose(pose, "odom", 0.0, 0.0))
+    scene.say("docked", SeenPose(pose, "base_link", 0.0, 0.0))
     document = scene.document(0.0)
     assert document is not None
     assert abs(document["robot"]["x"]) <= FARTHEST

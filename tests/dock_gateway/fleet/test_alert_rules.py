@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
+from dock_gateway.core.battery import CHARGES_NEGATIVE, BatteryReading, Doubt
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
@@ -42,7 +42,9 @@ def robot(
     contact: bool | None = None,
     **more: Any,
 ) -> RobotState:
-    battery = SimpleNamespace(reading=Reading(supply, percentage, current, doubts, named), stale_since=stale_since)
+    battery = SimpleNamespace(
+        reading=BatteryReading(supply, percentage, current, doubts, named), stale_since=stale_since
+    )
     known: dict[str, Any] = {
         "label": NO_LABEL,
         "default": False,

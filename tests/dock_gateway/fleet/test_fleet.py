@@ -16,8 +16,8 @@ from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Join
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.registry import DockingServers
-from dock_gateway.robots.battery import Battery
+from dock_gateway.goals.registry import DockingServerStates
+from dock_gateway.robots.battery import LatestBattery
 from dock_gateway.robots.labels import NO_LABEL, RobotLabel
 from dock_gateway.settings import Settings
 from tests.support.robot_actions import make_robot_actions
@@ -47,7 +47,7 @@ class Parts:
     def robot(self, name: str) -> Any:
         publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
         return SimpleNamespace(
-            namespace=name, battery=Battery(self.fanout, 2.0, name, low_below=0.3), publisher=publisher
+            namespace=name, battery=LatestBattery(self.fanout, 2.0, name, low_below=0.3), publisher=publisher
         )
 
     # the registry of robots
@@ -73,8 +73,8 @@ class Parts:
         watch = SimpleNamespace(state=ServerState(str(name), "", available=True, answering=True))
         return SimpleNamespace(name=name, watch=watch) if str(name).startswith("/robot1/connect") else None
 
-    def servers_of(self, name: str) -> DockingServers:
-        return DockingServers(*map(self._server, make_robot_actions().docking_pair(name)))
+    def servers_of(self, name: str) -> DockingServerStates:
+        return DockingServerStates(*map(self._server, make_robot_actions().docking_pair(name)))
 
     def _server(self, name: str) -> ServerState:
         action = self.get(name)

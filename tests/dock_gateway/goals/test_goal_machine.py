@@ -10,7 +10,7 @@ from dock_gateway.core.dock_adapters import nav2
 from dock_gateway.core.dock_adapters.adapter import NO_REASON, DockAdapter
 from dock_gateway.core.event import Now, moment
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, PublishEnd, PublishEvent, Store
 from dock_gateway.goals.limits import GoalLimits
 from tests.support.tracking import A, B, S
 
@@ -31,7 +31,7 @@ class Bench:
         done: list[Any] = []
         while self.machine.outputs:
             output = self.machine.outputs.popleft()
-            if isinstance(output, Publish):
+            if isinstance(output, PublishEvent):
                 document = orjson.loads(output.event.data)
                 assert output.event.id is not None
                 detail = document.get("status") or document["feedback"]

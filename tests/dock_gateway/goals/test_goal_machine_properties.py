@@ -11,7 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from dock_gateway.core.event import Event, Now, moment, result_event, status_event
 from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, PublishEnd, PublishEvent, Store
 from dock_gateway.goals.limits import LIMITS
 from tests.support.tracking import S
 
@@ -62,7 +62,7 @@ class World(RuleBasedStateMachine):
         self.machine.outputs.clear()
         for output in outputs:
             match output:
-                case Publish(event):
+                case PublishEvent(event):
                     self.publish(event)
                 case Store(goal):
                     self.store(goal)

@@ -16,7 +16,7 @@ from dock_gateway.core.goal import UNCONFIRMED, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, Claim, Delivery, outcome
+from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, GoalDelivery, KeyClaim, outcome
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
@@ -86,7 +86,7 @@ class Scene:
         self.asked: list[tuple[Principal, str, bytes]] = []
         self.refusal: NotAllowed | None = None
         self.canceler = Canceler(self.settings, self.tracker, self.interlock)
-        self.delivery = Delivery(
+        self.delivery = GoalDelivery(
             self.settings,
             self.history,
             self.tracker,
@@ -192,11 +192,11 @@ async def test_a_key_is_claimed_for_the_goal(scene: Scene) -> None:
         claimed.append(goal)
         return first if len(claimed) > 1 else None
 
-    task = await scene.send(claim=Claim("key", take))
+    task = await scene.send(claim=KeyClaim("key", take))
     scene.answer(ACCEPTED)
     first = await task
     assert (claimed, scene.history.keys) == ([first], ["key"])
-    assert await (await scene.send(claim=Claim("key", take))) is first
+    assert await (await scene.send(claim=KeyClaim("key", take))) is first
     assert len(scene.port.sent) == 1
 
 

@@ -14,7 +14,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.submission import Delivery
+from dock_gateway.goals.submission import GoalDelivery
 from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -77,7 +77,7 @@ class Scene:
         self.interlock = Interlock(fanout, LatchFile(settings.stop_file))
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
         canceler = Canceler(settings, self.tracker, self.interlock)
-        delivery = Delivery(
+        delivery = GoalDelivery(
             settings,
             self.history,
             self.tracker,

@@ -20,7 +20,7 @@ from dock_gateway.graph import subscription as module
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.subscription import KEEP, Listening, listening_for
-from dock_gateway.ros.raw_port import Arrival, Heard, Reading
+from dock_gateway.ros.raw_port import Arrival, DecodedMessage, Heard
 from tests.support.bridge import FakeBridge
 from tests.support.waiting import PATIENCE, until
 
@@ -53,11 +53,11 @@ class FakeType:
         self.installed = not name.startswith("lift_msgs")
         self.hint = None if self.installed else "install lift_msgs"
 
-    def read(self, message: bytes) -> Reading:
+    def read(self, message: bytes) -> DecodedMessage:
         FakeType.read_count += 1
         if message == b"!":
             raise ValueError("no such bytes")
-        return Reading(message, {"data": 500} if len(message) > 10 else {}, 0.1 if message == b'"slow"' else 0.0)
+        return DecodedMessage(message, {"data": 500} if len(message) > 10 else {}, 0.1 if message == b'"slow"' else 0.0)
 
 
 class FakePort:

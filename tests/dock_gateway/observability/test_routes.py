@@ -13,7 +13,7 @@ from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Sight, docking_hint
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.registry import ActionRegistry, DockingServers
+from dock_gateway.goals.registry import ActionRegistry, DockingServerStates
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
@@ -42,7 +42,7 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, .
             Settings: settings,
             Logins: logins,
             ActionRegistry: SimpleNamespace(
-                servers_of=lambda _: DockingServers(SERVER, SERVER),
+                servers_of=lambda _: DockingServerStates(SERVER, SERVER),
                 get=lambda _: SimpleNamespace(watch=SimpleNamespace(ready=True)),
             ),
             Bridge: SimpleNamespace(alive=True),

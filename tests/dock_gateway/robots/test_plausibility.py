@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.core.battery import COUNTS_TO_100, Reading, infinities
+from dock_gateway.core.battery import COUNTS_TO_100, BatteryReading, infinities
 from dock_gateway.robots.plausibility import HOLD, MAX_AGE, MAX_HOLD, RECENT, STAMP_GRACE, Plausibility
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import FLOATS
@@ -36,12 +36,12 @@ class Driver:
         self.judge = Plausibility(**settings)
         self.now = 100.0
 
-    def send(self, after: float = 0.1, **values: Any) -> Reading:
+    def send(self, after: float = 0.1, **values: Any) -> BatteryReading:
         self.now += after
         return self.judge.judge(fields(**(WELL | values)), self.now, WALL + self.now)
 
 
-def doubted(reading: Reading) -> list[str]:
+def doubted(reading: BatteryReading) -> list[str]:
     return [doubt.field for doubt in reading.doubts]
 
 
@@ -142,7 +142,7 @@ def test_a_driver_that_has_not_measured_yet_is_unknown_and_named_only_if_it_stay
         assert driver.send(1.0, **zeros).named == ()
     assert [doubt.field for doubt in driver.send(1.1, **zeros).named] == ["percentage"]
     assert driver.send(percentage=0.4).percentage is None
-    assert driver.send(HOLD, percentage=0.4) == Reading(2, pytest.approx(0.4), pytest.approx(-1.5))
+    assert driver.send(HOLD, percentage=0.4) == BatteryReading(2, pytest.approx(0.4), pytest.approx(-1.5))
     assert driver.send(percentage=0.0, voltage=9.1).percentage == 0.0  # it is empty
 
 

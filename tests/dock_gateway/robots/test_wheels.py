@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from dock_gateway.robots.wheels import Command, Wheels
+from dock_gateway.robots.wheels import VelocityCommand, Wheels
 from robot_io.halt import REPEATS
 
 PERIOD = 0.001
@@ -105,7 +105,7 @@ def test_commands_count_in_the_order_in_which_they_arrived() -> None:
     wheels = Wheels(Port())
     wheels.hear(False, b"server", 2.0)
     wheels.hear(True, b"server", 1.0)
-    assert wheels.last == Command(2.0, motion=False, publisher=b"server")
+    assert wheels.last == VelocityCommand(2.0, motion=False, publisher=b"server")
 
 
 def test_the_usual_interval_is_that_of_the_node_that_moves_the_robot_while_it_does() -> None:

@@ -12,7 +12,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.subjects import HUB
-from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_gateway.storage import History
 from dock_gateway.streams.present import Present
 from dock_hub.follower import Follower
@@ -40,7 +40,7 @@ class Hub(Process):
     """
 
     def __init__(
-        self, chance: Chance, disk: Disk, spool: dict[int, list[bytes]], address: Callable[[], Address | None]
+        self, chance: Chance, disk: Disk, spool: dict[int, list[bytes]], address: Callable[[], TunnelAddress | None]
     ) -> None:
         super().__init__(chance, "hub")
         self._disk = disk

@@ -8,7 +8,7 @@ from dock_gateway.core.filters import GoalFilter, WithoutFeedback
 from dock_gateway.core.goal import encode
 from dock_gateway.sites.broker import Broker, BrokerOptions
 from dock_gateway.sites.subjects import inbox, new_id
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.server import TunnelServer
 from dock_gateway.streams import feed
 from tests.dock_gateway.simulation.gateway import Gateway
@@ -24,11 +24,11 @@ def options_of(name: str) -> BrokerOptions:
 class Site(Gateway):
     """One life of the gateway of a site."""
 
-    address: Address | None = None
+    address: TunnelAddress | None = None
 
     async def start(self) -> None:
         await super().start()
-        self.address = Address(SITE, new_id())
+        self.address = TunnelAddress(SITE, new_id())
         broker = Broker(options_of(SITE))
         self.spawn(broker.run())
         self._tunnel = TunnelServer(broker, self.address, self._app, lambda *_: None, {})

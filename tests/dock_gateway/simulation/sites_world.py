@@ -7,7 +7,7 @@ from typing import Any
 from unittest.mock import patch
 
 from dock_gateway.sites import broker
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from tests.dock_gateway.simulation.chance import Faults
 from tests.dock_gateway.simulation.database import Disk
 from tests.dock_gateway.simulation.gateway import Gateway
@@ -63,7 +63,7 @@ class SitesWorld(World):
         self._hub = Hub(self._chance, self._hub_disk, self._spools["hub"], self._address)
         await self._hub.spawn(self._hub.start())
 
-    def _address(self) -> Address | None:
+    def _address(self) -> TunnelAddress | None:
         """Return the address of the site's process; one that has just died is still believed to be there."""
         found = [each.address for each in self._gateways if isinstance(each, Site) and each.address is not None]
         return found[-1] if found else None

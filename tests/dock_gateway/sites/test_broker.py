@@ -9,7 +9,7 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.sites.broker import Broker, BrokerOptions, NoResponder, open_broker
-from dock_gateway.sites.subscription import MAX_MESSAGES, Received
+from dock_gateway.sites.subscription import MAX_MESSAGES, SiteMessage
 from tests.support.certificates import Authority
 from tests.support.nats import nats_server
 from tests.support.waiting import until
@@ -29,7 +29,7 @@ class Heard:
     def __init__(self) -> None:
         self.data: list[bytes] = []
 
-    async def __call__(self, received: Received) -> None:
+    async def __call__(self, received: SiteMessage) -> None:
         self.data.append(received.data)
         await received.reply(b"heard " + received.data)
 
@@ -57,7 +57,7 @@ async def test_requests_subscriptions_and_nobody_there(tmp_path: Path) -> None:
                 await other.request("good.a", b"3", 60)
             await later.close()
 
-            async def silent(_: Received) -> None:
+            async def silent(_: SiteMessage) -> None:
                 pass
 
             await one.subscribe("silent", silent)
@@ -89,7 +89,7 @@ async def test_a_handler_that_fails_does_not_end_the_subscription(tmp_path: Path
     with nats_server(tmp_path) as server:
         async with open_broker(options(server.url)) as broker:
 
-            async def fragile(received: Received) -> None:
+            async def fragile(received: SiteMessage) -> None:
                 if not received.data:
                     raise ValueError
                 await received.reply(received.data)
@@ -105,7 +105,7 @@ async def test_a_handler_that_is_too_slow_loses_messages_and_nothing_else(tmp_pa
         async with open_broker(options(server.url)) as broker:
             go_on, handled = asyncio.Event(), list[bytes]()
 
-            async def slow(received: Received) -> None:
+            async def slow(received: SiteMessage) -> None:
                 await go_on.wait()
                 handled.append(received.data)
 

@@ -17,7 +17,7 @@ from dock_gateway.core.errors import GatewayError, NotAllowed, NotAuthenticated,
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import IdentityReused
 from dock_gateway.sites.seals import seal
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.failures import SiteFailed, SiteTimeout, SiteUnreachable
 from dock_gateway.sites.tunnel.frames import WINDOW, encode
 from tests.support.nats import NatsServer, nats_server
@@ -352,7 +352,7 @@ async def test_the_hub_has_a_limit_of_streams(server: NatsServer) -> None:
         await stop.forward(tunnel, "/stop")
         assert stop.status == 404
         assert (await tunnel.caller.request(tunnel.address, "GET", "/echo", token="", deadline=60)).status == 201
-        other = Address("oslo", tunnel.address.instance)
+        other = TunnelAddress("oslo", tunnel.address.instance)
         with pytest.raises(SiteUnreachable, match="is not connected"):
             await tunnel.caller.request(other, "GET", "/echo", token="", deadline=60)
         forwarding.cancel()

@@ -4,12 +4,12 @@ from datetime import UTC, datetime
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.storage.rows import BATCH_EVENTS, Key
-from dock_gateway.storage.waiting import Waiting
+from dock_gateway.storage.waiting import WaitingEntries
 from tests.support.history import make_event, make_goal
 
 
 def test_feedback_beyond_the_limit_is_dropped_and_the_gap_remembered() -> None:
-    waiting = Waiting(10)
+    waiting = WaitingEntries(10)
     for number in range(30):
         waiting.put_event(make_event(number, droppable=True))
         waiting.put_event(make_event(100 + number))
@@ -20,7 +20,7 @@ def test_feedback_beyond_the_limit_is_dropped_and_the_gap_remembered() -> None:
 
 
 def test_what_must_be_kept_leaves_memory_only_for_the_spool() -> None:
-    waiting = Waiting(10)
+    waiting = WaitingEntries(10)
     for number in range(30):
         waiting.put_event(make_event(number))
         waiting.put_goal(make_goal(number))
@@ -32,7 +32,7 @@ def test_what_must_be_kept_leaves_memory_only_for_the_spool() -> None:
 
 
 def test_a_goal_that_changes_while_it_is_written_goes_on_waiting() -> None:
-    waiting = Waiting(10)
+    waiting = WaitingEntries(10)
     goal = make_goal(1, GoalStatus.PENDING)
     waiting.put_goal(goal)
     batch = waiting.batch()
@@ -48,7 +48,7 @@ def test_a_goal_that_changes_while_it_is_written_goes_on_waiting() -> None:
 
 
 def test_a_key_is_forgotten_with_its_goal() -> None:
-    waiting = Waiting(10)
+    waiting = WaitingEntries(10)
     waiting.put_key(Key("k", "g1", "f", datetime.now(UTC)))
     waiting.forget_key("k", "g2")
     assert len(waiting.unspooled()) == 1
@@ -59,7 +59,7 @@ def test_a_key_is_forgotten_with_its_goal() -> None:
 
 
 def test_batches_are_bounded() -> None:
-    waiting = Waiting(10_000)
+    waiting = WaitingEntries(10_000)
     waiting.put_key(Key("k", "g1", "f", datetime.now(UTC)))
     waiting.put_key(Key("k", "g2", "f", datetime.now(UTC)))
     for number in range(BATCH_EVENTS + 1):
@@ -74,7 +74,7 @@ def test_batches_are_bounded() -> None:
 
 
 def test_what_nothing_takes_is_given_up_beyond_the_limit() -> None:
-    waiting = Waiting(10)
+    waiting = WaitingEntries(10)
     for number in range(30):
         waiting.put_event(make_event(number))
         waiting.put_goal(make_goal(number, origin="external"))

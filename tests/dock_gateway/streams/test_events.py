@@ -20,7 +20,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.liveness import ServerState
-from dock_gateway.goals.registry import ActionRegistry, DockingServers
+from dock_gateway.goals.registry import ActionRegistry, DockingServerStates
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -168,7 +168,7 @@ class OneGoal(Parts):
                 Quotas: Quotas(Settings()),
                 Logins: self.logins,
                 Goals: SimpleNamespace(get=self._get, recent=self._recent),
-                ActionRegistry: SimpleNamespace(servers_of=lambda _: DockingServers(server, server)),
+                ActionRegistry: SimpleNamespace(servers_of=lambda _: DockingServerStates(server, server)),
                 RobotRegistry: SimpleNamespace(get=lambda _: robot),
                 Robots: SimpleNamespace(find=lambda _: "/"),
                 RobotActions: SimpleNamespace(homed_in=lambda _: frozenset()),

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.battery import Reading
+from dock_gateway.core.battery import BatteryReading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
@@ -53,7 +53,7 @@ class Robot:
         self.simulator: dict[str, Any] | None = None
 
     def states(self) -> list[Any]:
-        battery = SimpleNamespace(reading=Reading(self.power_supply, 0.1), age=0.1, stale_since=None)
+        battery = SimpleNamespace(reading=BatteryReading(self.power_supply, 0.1), age=0.1, stale_since=None)
         return [
             SimpleNamespace(
                 name=name,

@@ -14,8 +14,8 @@ from starlette.types import Receive, Scope, Send
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
-from dock_gateway.sites.subscription import Received
-from dock_gateway.sites.tunnel.caller import Address, Caller
+from dock_gateway.sites.subscription import SiteMessage
+from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_gateway.sites.tunnel.server import TunnelServer
 from tests.support.certificates import Authority
 from tests.support.nats import NatsServer, nats_server
@@ -66,7 +66,7 @@ class Subscriber:
     def __init__(self) -> None:
         self.heard: list[str] = []
 
-    async def __call__(self, received: Received) -> None:
+    async def __call__(self, received: SiteMessage) -> None:
         self.heard.append(received.subject)
         await received.reply(b"{}")
 
@@ -95,7 +95,7 @@ async def works(hub: Broker, site: Broker, name: str) -> None:
     """A hello, and a request through the tunnel, both ways."""
     hellos = Subscriber()
     subscription = await hub.subscribe(subjects.HELLOS, hellos)
-    caller, server = Caller(hub), TunnelServer(site, address := Address(name, ID), hello, accept_all, {})
+    caller, server = Caller(hub), TunnelServer(site, address := TunnelAddress(name, ID), hello, accept_all, {})
     await caller.open()
     await server.open()
     await hub.flush(60)

@@ -18,7 +18,7 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import AGREEMENT, Signer
 from dock_gateway.sites.messages import Welcome
 from dock_gateway.sites.seals import KeyAgreement
-from dock_gateway.sites.subscription import Received
+from dock_gateway.sites.subscription import SiteMessage
 from dock_hub.site_client import READER
 from dock_hub.sites import Sites
 from tests.dock_hub.test_hub import Hub, hub_at
@@ -80,7 +80,7 @@ async def test_only_the_hub_agrees_with_a_site(proof: str, tmp_path: Path) -> No
     signers = {name: Signer.load_or_create(tmp_path / f"{name}.key") for name in ("hub", "stranger")}
     keys, heard = KeyAgreement(), []
 
-    async def answer(received: Received) -> None:
+    async def answer(received: SiteMessage) -> None:
         hello = orjson.loads(received.data)
         heard.append(hello)
         about = {"another": (signers["hub"], "another site's key"), "stranger": (signers["stranger"], hello["public"])}

@@ -26,7 +26,7 @@ NO_NAMES = "this robot docks at the dock that it sees"
 
 
 @dataclass(frozen=True)
-class Dock(DockAdapter):
+class Create3Dock(DockAdapter):
     """Drives onto the dock that the robot sees."""
 
     def goal(self, request: Fields, default_dock: str = "", path: str = "") -> Fields:
@@ -47,7 +47,7 @@ class Dock(DockAdapter):
 
 
 @dataclass(frozen=True)
-class Undock(DockAdapter):
+class Create3Undock(DockAdapter):
     """Drives off the dock."""
 
     def goal(self, request: Fields, default_dock: str = "", path: str = "") -> Fields:
@@ -69,5 +69,5 @@ def _outcome(status: GoalStatus, result: Fields, code: str, *, wanted: bool) -> 
     return Outcome(GoalStatus.ABORTED, GoalError(code, detail))
 
 
-DOCK = Dock("dock", FAMILY, "irobot_create_msgs/action/Dock", "dock", reads_battery_goal=True, tells_stage=True)
-UNDOCK = Undock("undock", FAMILY, "irobot_create_msgs/action/Undock", "undock", reads_battery_goal=True)
+DOCK = Create3Dock("dock", FAMILY, "irobot_create_msgs/action/Dock", "dock", reads_battery_goal=True, tells_stage=True)
+UNDOCK = Create3Undock("undock", FAMILY, "irobot_create_msgs/action/Undock", "undock", reads_battery_goal=True)

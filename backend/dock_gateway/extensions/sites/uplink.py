@@ -24,7 +24,7 @@ from dock_gateway.sites import subjects
 from dock_gateway.sites.broker import Broker, BrokerOptions, NoResponder, open_broker
 from dock_gateway.sites.messages import Hello, Malformed, Refusal, Welcome, compatible, read_answer
 from dock_gateway.sites.seals import KeyAgreement
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.server import TunnelServer
 from dock_gateway.storage import History
 
@@ -61,7 +61,7 @@ class Uplink:
         self._history = history
         self._link = link
         self._served: tuple[ASGIApp, Mapping[str, Any]] | None = None
-        self._address = Address(settings.site, subjects.new_id())
+        self._address = TunnelAddress(settings.site, subjects.new_id())
         self._admission = HubAdmission(settings, self._address.instance, link)
         self._keys = KeyAgreement()
         self._agreed, self._key = "", b""  # with which process of the hub, and on what

@@ -79,7 +79,7 @@ class InnerProtocol(Protocol):
         """Resume writing: the client has caught up."""
 
 
-class Connection(asyncio.BufferedProtocol):
+class GuardedConnection(asyncio.BufferedProtocol):
     """Sits between a transport and uvicorn's protocols: limits their input, and lingers before closing.
 
     Args:
@@ -271,7 +271,7 @@ class Connection(asyncio.BufferedProtocol):
 class ConnectionTransport:
     """The transport as the protocols see it."""
 
-    def __init__(self, connection: Connection, transport: asyncio.Transport) -> None:
+    def __init__(self, connection: GuardedConnection, transport: asyncio.Transport) -> None:
         self.connection = connection
         self._transport = transport
         self.write: Callable[[bytes], None] = transport.write

@@ -15,7 +15,7 @@ from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from dock_gateway.core.errors import GatewayError, MalformedRequest, Unavailable
-from dock_gateway.http.edge.connection import LINGER_BYTES, Connection, ConnectionTransport, Edge
+from dock_gateway.http.edge.connection import LINGER_BYTES, ConnectionTransport, Edge, GuardedConnection
 from dock_gateway.http.edge.limits import Priority
 from dock_gateway.http.edge.refusal import http_answer, refusal
 from dock_gateway.http.edge.strict import StrictConnection
@@ -55,9 +55,9 @@ def limit_unsent(request: Request, size: int) -> None:
             extension["socket"].setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, size)
 
 
-def create_connection(edge: Edge, **options: Any) -> Connection:
+def create_connection(edge: Edge, **options: Any) -> GuardedConnection:
     """Create a connection. The factory for uvicorn's option `http`."""
-    return Connection(edge, HttpProtocol(edge, **options))
+    return GuardedConnection(edge, HttpProtocol(edge, **options))
 
 
 def host_of(address: tuple[str, int | None] | None) -> bytes:

@@ -18,7 +18,7 @@ AT_ONCE = 32
 PAUSE = 0.1
 
 
-class Listener:
+class PortListener:
     """Accepts connections on every address of a host. uvicorn treats it as one of its servers.
 
     Raises:

@@ -6,7 +6,7 @@ import ssl
 from contextlib import suppress
 from typing import Any
 
-from dock_gateway.http.edge.connection import Connection
+from dock_gateway.http.edge.connection import GuardedConnection
 
 # The first byte that a client sends: the type of a TLS handshake record.
 HANDSHAKE = b"\x16"
@@ -14,7 +14,7 @@ HANDSHAKE = b"\x16"
 HANDSHAKE_COST = 0.001
 
 
-class Arrival(asyncio.Transport):
+class HandshakeTransport(asyncio.Transport):
     """The transport of a connection until its handshake is complete: it can only be aborted."""
 
     def __init__(self, sock: socket.socket) -> None:
@@ -35,7 +35,7 @@ class Arrival(asyncio.Transport):
         return 0
 
 
-async def open_tls(sock: socket.socket, connection: Connection, context: ssl.SSLContext) -> None:
+async def open_tls(sock: socket.socket, connection: GuardedConnection, context: ssl.SSLContext) -> None:
     """Open a connection with TLS. One that is not TLS is opened, too, for its answer: `HttpProtocol` refuses it.
 
     The connection counts towards the limits from the beginning, so clients that complete no handshake take no place
@@ -46,7 +46,7 @@ async def open_tls(sock: socket.socket, connection: Connection, context: ssl.SSL
     """
     timeout = connection.edge.settings.header_timeout
     try:
-        connection.arrive(Arrival(sock))
+        connection.arrive(HandshakeTransport(sock))
         options: dict[str, Any] = {}
         if await _first_byte(sock, timeout) == HANDSHAKE:
             await connection.edge.scheduler.wait(HANDSHAKE_COST)

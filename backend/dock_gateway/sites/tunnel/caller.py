@@ -18,7 +18,7 @@ from dock_gateway.sites.broker import Broker, NoResponder
 from dock_gateway.sites.identity import content_of
 from dock_gateway.sites.messages import Malformed, read_refusal
 from dock_gateway.sites.seals import seal
-from dock_gateway.sites.subscription import BrokerSubscription, Received
+from dock_gateway.sites.subscription import BrokerSubscription, SiteMessage
 from dock_gateway.sites.tunnel.answer import Asker, TunnelAnswer
 from dock_gateway.sites.tunnel.channel import Channel, ChannelEnded, Timing, piece_of
 from dock_gateway.sites.tunnel.conversation import Conversation, shake_hands
@@ -34,7 +34,7 @@ REMEMBERED = 1_000
 
 
 @dataclass(frozen=True)
-class Address:
+class TunnelAddress:
     """A process of a site's gateway."""
 
     site: str
@@ -64,7 +64,7 @@ class Caller:
         max_streams: tuple[int, int] = (MAX_STREAMS, MAX_STREAMS_OF_SITE),
         patience: float = 1.0,
     ) -> None:
-        self.keys: dict[Address, bytes] = {}
+        self.keys: dict[TunnelAddress, bytes] = {}
         self._broker = broker
         self._timing = timing or Timing()
         self._max_streams = max_streams
@@ -98,7 +98,7 @@ class Caller:
         for channel in list(self._channels.values()):
             channel.end("broker_unavailable", "the connection to the broker was lost")
 
-    async def _receive(self, received: Received) -> None:
+    async def _receive(self, received: SiteMessage) -> None:
         key = subjects.read_stream_to_hub(received.subject)
         if key is None:
             self._broker.refuse("malformed", received.subject, "the subject is none of the tunnel")
@@ -115,7 +115,7 @@ class Caller:
 
     async def forward(
         self,
-        address: Address,
+        address: TunnelAddress,
         scope: ConnectionScope,
         receive: Receive,
         send: Send,
@@ -172,7 +172,7 @@ class Caller:
 
     async def request(
         self,
-        address: Address,
+        address: TunnelAddress,
         method: str,
         path: str,
         *,
@@ -212,7 +212,7 @@ class Caller:
 
     @asynccontextmanager
     async def websocket(
-        self, address: Address, path: str, *, token: str, query: str = "", deadline: float = 10.0
+        self, address: TunnelAddress, path: str, *, token: str, query: str = "", deadline: float = 10.0
     ) -> AsyncIterator[Conversation]:
         """Open a WebSocket of the hub itself, and close it at the end.
 
@@ -245,7 +245,7 @@ class Caller:
             self._give_up(channel)
 
     async def _open(
-        self, address: Address, fields: dict[str, Any], body: bytes, deadline: float, *, own: bool
+        self, address: TunnelAddress, fields: dict[str, Any], body: bytes, deadline: float, *, own: bool
     ) -> Channel:
         most, most_of_site = self._max_streams
         full = len(self._channels) >= most or self._of_site[address.site] >= most_of_site
@@ -300,7 +300,7 @@ class Caller:
             if site not in self._subscriptions:
                 self._subscriptions[site] = await self._broker.subscribe(subjects.streams_to_hub(site), self._receive)
 
-    def _channel(self, address: Address, stream: str) -> Channel:
+    def _channel(self, address: TunnelAddress, stream: str) -> Channel:
         key = address.site, stream
         subject = subjects.stream_to_site(address.site, address.instance, stream)
 

@@ -16,9 +16,9 @@ from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.identity import IdentityReused, content_of
 from dock_gateway.sites.messages import Malformed, Refusal
 from dock_gateway.sites.seals import unseal, without_seal
-from dock_gateway.sites.subscription import BrokerSubscription, Received
+from dock_gateway.sites.subscription import BrokerSubscription, SiteMessage
 from dock_gateway.sites.tunnel.call import HttpCall, WebSocketCall, scope_of, send_body, send_head
-from dock_gateway.sites.tunnel.caller import Address
+from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.channel import FINISHED, Channel, ChannelEnded, Timing
 from dock_gateway.sites.tunnel.frames import STOP, Open, encode, read_open
 from dock_gateway.sites.tunnel.unsealed import Unsealed
@@ -54,7 +54,7 @@ class TunnelServer:
     def __init__(
         self,
         broker: Broker,
-        address: Address,
+        address: TunnelAddress,
         app: ASGIApp,
         admit: Callable[[str, str, str, str], Any],
         state: Mapping[str, Any],
@@ -110,7 +110,7 @@ class TunnelServer:
         for channel in list(self._channels.values()):
             channel.end("broker_unavailable", "the connection to the broker was lost")
 
-    async def _receive_frame(self, received: Received) -> None:
+    async def _receive_frame(self, received: SiteMessage) -> None:
         stream = subjects.read_stream_to_site(received.subject)
         if stream is None:
             self._broker.refuse("malformed", received.subject, "the subject is none of the tunnel")
@@ -119,17 +119,17 @@ class TunnelServer:
         elif stream not in self._past:
             self._broker.refuse("unknown_stream", received.subject, "there is no such stream")
 
-    async def _receive_open(self, received: Received) -> None:
+    async def _receive_open(self, received: SiteMessage) -> None:
         message = unseal(self.key, received.data)
         if message is not None:
             self._open(received, message)
         elif self._unsealed is not None:
             self._unsealed.put(received)
 
-    def _drop(self, received: Received) -> None:
+    def _drop(self, received: SiteMessage) -> None:
         self._broker.refuse("too_many_unsealed", received.subject, "too many requests wait until they are verified")
 
-    def _open(self, received: Received, message: bytes) -> None:
+    def _open(self, received: SiteMessage, message: bytes) -> None:
         try:
             opened, body = read_open(message)
         except Malformed as error:
@@ -153,7 +153,7 @@ class TunnelServer:
             self.calls += 1
             self._tasks.spawn(self._serve(received, opened, self._channel(opened.id), body, hub))
 
-    def _answer(self, received: Received, refusal: Refusal) -> None:
+    def _answer(self, received: SiteMessage, refusal: Refusal) -> None:
         self._tasks.spawn(received.reply(refusal.encode()))
 
     def _channel(self, stream: str) -> Channel:
@@ -172,7 +172,7 @@ class TunnelServer:
         )
         return channel
 
-    async def _serve(self, received: Received, opened: Open, channel: Channel, body: bytes, hub: Any) -> None:
+    async def _serve(self, received: SiteMessage, opened: Open, channel: Channel, body: bytes, hub: Any) -> None:
         call = HttpCall(channel, body, more=opened.more) if opened.kind == "http" else WebSocketCall(channel)
         try:
             try:

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.sites.subscription import Received
+from dock_gateway.sites.subscription import SiteMessage
 
 log = logging.getLogger(__name__)
 
@@ -25,16 +25,16 @@ class Unsealed:
         drop: Called for one that is dropped, as too many wait.
     """
 
-    def __init__(self, serve: Callable[[Received], None], drop: Callable[[Received], None]) -> None:
+    def __init__(self, serve: Callable[[SiteMessage], None], drop: Callable[[SiteMessage], None]) -> None:
         self._serve = serve
         self._drop = drop
-        self._waiting = deque[Received]()
+        self._waiting = deque[SiteMessage]()
         self._bytes = 0
         self._arrived = asyncio.Event()
         self._tasks = Tasks("opening messages without a seal")
         self._tasks.spawn(self._run())
 
-    def put(self, received: Received) -> None:
+    def put(self, received: SiteMessage) -> None:
         """Let a message wait."""
         self._waiting.append(received)
         self._bytes += len(received.data)

@@ -7,7 +7,7 @@ import pytest
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.event import moment
 from dock_gateway.doors.rest.battery_routes import describe, divide, short
-from dock_gateway.storage.battery import Bucket, Tally
+from dock_gateway.storage.battery import Bucket, FieldTally
 
 NOW = datetime(2026, 11, 21, 3, 32, 40, 123456, tzinfo=UTC)
 
@@ -39,7 +39,7 @@ def test_columns_are_of_one_length() -> None:
     span = divide("/robot1", NOW - timedelta(minutes=5), NOW, 600)
     stamp = 1_795_234_054_500_000_000
     buckets = [Bucket(stamp, 1), Bucket(stamp + 10**9, 2)]
-    buckets[1].tallies["current"] = Tally(3, 1.0, -1.0, 2.0)
+    buckets[1].tallies["current"] = FieldTally(3, 1.0, -1.0, 2.0)
     answer = describe(span, NOW - timedelta(minutes=5), NOW, buckets)
     assert (answer["robot"], answer["resolution_s"]) == ("/robot1", span.step / 1e9)
     assert answer["time"] == [moment(stamp), moment(stamp + 10**9)]

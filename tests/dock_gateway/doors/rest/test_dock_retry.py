@@ -12,7 +12,7 @@ from dock_gateway.doors.rest.goal_routes import DOCK, Place, goal_routes
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.submission import Delivery
+from dock_gateway.goals.submission import GoalDelivery
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from tests.support.history import make_goal
@@ -31,7 +31,9 @@ class FakeAction:
         tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
         interlock: Any = SimpleNamespace(holds=lambda _: False)
         canceler: Any = SimpleNamespace(stop=lambda: None)
-        self.delivery = Delivery(Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=canceler)
+        self.delivery = GoalDelivery(
+            Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=canceler
+        )
         self.submitter = self
         self.server = server
         self.stopped = stopped

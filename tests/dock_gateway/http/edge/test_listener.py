@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from dock_gateway.http.edge.listener import Listener, Opener
+from dock_gateway.http.edge.listener import Opener, PortListener
 
 
 class Counter(asyncio.Protocol):
@@ -37,7 +37,7 @@ def file_limit() -> Iterator[None]:
 
 
 async def test_many_connections_are_accepted_in_one_turn() -> None:
-    listener = Listener("127.0.0.1", 0)
+    listener = PortListener("127.0.0.1", 0)
     clients = [socket.create_connection(listener.sockets[0].getsockname()) for _ in range(100)]
     turns: list[int] = []
     listener.start(opener(turns))
@@ -52,7 +52,7 @@ async def test_many_connections_are_accepted_in_one_turn() -> None:
 
 
 async def test_it_goes_on_after_the_files_were_used_up(file_limit: None, caplog: pytest.LogCaptureFixture) -> None:
-    listener = Listener("127.0.0.1", 0)
+    listener = PortListener("127.0.0.1", 0)
     turns: list[int] = []
     with socket.create_connection(listener.sockets[0].getsockname()):
         _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -70,15 +70,15 @@ async def test_it_goes_on_after_the_files_were_used_up(file_limit: None, caplog:
 
 
 async def test_an_address_that_is_taken() -> None:
-    listener = Listener("127.0.0.1", 0)
+    listener = PortListener("127.0.0.1", 0)
     with pytest.raises(OSError, match="in use"):
-        Listener("127.0.0.1", listener.sockets[0].getsockname()[1])
+        PortListener("127.0.0.1", listener.sockets[0].getsockname()[1])
     listener.close()
     assert not listener.sockets
 
 
 async def test_every_address_of_a_name() -> None:
-    listener = Listener("localhost", 0)
+    listener = PortListener("localhost", 0)
     families = {one.family for one in listener.sockets}
     assert socket.AF_INET in families
     assert all(one.getsockname()[0] in ("127.0.0.1", "::1") for one in listener.sockets)
