@@ -8,6 +8,7 @@ from playwright.sync_api import Browser, ConsoleMessage, Page
 
 from tests.support.access import Site
 from tests.support.gateway import RunningGateway
+from tests.support.installed import needs
 from tests.support.origins import blank_page
 
 ASK = """async ([url, method, headers, body]) => {
@@ -72,6 +73,7 @@ def ask(page: Page, url: str, method: str = "GET", body: object = None, **header
     return answer
 
 
+@needs("agents")
 def test_an_agent_in_a_page(page: Page, gateway: RunningGateway, token: str) -> None:
     """With the headers of each revision of the Model Context Protocol."""
     bearer = {"authorization": f"Bearer {token}", "content_type": "application/json"}
@@ -88,7 +90,7 @@ def test_an_agent_in_a_page(page: Page, gateway: RunningGateway, token: str) -> 
 
 
 def test_a_page_reads_every_header(page: Page, gateway: RunningGateway, token: str) -> None:
-    anonymous = ask(page, f"{gateway.url}/mcp", "POST", HELLO, content_type="application/json")
+    anonymous = ask(page, f"{gateway.url}/dock", "POST", {}, content_type="application/json")
     assert (anonymous["status"], anonymous["headers"]["www-authenticate"]) == (401, "Bearer")
     bearer = {"authorization": f"Bearer {token}"}
     graph = ask(page, f"{gateway.url}/graph", **bearer)

@@ -1,4 +1,4 @@
-"""`dock-gateway up --sites 3`: what it starts where. tests/system/test_up_with_sites.py runs it."""
+"""`dock-gateway up --sites 3`: what it starts where. tests/extensions/sites/system/test_up_with_sites.py runs it."""
 
 import json
 import subprocess

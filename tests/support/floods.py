@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from urllib.parse import urlsplit
 
+from tests.support.installed import is_there
 from tests.support.processes import Process
 
 Address = tuple[str, int]
@@ -334,6 +335,9 @@ FLOODS: dict[str, Flood] = {
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),
 }
 
+# The extensions that floods are about, by the last word of their names.
+EXTENSIONS = {"/rosbridge": "rosbridge", "/foxglove": "foxglove", "agents": "agents", "map.png": "maps"}
+FLOODS = {name: flood for name, flood in FLOODS.items() if is_there(name.split()[-1], EXTENSIONS)}
 # Floods of large messages: the memory for what has been read of them is used again, and not given back.
 LONG = frozenset({"paths on /rosbridge", "too long paths on /rosbridge", "markers on /rosbridge", "paths by POST"})
 # Floods about a large topic, which `tests.support.hostile_node grid` publishes: the bytes of its messages.
@@ -344,6 +348,7 @@ MAPS = {
     "viewers of a large topic": 16_000_000,
     "viewers of map.png": 16_000_000,
 }
+MAPS = {name: size for name, size in MAPS.items() if name in FLOODS}
 
 
 def run(name: str, address: Address) -> None:

@@ -1,8 +1,15 @@
-"""Tests of the core that use an extension: they are skipped in a working copy that it was taken out of."""
+"""What of the core's tests needs an extension: it is left out in a working copy that the extension was taken out of."""
+
+from collections.abc import Mapping
 
 import pytest
 
 from dock_gateway.extension_list import OURS
+
+
+def is_there(name: str, extensions: Mapping[str, str]) -> bool:
+    """Return whether a case can be tested: the extension that it is about, if any, is there."""
+    return extensions.get(name) in {None, *OURS}
 
 
 def needs(*names: str) -> pytest.MarkDecorator:

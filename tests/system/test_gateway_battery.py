@@ -14,7 +14,6 @@ from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
-RULE = {"name": "Low", "mode": "on", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 10}}
 SETTING = "DOCK_GATEWAY_PERCENTAGE_0_TO_100"
 
 
@@ -41,7 +40,6 @@ def robot(gateway: RunningGateway, name: str = "/") -> dict[str, Any]:
 
 
 def test_a_percentage_that_cannot_be_right_is_named_and_not_used(gateway: RunningGateway, observer: Observer) -> None:
-    gateway.http.put("/automation/rules/low", json=RULE).raise_for_status()
     state = BatteryState(voltage=12.0, percentage=math.inf, power_supply_status=2)
     with gateway.stream("?include=battery") as stream, observer.publishing(state, "/battery_status"):
         event = stream.until(lambda event: event["type"] == "battery")
@@ -54,12 +52,6 @@ def test_a_percentage_that_cannot_be_right_is_named_and_not_used(gateway: Runnin
         assert (alert["robot"], alert["severity"]) == ("/", "warning")
         for named in ("/battery_status", "percentage", "inf", "0 to 1", SETTING):
             assert named in alert["detail"]
-
-        def waits() -> list[str]:
-            (rule,) = gateway.http.get("/automation/rules").json()["rules"]
-            return [each["waits_for"] for each in rule["applies_to"]]
-
-        wait_until(lambda: waits() == ["battery_unknown"], "a rule that waits")
         assert list(alerts(gateway)) == ["battery_implausible"]
         history = gateway.http.get("/battery/history").raise_for_status().json()
         assert set(history["percentage"]["mean"]) == {None}

@@ -77,11 +77,11 @@ def test_its_card_is_listed_and_served(domain: int, site: Path, settings: dict[s
     with running_gateway(domain, "env", f"PYTHONPATH={site}", **settings) as gateway:
         listed = {each["name"]: each["card"] for each in gateway.http.get("/extensions").json()["extensions"]}
         assert listed["odometer"] == "/extensions/odometer/card.js"
-        assert listed["cameras"] is None
+        assert listed[OURS[0]] is None
         card = gateway.http.get(listed["odometer"])
         assert card.headers["content-type"].startswith("text/javascript")
         assert 'customElements.define("odometer-card"' in card.text
-        assert gateway.http.get("/extensions/cameras/card.js").json()["code"] == "extension_not_found"
+        assert gateway.http.get(f"/extensions/{OURS[0]}/card.js").json()["code"] == "extension_not_found"
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from tests.support.access import Site, bearer, stream
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import LOW, RunningGateway, running_dock_server
+from tests.support.installed import needs
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -100,13 +101,19 @@ def test_lists_have_the_own_robot_only(robots: Robots, goals: dict[str, str]) ->
     assert [goal["goal_id"] for goal in exported] == [goals[ONE]]
     actions = robots.ask(robots.one, "GET", "/actions")["actions"]
     assert {action["action_name"].rpartition("/")[0] for action in actions} == {ONE}
-    by_robot = robots.ask(robots.one, "GET", "/statistics?by=robot")["groups"]
-    assert TWO not in [group["name"] for group in by_robot]
     assert robots.ask(robots.one, "GET", f"/goals?robot={TWO}")["goals"] == []
     assert len(robots.ask(robots.admin, "GET", "/goals")["goals"]) == 2
 
 
-def test_graph_and_rules_have_the_own_robot_only(robots: Robots) -> None:
+def test_the_graph_has_the_own_robot_only(robots: Robots) -> None:
+    graph = robots.answer(robots.one, "GET", "/graph")
+    assert f"{ONE}/battery_status" in graph.text
+    assert TWO not in graph.text
+    assert TWO in robots.answer(robots.admin, "GET", "/graph").text
+
+
+@needs("automation")
+def test_rules_have_the_own_robot_only(robots: Robots) -> None:
     battery = {"below": 0.01, "idle_s": 3600}
     for name, chosen in (("both", {"names": [ONE, TWO]}), ("other", {"names": [TWO]}), ("all", {"all": True})):
         body = {"name": name, "mode": "off", "robots": chosen, "battery": battery}
@@ -115,12 +122,16 @@ def test_graph_and_rules_have_the_own_robot_only(robots: Robots) -> None:
     rules = robots.ask(robots.one, "GET", "/automation/rules")["rules"]
     assert [rule["name"] for rule in rules] == ["all", "both"]
     assert [[each["robot"] for each in rule["applies_to"]] for rule in rules] == [[ONE], [ONE]]
-    graph = robots.answer(robots.one, "GET", "/graph")
-    assert f"{ONE}/battery_status" in graph.text
-    assert TWO not in graph.text + str(rules)
-    assert TWO in robots.answer(robots.admin, "GET", "/graph").text
+    assert TWO not in str(rules)
     for name in ("both", "other", "all"):
         assert robots.answer(robots.admin, "DELETE", f"/automation/rules/{name}").status_code == 204
+
+
+@needs("statistics")
+def test_statistics_have_the_own_robot_only(robots: Robots, goals: dict[str, str]) -> None:
+    assert set(goals) == {ONE, TWO}
+    by_robot = robots.ask(robots.one, "GET", "/statistics?by=robot")["groups"]
+    assert TWO not in [group["name"] for group in by_robot]
 
 
 def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) -> None:

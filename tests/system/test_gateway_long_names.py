@@ -7,6 +7,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.installed import needs
 from tests.support.observer import Observer
 from tests.support.waiting import wait_until
 
@@ -36,8 +37,8 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
         ("GET", "/battery?robot={}"),
         ("GET", "/goals?robot={}"),
         ("GET", "/goals?action={}"),
-        ("GET", "/statistics?robot={}"),
-        ("GET", "/statistics?action={}"),
+        pytest.param("GET", "/statistics?robot={}", marks=needs("statistics")),
+        pytest.param("GET", "/statistics?action={}", marks=needs("statistics")),
         ("GET", "/battery/history?robot={}"),
         ("GET", "/robots?robot={}"),
         ("GET", "/actions{}"),

@@ -8,6 +8,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_servers
+from tests.support.installed import needs
 from tests.support.observer import Observer, ros_observer
 from tests.support.waiting import wait_until
 
@@ -89,6 +90,7 @@ def the_joined_robot_docks(gateway: RunningGateway) -> None:
     assert not alerts(gateway, "split_robot")
 
 
+@needs("automation")
 def test_one_robot_by_two_names_gets_no_goal_by_itself(domain: int, base: Observer) -> None:
     names = [ROBOT, "/relay"]
     with ExitStack() as stack:

@@ -15,9 +15,10 @@ from websockets.typing import Subprotocol
 
 from tests.support.access import Site, bearer, stream
 from tests.support.gateway import LOW, RunningGateway, running_service_node
+from tests.support.installed import needs
 from tests.support.waiting import PATIENCE, wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, needs("rosbridge", "foxglove")]
 
 STRING = "std_msgs/msg/String"
 BATTERY = "/battery_status"

@@ -12,6 +12,7 @@ from tests.support.access import Site, bearer
 from tests.support.clients import connect
 from tests.support.doors import doors
 from tests.support.gateway import RunningGateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -56,13 +57,28 @@ def test_it_is_not_read(gateway: RunningGateway, topic: str, root: dict[str, str
             assert door.reads(gateway, root, OWN), door.name
 
 
-def test_it_is_in_no_list_and_no_recording(
-    gateway: RunningGateway, root: dict[str, str], everyone: dict[str, str]
-) -> None:
+def require_own(names: set[str]) -> None:
+    assert OWN in names
+    assert not names & set(SHARED)
+    assert not any(name.startswith("/robot1/") for name in names)
+
+
+def test_it_is_in_no_list(gateway: RunningGateway, root: dict[str, str], everyone: dict[str, str]) -> None:
     def listed(headers: dict[str, str]) -> set[str]:
         graph = gateway.http.get("/graph", headers=headers).raise_for_status().json()
         return {topic["name"] for topic in graph["topics"]}
 
+    assert set(SHARED) <= listed(everyone)
+    require_own(listed(root))
+    for door in doors():
+        if door.topics is not None:
+            topics = door.topics(gateway, root, OWN)
+            assert OWN in topics, door.name
+            assert not topics & set(SHARED), door.name
+
+
+@needs("recordings")
+def test_it_is_in_no_recording(gateway: RunningGateway, root: dict[str, str], everyone: dict[str, str]) -> None:
     def recorded(headers: dict[str, str]) -> set[str]:
         file = gateway.http.get("/robots/recording.mcap?robot=/", headers=headers).raise_for_status().content
         summary = make_reader(BytesIO(file)).get_summary()
@@ -70,14 +86,4 @@ def test_it_is_in_no_list_and_no_recording(
         return {channel.topic for channel in summary.channels.values()}
 
     wait_until(lambda: {"/tf", "/diagnostics", OWN} <= recorded(everyone), "what is recorded")
-    assert set(SHARED) <= listed(everyone)
-    for names in (listed(root), recorded(root)):
-        assert OWN in names
-        assert not names & set(SHARED)
-        assert not any(name.startswith("/robot1/") for name in names)
-
-    for door in doors():
-        if door.topics is not None:
-            topics = door.topics(gateway, root, OWN)
-            assert OWN in topics, door.name
-            assert not topics & set(SHARED), door.name
+    require_own(recorded(root))

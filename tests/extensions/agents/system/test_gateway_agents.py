@@ -268,3 +268,14 @@ def test_bad_input_gets_an_error_and_harms_nobody(world: World) -> None:
             answered = http.post("/mcp", json=message(name="dock_robot", arguments=arguments), headers=headers)
             assert expected in answered.text, answered.text
         assert http.post("/mcp", json=call, headers=headers).is_success
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity"])
+def test_a_number_that_is_none_is_refused_with_what_to_send(world: World, number: str) -> None:
+    content = (
+        '{"jsonrpc": "2.0", "id": 1, "method": "tools/call",'
+        f' "params": {{"name": "list_robots", "arguments": {{"a": {number}}}}}}}'
+    )
+    answered = httpx2.post(f"{world.gateway.url}/mcp", content=content, headers=ROUTE | bearer(world.agent))
+    assert (answered.status_code, answered.json()["error"]["code"]) == (400, -32700)
+    assert "send null instead of NaN; infinite numbers are not accepted" in answered.json()["error"]["message"]

@@ -1,5 +1,6 @@
 """Automatic docking by real gateways: when a robot docks by itself, when it does not, and that it docks once."""
 
+import math
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +10,7 @@ import pytest
 from sensor_msgs.msg import BatteryState
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, ready_gateway, running_dock_server, running_gateway
-from tests.support.observer import ros_observer
+from tests.support.observer import Observer, ros_observer
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import wait_until
 
@@ -153,3 +154,15 @@ def test_a_gateway_that_is_killed_while_it_sends_a_goal_sends_no_other(domain: i
             wait_until(lambda: waits_for(gateway) in (["retry_later"], ["goal_running"], ["goal_lost"]), "no other")
             assert outcomes(gateway) == ["sending"]  # until it is a minute old
             assert [each["goal_id"] for each in goals(gateway)] == [goal["goal_id"]]
+
+
+def test_a_percentage_that_cannot_be_right_is_waited_for(domain: int, observer: Observer) -> None:
+    state = BatteryState(voltage=12.0, percentage=math.inf, power_supply_status=2)
+    with running_gateway(domain) as gateway, observer.publishing(state, "/battery_status"):
+        gateway.http.put(f"{RULES}/low", json=RULE | {"mode": "on"}).raise_for_status()
+
+        def waits() -> list[str]:
+            (rule,) = gateway.http.get(RULES).json()["rules"]
+            return [each["waits_for"] for each in rule["applies_to"]]
+
+        wait_until(lambda: waits() == ["battery_unknown"], "a rule that waits")

@@ -302,3 +302,10 @@ def test_pages_of_other_sites_are_refused(gateway: RunningGateway) -> None:
     with pytest.raises(InvalidStatus) as refused, client_of(gateway, origin="http://elsewhere.example"):
         pass
     assert refused.value.response.status_code == 403
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity"])
+def test_a_number_that_is_none_is_refused_with_what_to_send(client: Client, number: str) -> None:
+    client.send("advertise", channels=[CHATTER | {"encoding": "json"}])
+    client.connection.send(b"\x01\1\0\0\0" + f'{{"data": {number}}}'.encode())
+    client.error("send null instead of NaN; infinite numbers are not accepted")

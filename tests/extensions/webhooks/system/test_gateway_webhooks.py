@@ -1,15 +1,21 @@
 """Webhooks of real gateways: each alert once, over restarts, with two gateways, and a receiver that comes late."""
 
+import os
+import sys
+from pathlib import Path
 from typing import Any
 
+import httpx2
 import pytest
 
 from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.processes import Process, free_port
 from tests.support.waiting import wait_until
 from tests.support.webhooks import Receiver
 
 pytestmark = pytest.mark.ros
 
+EXAMPLE = Path(__file__).parents[4] / "examples/webhook.py"
 RAISED, CLEARED = ("alert.raised", "stop_latched"), ("alert.cleared", "stop_latched")
 HOOK = {"name": "Control room", "severities": ["critical"], "by": "Ada"}
 
@@ -59,3 +65,16 @@ def test_a_receiver_that_is_down_is_told_later(shared_domain: int, receiver: Rec
         gateway.http.delete("/stop").raise_for_status()
         wait_until(lambda: receiver.seen()[-1] == CLEARED, "the release")
     assert "was not delivered: the answer was 503; again at" in gateway.process.output
+
+
+def test_the_example_of_a_receiver(gateway: RunningGateway) -> None:
+    url = f"http://127.0.0.1:{(port := free_port())}"
+    stored = gateway.http.put("/webhooks/example", json={"name": "Example", "url": url}).raise_for_status().json()
+    environment = {**os.environ, "WEBHOOK_SECRET": stored["secret"], "PORT": str(port)}
+    with Process(sys.executable, str(EXAMPLE), env=environment) as receiver:
+        receiver.wait_for("Waiting for alerts")
+        forged = {"webhook-id": "1", "webhook-timestamp": "1", "webhook-signature": "v1,x"}
+        assert httpx2.post(url, json={"text": "forged"}, headers=forged).status_code == 401
+        delivery = gateway.http.post("/webhooks/example/test").raise_for_status().json()
+        receiver.wait_for(delivery["event"]["text"])
+        assert "forged" not in receiver.output

@@ -29,7 +29,7 @@ pytestmark = pytest.mark.ros
 
 DISCHARGING = BatteryState(power_supply_status=BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
 CHARGING = BatteryState(power_supply_status=BatteryState.POWER_SUPPLY_STATUS_CHARGING)
-FOLDER = Path(__file__).parents[2]
+FOLDER = Path(__file__).parents[4]
 # Seconds that a replay of a goal of seconds may take on a busy machine.
 BOUND = 120
 

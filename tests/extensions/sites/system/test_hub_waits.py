@@ -12,10 +12,11 @@ from tests.support.access import Site, bearer
 from tests.support.agents import agent, answer
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.hubs import RunningHub, running_hub, site_settings
+from tests.support.installed import needs
 from tests.support.nats import nats_server
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, needs("agents")]
 
 ACTION = "/fibonacci"
 # Seconds: longer than a hub waits for a site that shows no sign of life.
