@@ -48,12 +48,12 @@ def test_what_was_published_is_there_at_once(gateway: RunningGateway) -> None:
 @pytest.mark.parametrize(
     ("query", "field"),
     [
-        ("points=1", "query.points"),
-        ("points=2001", "query.points"),
-        ("since=2026-11-21T03:00:00Z&until=2026-11-21T03:00:00Z", "query.since"),
-        ("until=now", "query.until"),
-        ("robot=robot1", "query.robot"),
-        ("step=1", "query.step"),
+        ("points=1", "points"),
+        ("points=2001", "points"),
+        ("since=2026-11-21T03:00:00Z&until=2026-11-21T03:00:00Z", "since"),
+        ("until=now", "until"),
+        ("robot=robot1", "robot"),
+        ("step=1", "step"),
     ],
 )
 def test_what_is_refused(gateway: RunningGateway, query: str, field: str) -> None:

@@ -226,7 +226,7 @@ def test_a_topic_with_two_types_needs_one_of_them(open_gateway: RunningGateway, 
     with running_talker(domain, *strings), running_talker(domain, *flags):
         wait_until(lambda: len(answered(open_gateway, "GET", "/graph/topics/mixed")[1].get("types", ())) == 2, "both")
         status, problem = answered(open_gateway, "POST", "/topics/mixed", {"data": True})
-        assert (status, problem["errors"][0]["path"]) == (422, "query.type")
+        assert (status, problem["errors"][0]["path"]) == (422, "type")
         status, answer = answered(open_gateway, "POST", "/topics/mixed", {"data": "x"}, type="std_msgs/msg/String")
         assert (status, answer["type"]) == (200, "std_msgs/msg/String")
         # It reads the first type, of which one participant cannot be as well.

@@ -53,7 +53,7 @@ async def begin_login(
 ) -> Response:
     """Send a browser to the identity provider to log in there. It has to come back within 10 minutes."""
     if not is_page(page):
-        raise InvalidField([FieldError("page", "/, or a page of the dashboard such as /ui/goals", got(page))])
+        raise InvalidField([FieldError("page", "/, or a page of the dashboard such as /ui/goals", got(page), "query")])
 
     async def begin() -> Response:
         address, attempt = await logins.begin_person(page, _redirect_uri(request))

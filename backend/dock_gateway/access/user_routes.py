@@ -111,5 +111,5 @@ def read_user_name(value: str) -> str:
     """
     if not NAME.fullmatch(value):
         expected = "up to 60 lower-case letters and digits, with . _ - @ + between them"
-        raise InvalidField([FieldError("user", expected, f"got {value[:60]!r}")])
+        raise InvalidField([FieldError("user", expected, f"got {value[:60]!r}", "path")])
     return value

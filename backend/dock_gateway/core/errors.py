@@ -22,7 +22,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from http import HTTPStatus
-from typing import Any
+from typing import Any, Literal
+
+Place = Literal["body", "query", "path", "header", "cookie"]
 
 # Characters of a sentence, which may repeat what a client has sent.
 MAX_DETAIL = 8000
@@ -30,14 +32,19 @@ MAX_DETAIL = 8000
 
 @dataclass(frozen=True)
 class FieldError:
-    """One invalid field: its dotted path, what was expected, and what was received."""
+    """One invalid field: its dotted path, what was expected, what was received, and where in the request it is."""
 
     path: str
     expected: str
     detail: str
+    place: Place = "body"
 
     def __str__(self) -> str:
         return f"{self.path or 'body'}: expected {self.expected}, {self.detail}"
+
+    def document(self) -> dict[str, str]:
+        """Return it as it is in a problem document."""
+        return {"in": self.place, "path": self.path, "expected": self.expected, "detail": self.detail}
 
 
 def got(value: object, longest: int = 40) -> str:
@@ -98,18 +105,17 @@ class InvalidField(GatewayError):
         self.errors = errors
         super().__init__(
             "; ".join(map(str, errors)),
-            errors=[{"path": e.path, "expected": e.expected, "detail": e.detail} for e in errors],
+            errors=[error.document() for error in errors],
         )
 
 
 @contextmanager
 def fields_of_a_message() -> Iterator[None]:
-    """Name fields of a message as they are there: what is a query parameter in REST has no `query.` before its name."""
+    """Say of the fields of a message that they are in it: what is a query parameter in REST is one of them."""
     try:
         yield
     except InvalidField as error:
-        named = [replace(each, path=each.path.removeprefix("query.")) for each in error.errors]
-        raise InvalidField(named) from error.__cause__
+        raise InvalidField([replace(each, place="body") for each in error.errors]) from error.__cause__
 
 
 class NotAuthenticated(GatewayError):

@@ -20,13 +20,13 @@ def normalize_namespace(namespace: str) -> str:
     return f"/{namespace.strip('/')}"
 
 
-def read_namespace(namespace: str, path: str = "query.robot") -> str:
-    """Validate and normalize a namespace from a client; `path` says where it was.
+def read_namespace(namespace: str) -> str:
+    """Validate and normalize a namespace from a client, by the parameter `robot`.
 
     Raises:
         InvalidField: It is not a ROS namespace, or longer than one can be.
     """
     if not is_namespace(namespace):
         detail = f"got {len(namespace)} characters" if len(namespace) > LONGEST_NAME else f"got {namespace!r:.60}"
-        raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", detail)])
+        raise InvalidField([FieldError("robot", "a ROS namespace such as /robot1", detail, "query")])
     return normalize_namespace(namespace)

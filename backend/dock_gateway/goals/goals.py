@@ -64,7 +64,7 @@ class Goals:
             last = self._live.goal(before) or await self._history.get(before)
             if last is None or not wanted.includes(last.action_name):
                 unknown = "there is no such goal in this list"
-                raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", unknown)])
+                raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", unknown, "query")])
         goals = await self._history.page(wanted, limit=limit + 1, before=before)
         current = [self._live.goal(goal.goal_id) or goal for goal in goals[:limit]]
         return current, goals[limit - 1].goal_id if len(goals) > limit else None

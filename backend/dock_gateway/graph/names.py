@@ -38,9 +38,9 @@ def choose_type(name: str, types: Sequence[str], wanted: str | None) -> str:
     """
     expected = f"one of {', '.join(types)}"
     if wanted is not None and wanted not in types:
-        raise InvalidField([FieldError("query.type", expected, f"got {wanted[:100]!r}")])
+        raise InvalidField([FieldError("type", expected, f"got {wanted[:100]!r}", "query")])
     if wanted is None and len(types) > 1:
-        raise InvalidField([FieldError("query.type", expected, f"{name} has several types on the ROS graph")])
+        raise InvalidField([FieldError("type", expected, f"{name} has several types on the ROS graph", "query")])
     return wanted or types[0]
 
 

@@ -197,7 +197,7 @@ def _parse(values: Mapping[str, object], known: Mapping[str, Parameter]) -> dict
         try:
             parsed[name] = known[name].parse(value)
         except InvalidField as error:
-            errors += [FieldError(**each) for each in error.extra["errors"]]
+            errors += error.errors
     if errors:
         raise InvalidField(errors[:MAX_ERRORS])
     return parsed

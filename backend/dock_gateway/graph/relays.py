@@ -53,7 +53,7 @@ class Relays:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
         if not TOPIC_NAME.fullmatch(topic) or len(topic) > LONGEST_NAME:
-            raise InvalidField([FieldError("topic", "a name on the ROS graph", f"got {topic[:60]!r}")])
+            raise InvalidField([FieldError("topic", "a name on the ROS graph", f"got {topic[:60]!r}", "query")])
         async with self._changing:
             relay = self._relays.get(topic) or await self._open(await self._find(topic, type_name), type_name)
             if type_name not in (None, relay.kind):
@@ -106,10 +106,10 @@ class Relays:
         except NotFound:
             if ACTION_PART in topic:
                 expected, unknown = "an action that has a server", "no server gives the type of the topic yet"
-                raise InvalidField([FieldError("topic", expected, unknown)]) from None
+                raise InvalidField([FieldError("topic", expected, unknown, "query")]) from None
             if type_name is None:
                 unknown = "no node has this topic yet, so its type has to be given"
-                raise InvalidField([FieldError("type", "the type of the topic", unknown)]) from None
+                raise InvalidField([FieldError("type", "the type of the topic", unknown, "query")]) from None
             return Topic(topic, [], [])
 
     async def _open(self, found: Topic, type_name: str | None) -> Relay:

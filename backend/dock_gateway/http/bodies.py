@@ -157,7 +157,12 @@ def _field_error(item: Any, schema: dict[str, Any]) -> FieldError:
             return FieldError(path, f"one of {known}" if known else "no field", "got an unknown field")
         case "expected":
             return FieldError(path, context["expected"], context["detail"] or got(item["input"]))
-    return FieldError(path, item["msg"].removeprefix("Input should be "), got(item["input"]))
+    return FieldError(path, expectation(item["msg"]), got(item["input"]))
+
+
+def expectation(message: str) -> str:
+    """Return what pydantic's message says that it expects."""
+    return message.removeprefix("Input should be ").removeprefix("Value error, ").partition(", unable to parse")[0]
 
 
 def _fields(schema: dict[str, Any], path: tuple[int | str, ...]) -> list[str]:

@@ -15,6 +15,7 @@ from starlette.websockets import WebSocket
 
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.goal import encode
+from dock_gateway.http.bodies import expectation
 from dock_gateway.http.methods import AllowedMethods
 
 MEDIA_TYPE = "application/problem+json"
@@ -101,5 +102,12 @@ async def _gateway_error(connection: Request | WebSocket, error: Exception) -> R
 
 
 def _field_error(item: dict[str, Any]) -> FieldError:
-    path = ".".join(str(part) for part in item["loc"])
-    return FieldError(path, str(item["msg"]).removeprefix("Input should be "), got(item.get("input"), 60))
+    """Return an error of FastAPI, of a parameter: `loc` begins with the part of the request that has it."""
+    place, *path = item["loc"]
+    missing = item["type"] == "missing"
+    return FieldError(
+        ".".join(map(str, path)),
+        "a value" if missing else expectation(str(item["msg"])),
+        "it is missing" if missing else got(item.get("input"), 60),
+        place,
+    )

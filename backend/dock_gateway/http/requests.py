@@ -13,7 +13,7 @@ from starlette.convertors import PathConvertor, register_url_convertor
 from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.responses import Response
 
-from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, Place, got
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.namespace import NAMESPACE
@@ -51,10 +51,10 @@ def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
         unknown = [name for name in connection.query_params if name not in names]
         if unknown:
             raise InvalidField(
-                [FieldError(f"query.{name[:100]}", expected, "got an unknown parameter") for name in unknown[:20]]
+                [FieldError(name[:100], expected, "got an unknown parameter", "query") for name in unknown[:20]]
             )
         if (robots := len(connection.query_params.getlist("robot"))) > 1:
-            raise InvalidField([FieldError("query.robot", "one robot", f"got {robots}")])
+            raise InvalidField([FieldError("robot", "one robot", f"got {robots}", "query")])
 
     return check
 
@@ -177,7 +177,7 @@ def read_wait(request: Request) -> float:
         seconds = read_digits(value.partition(";")[0].strip().strip('"'))
         if seconds is None or seconds > MAX_WAIT:
             raise InvalidField(
-                [FieldError("header.Prefer", f"wait=0 to wait={MAX_WAIT:.0f}", f"got {preference.strip()[:60]!r}")]
+                [FieldError("Prefer", f"wait=0 to wait={MAX_WAIT:.0f}", f"got {preference.strip()[:60]!r}", "header")]
             )
         return float(seconds)
     return 0.0
@@ -194,17 +194,17 @@ def read_key(request: Request) -> str | None:
     Raises:
         InvalidField: It is not a key.
     """
-    return check_key(request.headers.get("idempotency-key"), "header.Idempotency-Key")
+    return check_key(request.headers.get("idempotency-key"), "Idempotency-Key", "header")
 
 
-def check_key(key: str | None, path: str) -> str | None:
+def check_key(key: str | None, path: str, place: Place = "body") -> str | None:
     """Check and return an idempotency key, which may be None.
 
     Raises:
         InvalidField: It is empty or too long, or has a NUL, which databases do not accept.
     """
     if key is not None and (not 0 < len(key) <= MAX_KEY or "\0" in key):
-        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters, without NUL", got(key))])
+        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters, without NUL", got(key), place)])
     return key
 
 
@@ -272,19 +272,19 @@ def goal_response(goal: Goal, location: str, status: int = 200) -> Answer[Any]:
     return json_response(goal.document(), status, {"Location": location})
 
 
-def read_goal_id(goal_id: str) -> str:
+def read_goal_id(goal_id: str, place: Place = "query") -> str:
     """Return a goal id in its canonical form. `ros2 action send_goal` prints it without hyphens.
 
     Raises:
         InvalidField: It is not a UUID.
     """
     if not GOAL_ID.fullmatch(goal_id):
-        raise InvalidField([FieldError("goal_id", "a UUID", f"got {goal_id[:60]!r}")])
+        raise InvalidField([FieldError("goal_id", "a UUID", f"got {goal_id[:60]!r}", place)])
     return str(uuid.UUID(goal_id))
 
 
 async def _goal_id_in_path(goal_id: Annotated[str, Path(json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"})]) -> str:
-    return read_goal_id(goal_id)
+    return read_goal_id(goal_id, "path")
 
 
 GoalId = Annotated[str, Depends(_goal_id_in_path)]
@@ -305,6 +305,6 @@ def read_slug(value: str, path: str) -> str:
     """
     if not SLUG.fullmatch(value):
         raise InvalidField(
-            [FieldError(path, "up to 40 lower-case letters, digits and hyphens between them", got(value))]
+            [FieldError(path, "up to 40 lower-case letters, digits and hyphens between them", got(value), "path")]
         )
     return value

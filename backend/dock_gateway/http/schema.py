@@ -4,6 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from dock_gateway.core.errors import Place
 from dock_gateway.http.bodies import GroupName, RobotName, Unique, expected
 
 MAX_ROBOTS, MAX_GROUPS = 500, 20
@@ -26,8 +27,9 @@ class Schema(BaseModel):
 
 
 class FieldProblem(Schema):
-    """One invalid field."""
+    """One invalid field. `path` is dotted, `in` the part of the request that has it."""
 
+    place: Annotated[Place, Field(serialization_alias="in")]
     path: str
     expected: str
     detail: str

@@ -178,12 +178,8 @@ def _parse(name: str, kind: int, value: object) -> ParameterValue:
     try:
         return codec(ParameterValue).parse({"type": kind, field: value})
     except InvalidField as error:
-        paths = [each["path"].removeprefix(field) for each in error.extra["errors"]]
         raise InvalidField(
-            [
-                replace(FieldError(**each), path=f"{name}{path}")
-                for each, path in zip(error.extra["errors"], paths, strict=True)
-            ]
+            [replace(each, path=f"{name}{each.path.removeprefix(field)}") for each in error.errors]
         ) from None
 
 

@@ -151,7 +151,7 @@ class _Reader:
         if unknown:
             self.unclear = True
             expected, detail = "robot and nothing else", "got an unknown parameter"
-            raise InvalidField([FieldError(f"query.{name[:100]}", expected, detail) for name in unknown[:MAX_ERRORS]])
+            raise InvalidField([FieldError(name[:100], expected, detail, "query") for name in unknown[:MAX_ERRORS]])
 
     def read_fields(self, request: object) -> None:
         if isinstance(request, Mapping):

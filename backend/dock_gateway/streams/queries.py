@@ -57,7 +57,7 @@ def read_after(query: Mapping[str, str]) -> str | None:
     """
     after = query.get("after")
     if after is not None and not EVENT_ID.fullmatch(after):
-        raise InvalidField([FieldError("query.after", "the id of an event", f"got {after[:60]!r}")])
+        raise InvalidField([FieldError("after", "the id of an event", f"got {after[:60]!r}", "query")])
     return after
 
 
@@ -76,7 +76,7 @@ def read_max_rate(query: Mapping[str, str], lowest: float = MIN_RATE, highest: f
         rate = 0.0
     if not lowest <= rate <= highest:
         expected = f"a number from {lowest:g} to {highest:g}"
-        raise InvalidField([FieldError("query.max_rate", expected, f"got {text[:60]!r}")])
+        raise InvalidField([FieldError("max_rate", expected, f"got {text[:60]!r}", "query")])
     return rate
 
 
@@ -97,7 +97,7 @@ def read_flag(query: Mapping[str, str], name: str, *, default: bool) -> bool:
     """
     text = query.get(name, str(default)).lower()
     if text not in ("true", "false"):
-        raise InvalidField([FieldError(f"query.{name}", "true or false", f"got {text[:60]!r}")])
+        raise InvalidField([FieldError(name, "true or false", f"got {text[:60]!r}", "query")])
     return text == "true"
 
 
@@ -116,11 +116,11 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
     namespace = "/" if robot is None else read_namespace(robot)
     if action is not None and (len(action) > LONGEST_NAME or not TOPIC.fullmatch(action)):
-        raise InvalidField([FieldError("query.action", "the name of an action", got(action))])
+        raise InvalidField([FieldError("action", "the name of an action", got(action), "query")])
     names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
     known = (*INCLUDES, *parts[Includes])
     if unknown := [name for name in names if name not in known]:
-        raise InvalidField([FieldError("query.include", f"any of {', '.join(known)}", f"got {unknown[0][:60]!r}")])
+        raise InvalidField([FieldError("include", f"any of {', '.join(known)}", f"got {unknown[0][:60]!r}", "query")])
     kind = EventFilter if read_feedback(query) else WithoutFeedback
     goal = None if goal_id is None else await parts[Goals].get(read_goal_id(goal_id), grant)
     return kind(

@@ -31,7 +31,7 @@ async def echo_topic(websocket: WebSocket, parts: AllParts) -> None:
     """
     query = websocket.query_params
     if not (name := query.get("topic", "")):
-        raise InvalidField([FieldError("query.topic", "the name of a topic", "got none")])
+        raise InvalidField([FieldError("topic", "the name of a topic", "got none", "query")])
     max_rate = read_max_rate(query, MIN_RATE, MAX_RATE) or USUAL_RATE
     principal, topic = principal_of(websocket), parts[Settings].resolve(name, "")
     with (

@@ -3307,9 +3307,14 @@ export interface components {
         };
         /**
          * FieldProblem
-         * @description One invalid field.
+         * @description One invalid field. `path` is dotted, `in` the part of the request that has it.
          */
         FieldProblem: {
+            /**
+             * In
+             * @enum {string}
+             */
+            in: "body" | "query" | "path" | "header" | "cookie";
             /** Path */
             path: string;
             /** Expected */

@@ -15,8 +15,9 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 
 ID = "7d9c1c9e-0000-4000-8000-000000000000"
-GOAL = Goal(ID, "/dock", "pkg/action/Dock", utc_now(), status=GoalStatus.CANCELED).document()
-EVENTS = [{"type": "snapshot", "time": utc_now(), "goals": [GOAL]}]
+NOW = utc_now()
+GOAL = Goal(ID, "/dock", "pkg/action/Dock", NOW, status=GoalStatus.CANCELED, finished_at=NOW).document()
+EVENTS = [{"type": "snapshot", "time": NOW, "goals": [GOAL]}]
 
 
 class Gateway:

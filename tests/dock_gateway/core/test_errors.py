@@ -29,7 +29,18 @@ def test_codes_are_distinct() -> None:
 def test_a_field_error_says_where_what_and_what_instead() -> None:
     error = InvalidField([FieldError("a.b", "a number", "got a string"), FieldError("", "an object", "got null")])
     assert error.detail == "a.b: expected a number, got a string; body: expected an object, got null"
-    assert error.problem()["errors"][0] == {"path": "a.b", "expected": "a number", "detail": "got a string"}
+    assert error.problem()["errors"][0] == {
+        "in": "body",
+        "path": "a.b",
+        "expected": "a number",
+        "detail": "got a string",
+    }
+
+
+def test_a_query_parameter_of_rest_is_a_field_of_a_message() -> None:
+    with pytest.raises(InvalidField) as refused, errors.fields_of_a_message():
+        raise InvalidField([FieldError("robot", "a name", "got none", "query")])
+    assert refused.value.errors == [FieldError("robot", "a name", "got none", "body")]
 
 
 def test_a_full_queue_says_when_to_come_back() -> None:

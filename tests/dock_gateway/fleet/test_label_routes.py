@@ -57,7 +57,7 @@ def test_requests_that_are_not_a_label(client: Client) -> None:
     assert client.put(415, content=b"{}", headers={"Content-Type": "text/plain"})["code"] == "unsupported_media_type"
     assert client.put(422)["code"] == "invalid_field"
     assert client.put(422, json=[LEFT])["code"] == "invalid_field"
-    assert client.put(422, "?robot=/robot1", json=LEFT)["errors"][0]["path"] == "query.robot"
+    assert client.put(422, "?robot=/robot1", json=LEFT)["errors"][0]["path"] == "robot"
     assert client.put(422, json=LEFT | {"groups": ["hall 1", ""]})["errors"][0]["path"] == "groups.1"
     assert client.labels.of("/robot1") == RobotLabel(None, ())
 

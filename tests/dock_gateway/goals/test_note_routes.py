@@ -47,7 +47,7 @@ def test_notes_and_tags(client: Client) -> None:
     left = client.send("DELETE", f"{NOTES}/{note['note_id']}")
     assert [each["by"] for each in left["notes"]] == ["Bob"]
     assert client.send("DELETE", f"{NOTES}/{note['note_id']}", 404)["code"] == "note_not_found"
-    assert client.send("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "path.note_id"
+    assert client.send("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "note_id"
     assert client.send("GET", f"/goals/{GOAL.replace('-', '').upper()}/notes") == left
     assert client.send("PUT", TAGS, json={"tags": []})["tags"] == []
 

@@ -73,7 +73,7 @@ def test_what_others_read_may_have_any_size() -> None:
             {"gaol": {}, "action": []},
             [
                 ("action", "a valid string", "got []"),
-                ("gaol", "one of id, op, action, robot, goal, idempotency_key", "got an unknown field"),
+                ("gaol", "one of id, op, action, verb, robot, goal, idempotency_key", "got an unknown field"),
             ],
         ),
         ({f"k{index}": 1 for index in range(60_000)}, [("", "at most 100 fields", "got 60000")]),

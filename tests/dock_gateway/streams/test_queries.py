@@ -15,4 +15,4 @@ async def test_what_is_no_name_of_an_action(action: str) -> None:
     with pytest.raises(InvalidField) as refused:
         await read_event_filter(parts, {"action": action}, UNLIMITED)
     (error,) = refused.value.extra["errors"]
-    assert (error["path"], error["expected"]) == ("query.action", "the name of an action")
+    assert (error["in"], error["path"], error["expected"]) == ("query", "action", "the name of an action")

@@ -10,4 +10,6 @@ from dock_gateway.http.bodies import read_model
 def test_a_body_without_fields_takes_none() -> None:
     with pytest.raises(InvalidField) as refused:
         read_model(Nothing, {"x": 1})
-    assert refused.value.extra["errors"] == [{"path": "x", "expected": "no field", "detail": "got an unknown field"}]
+    assert refused.value.extra["errors"] == [
+        {"in": "body", "path": "x", "expected": "no field", "detail": "got an unknown field"}
+    ]

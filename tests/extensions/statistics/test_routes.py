@@ -215,24 +215,24 @@ def test_an_empty_history(client: Client) -> None:
 @pytest.mark.parametrize(
     ("query", "field"),
     [
-        ("since=2026-11-22T00:00:00Z&until=2026-11-21T00:00:00Z", "query.since"),
-        ("since=2026-11-22T00:00:00Z&until=2026-11-22T00:00:00Z", "query.since"),
-        ("since=2300-01-01T00:00:00Z", "query.since"),
-        ("since=yesterday", "query.since"),
-        ("since=2020-01-01T00:00:00Z&until=2026-11-22T00:00:00Z", "query.since"),
-        ("by=dock", "query.by"),
-        ("tz=Europe/Atlantis", "query.tz"),
-        ("tz=Europe", "query.tz"),
-        ("tz=../../etc/passwd", "query.tz"),
-        ("tz=", "query.tz"),
-        ("tz=%00", "query.tz"),
-        (f"tz={'A' * 65}", "query.tz"),
-        ("robot=robot%201", "query.robot"),
-        ("group=", "query.group"),
-        (f"group={'g' * 41}", "query.group"),
-        ("tag=%00", "query.tag.0"),
-        ("status=lost", "query.status"),
-        ("limit=3", "query.limit"),
+        ("since=2026-11-22T00:00:00Z&until=2026-11-21T00:00:00Z", "since"),
+        ("since=2026-11-22T00:00:00Z&until=2026-11-22T00:00:00Z", "since"),
+        ("since=2300-01-01T00:00:00Z", "since"),
+        ("since=yesterday", "since"),
+        ("since=2020-01-01T00:00:00Z&until=2026-11-22T00:00:00Z", "since"),
+        ("by=dock", "by"),
+        ("tz=Europe/Atlantis", "tz"),
+        ("tz=Europe", "tz"),
+        ("tz=../../etc/passwd", "tz"),
+        ("tz=", "tz"),
+        ("tz=%00", "tz"),
+        (f"tz={'A' * 65}", "tz"),
+        ("robot=robot%201", "robot"),
+        ("group=", "group"),
+        (f"group={'g' * 41}", "group"),
+        ("tag=%00", "tag.0"),
+        ("status=lost", "status"),
+        ("limit=3", "limit"),
     ],
 )
 def test_bad_parameters(client: Client, query: str, field: str) -> None:
@@ -241,14 +241,14 @@ def test_bad_parameters(client: Client, query: str, field: str) -> None:
 
 def test_a_long_time_can_be_had_by_robot(client: Client) -> None:
     assert client.get("/statistics?by=robot&since=1970-01-01T00:00:00Z")["groups"] == []
-    assert client.problem("until=1970-01-01T00:00:00Z") == "query.since"
+    assert client.problem("until=1970-01-01T00:00:00Z") == "since"
 
 
 def test_goals_by_error_code(busy: Client) -> None:
     assert len(busy.get("/goals?error=blocked&error=action_server_lost")["goals"]) == 2
     assert busy.get("/goals?error=never")["goals"] == []
     for code in ("", "%00", "x" * 201):
-        assert busy.get(f"/goals?error={code}", 422)["errors"][0]["path"].startswith("query.error")
+        assert busy.get(f"/goals?error={code}", 422)["errors"][0]["path"].startswith("error")
 
 
 # ---------------------------------------------------------------------- days

@@ -127,7 +127,7 @@ def divide(robot: str, since: datetime, until: datetime, points: int, *, counts_
     """
     first, last = nanoseconds(since), nanoseconds(until)
     if first >= last:
-        raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
+        raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
     # One bucket less: the first may begin before the span, and the last may end after it.
     return BatterySpan(robot, first, last, max(MIN_STEP, -((first - last) // (points - 1))), counts_to_100)
 

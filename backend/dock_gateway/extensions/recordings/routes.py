@@ -74,7 +74,7 @@ class RecordingResponse(FileResponse):
 
         async def send_on(message: Message) -> None:
             if message["type"] == "http.response.start" and message["status"] >= HTTPStatus.BAD_REQUEST:
-                raise InvalidField([FieldError("header.range", "a range of the file", f"got {asked[:60]!r}")])
+                raise InvalidField([FieldError("range", "a range of the file", f"got {asked[:60]!r}", "header")])
             nonlocal left
             if message["type"] == "http.response.start":
                 left = int(Headers(raw=message["headers"])["content-length"])

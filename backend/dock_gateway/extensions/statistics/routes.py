@@ -77,7 +77,7 @@ async def read_wanted(
     until = until or utc_now()
     since = since or max(until - DEFAULT_SPAN, EARLIEST)
     if since >= until:
-        raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
+        raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
     return await read_goal_filter(
         settings=settings,
         robot_actions=robot_actions,
@@ -158,7 +158,7 @@ def read_zone(name: str) -> ZoneInfo:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):  # such as the name of a folder of zones
         expected = "the name of a time zone, such as UTC or Europe/Berlin"
-        raise InvalidField([FieldError("query.tz", expected, f"got {name!r}")]) from None
+        raise InvalidField([FieldError("tz", expected, f"got {name!r}", "query")]) from None
 
 
 def divide(since: datetime, until: datetime, zone: ZoneInfo) -> dict[str, Span]:
@@ -171,7 +171,7 @@ def divide(since: datetime, until: datetime, zone: ZoneInfo) -> dict[str, Span]:
     last = (until - timedelta(microseconds=1)).astimezone(zone).date()
     if (last - day).days >= MAX_DAYS:
         expected = f"at most {MAX_DAYS} days before `until`, or `by=robot` or `by=action`"
-        raise InvalidField([FieldError("query.since", expected, f"got {since.isoformat()}")])
+        raise InvalidField([FieldError("since", expected, f"got {since.isoformat()}", "query")])
     days: dict[str, Span] = {}
     while day <= last:
         begin, end = max(since, _midnight(day, zone)), min(until, _midnight(day + timedelta(days=1), zone))

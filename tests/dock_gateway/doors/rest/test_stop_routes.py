@@ -238,8 +238,8 @@ async def test_who_is_known_is_named_on_a_websocket_too(tmp_path: Path) -> None:
         (Asked(body=(b"{",), end="gone"), "malformed_json", "connection was closed"),
         (Asked(headers=((b"content-type", b"text/xml"),), body=(b"{}",)), "unsupported_media_type", "text/xml"),
         (Asked(headers=((b"content-length", NINES),), body=(b"{}",)), "body_too_large", "larger"),
-        (Asked(headers=((b"prefer", b"wait=soon"),)), "invalid_field", "header.Prefer"),
-        (Asked(query=b"robot=/robot1&robot=/robot2&now=1"), "invalid_field", "query.now"),
+        (Asked(headers=((b"prefer", b"wait=soon"),)), "invalid_field", "Prefer"),
+        (Asked(query=b"robot=/robot1&robot=/robot2&now=1"), "invalid_field", "now"),
     ],
 )
 def test_what_was_wrong_is_a_warning(asked: Asked, code: str, detail: str) -> None:
@@ -251,7 +251,8 @@ def test_what_was_wrong_is_a_warning(asked: Asked, code: str, detail: str) -> No
 
 def test_all_that_was_wrong_is_one_warning() -> None:
     warning = stopped(Asked(b"robot=/robot1&x=1", ((b"prefer", b"wait=x"),), (b'{"latch": 1}',)))[1]["warning"]
-    assert [error["path"] for error in warning["errors"]] == ["header.Prefer", "query.x", "latch"]
+    places = [(error["in"], error["path"]) for error in warning["errors"]]
+    assert places == [("header", "Prefer"), ("query", "x"), ("body", "latch")]
 
 
 # ---------------------------------------------------------------------- which robot

@@ -177,12 +177,12 @@ def test_every_field_of_our_actions_is_explained(client: TestClient, name: str) 
             "interface_not_found",
             "ROS interfaces slam_msgs (such as ros-",
         ),
-        ("a.b/action/C", 422, "invalid_field", "path.package"),
-        ("os/action/path", 422, "invalid_field", "path.name"),
-        ("test_msgs/action/Fibonacci%0A", 422, "invalid_field", "path.name"),
-        (f"{'a' * 200}/action/C", 422, "invalid_field", "path.package"),
+        ("a.b/action/C", 422, "invalid_field", "package"),
+        ("os/action/path", 422, "invalid_field", "name"),
+        ("test_msgs/action/Fibonacci%0A", 422, "invalid_field", "name"),
+        (f"{'a' * 200}/action/C", 422, "invalid_field", "package"),
         ("test_msgs/msg/Empty", 404, "not_found", ""),
-        (f"{DOCK}?verbose=1", 422, "invalid_field", "query.verbose"),
+        (f"{DOCK}?verbose=1", 422, "invalid_field", "verbose"),
     ],
 )
 def test_problems(client: TestClient, path: str, status: int, code: str, detail: str) -> None:
