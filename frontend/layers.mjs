@@ -14,7 +14,7 @@ const LAYERS = [
   // What features share: all robots, what extensions can add, who uses the page, one goal in words.
   ...["fleet", "extension", "access", "goal", "stop", "alerts"],
   // Features.
-  ...["battery", "docking", "scene", "actions", "goals", "operations"],
+  ...["battery", "docking", "scene", "actions", "goals", "operations", "entries", "approvals"],
   ...["notifications", "graph"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],

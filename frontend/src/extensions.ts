@@ -1,5 +1,4 @@
 // Each extension is one line here and a folder of its name.
-export { extension as agents } from "./extensions/agents/extension";
 export { extension as audit_log } from "./extensions/audit_log/extension";
 export { extension as automation } from "./extensions/automation/extension";
 export { extension as cameras } from "./extensions/cameras/extension";

@@ -12,7 +12,7 @@ import { createHttp } from "./api/http";
 import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";
 import { session } from "./api/session";
 import { ExtensionsProvider } from "./extension/context";
-import { type Extension, layersOf } from "./extension/extension";
+import { type Extension, layersOf, startAll } from "./extension/extension";
 import * as listed from "./extensions";
 import { FleetProvider, type FleetServices } from "./fleet/context";
 import { FleetStore } from "./fleet/store";
@@ -22,7 +22,7 @@ import { openRobot } from "./store/openRobot";
 import { openStream, streamUrl } from "./stream/stream";
 
 const extensions: readonly Extension[] = Object.values(listed);
-for (const { start } of extensions) start?.();
+startAll(extensions);
 // Back and Forward between all sites and one: the page of each is one of its own.
 const prefix = sitePrefix();
 window.addEventListener("popstate", () => sitePrefix() !== prefix && window.location.reload());

@@ -1,14 +1,50 @@
 import { screen } from "@testing-library/react";
-import { describe, expect, it } from "vitest";
-import { type Places, pagesOf, partsAt } from "../src/extension/extension";
+import { describe, expect, it, vi } from "vitest";
+import { Parts } from "../src/extension/context";
+import { type Places, pagesOf, partsAt, startAll } from "../src/extension/extension";
 import * as listed from "../src/extensions";
-import { EXTENSIONS, fakeGateway, renderPage } from "./page";
+import { goal } from "./events";
+import { EXTENSIONS, fakeGateway, renderPage, renderWithin, robotServices } from "./page";
+
+const DOCKED = goal("docked");
 
 describe("the list of extensions", () => {
   it("names each as its folder", () => {
     expect(EXTENSIONS.map(({ name }) => name)).toEqual(Object.keys(listed));
     const folders = Object.keys(import.meta.glob("../src/extensions/*/extension.tsx"));
     expect(folders.map((path) => path.split("/").at(-2)).sort()).toEqual(Object.keys(listed).sort());
+  });
+});
+
+describe("an extension that throws", () => {
+  const fails = () => {
+    throw new Error("out of order");
+  };
+  it("keeps no other from its start", () => {
+    const report = vi.fn();
+    vi.stubGlobal("reportError", report);
+    const start = vi.fn();
+    startAll([
+      { name: "broken", start: fails },
+      { name: "whole", start },
+    ]);
+    expect(start).toHaveBeenCalledOnce();
+    expect(report).toHaveBeenCalledOnce();
+    vi.unstubAllGlobals();
+  });
+
+  it.each([
+    ["listedGoal", <Parts key="" at="listedGoal" goal={DOCKED} listed={[DOCKED]} quiet />, null],
+    ["replay", <Parts key="" at="replay" goal={DOCKED} onLayer={() => {}} quiet />, null],
+    ["robotHead", <Parts key="" at="robotHead" robot="/" />, "The extension broken cannot be shown"],
+  ] as const)("takes no other part of %s with it", (place, parts, said) => {
+    vi.spyOn(console, "error").mockImplementation(() => {});
+    renderWithin(robotServices(fakeGateway()).fleet, parts, "/", [
+      { name: "broken", parts: { [place]: fails } },
+      { name: "whole", parts: { [place]: () => "still here" } },
+    ]);
+    expect(screen.getByText("still here")).toBeTruthy();
+    expect(screen.queryByText(/cannot be shown/)?.textContent ?? null).toBe(said);
   });
 });
 

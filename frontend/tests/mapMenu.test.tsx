@@ -1,7 +1,7 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import { describe, expect, it, vi } from "vitest";
-import { MapMenu, poseGoal } from "../src/scene/MapMenu";
+import MapMenu, { poseGoal } from "../src/scene/MapMenu";
 import type { Pick } from "../src/scene/SceneCanvas";
 import { ServicesProvider } from "../src/store/context";
 import type { RobotLayer } from "../src/store/layers";

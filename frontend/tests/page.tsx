@@ -12,7 +12,7 @@ import { createHttp } from "../src/api/http";
 import { placeOf } from "../src/api/places";
 import { createQueryClient } from "../src/api/queryClient";
 import { ExtensionsProvider } from "../src/extension/context";
-import { type Extension, layersOf } from "../src/extension/extension";
+import { type Extension, layersOf, startAll } from "../src/extension/extension";
 import * as listed from "../src/extensions";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
@@ -30,7 +30,7 @@ import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, un
 /** All that there are. */
 export const EXTENSIONS: readonly Extension[] = Object.values(listed);
 
-for (const { start } of EXTENSIONS) start?.();
+startAll(EXTENSIONS);
 
 /** A gateway that does what it is told, and remembers. */
 export function fakeGateway(change: Partial<Gateway> = {}) {

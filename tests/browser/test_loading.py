@@ -12,7 +12,7 @@ from tests.support.installed import needs
 from tests.support.waiting import wait_until
 
 MAX_BYTES = 320_000
-MAX_SCRIPT_BYTES = 251_000
+MAX_SCRIPT_BYTES = 250_000
 MAX_SHIFT = 0.02
 
 

@@ -32,6 +32,17 @@ export function Account() {
 
 const PasswordDialog = lazyPart(() => import("./PasswordDialog"));
 
+/** Its code comes when it is opened. */
+export function AccountPassword({ opened, onClose }: { opened: boolean; onClose: () => void }) {
+  return (
+    opened && (
+      <Suspense fallback={null}>
+        <PasswordDialog opened onClose={onClose} />
+      </Suspense>
+    )
+  );
+}
+
 interface AccountEntry {
   name: string;
   /** The page that it leads to, or what it does. */
@@ -82,11 +93,7 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
           </UnstyledButton>
         ),
       )}
-      {opened && (
-        <Suspense fallback={null}>
-          <PasswordDialog opened onClose={dialog.close} />
-        </Suspense>
-      )}
+      <AccountPassword opened={opened} onClose={dialog.close} />
     </div>
   );
 }

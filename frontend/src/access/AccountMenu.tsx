@@ -3,8 +3,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { Link } from "react-router";
 import type { SessionState } from "../api/session";
 import { Icon } from "../ui/Tool";
-import { useAccountEntries } from "./Account";
-import PasswordDialog from "./PasswordDialog";
+import { AccountPassword, useAccountEntries } from "./Account";
 
 const PERSON =
   "M12 3a4.5 4.5 0 1 1 0 9 4.5 4.5 0 0 1 0-9Zm0 2a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5Zm0 8.5c4.6 0 8 2.4 8 5.5v2H4v-2c0-3.1 3.4-5.5 8-5.5Zm0 2c-3.5 0-5.9 1.6-6 3.5h12c-.1-1.9-2.5-3.5-6-3.5Z";
@@ -50,7 +49,7 @@ export default function AccountMenu({ state: { open_to, principal }, words }: Ac
           )}
         </Menu.Dropdown>
       </Menu>
-      <PasswordDialog opened={opened} onClose={dialog.close} />
+      <AccountPassword opened={opened} onClose={dialog.close} />
     </>
   );
 }

@@ -1,5 +1,5 @@
 import type { AnyGoal, Pose } from "@dock-gateway/client";
-import type { ComponentType, ReactNode } from "react";
+import type { ComponentType } from "react";
 import type { Layers, SceneLayer } from "../store/layers";
 
 /**
@@ -14,14 +14,8 @@ export interface Extension {
   parts?: { [Place in keyof Places]?: ComponentType<Places[Place]> };
   /** Called once, before anything is shown. */
   start?: () => void;
-  /** A hook: what to show beside the names of listed goals, by their ids. */
-  goalMarks?: (goals: readonly Pick<AnyGoal, "goal_id" | "status">[]) => ReadonlyMap<string, ReactNode>;
   /** What it draws in pictures of robots from above. */
   layers?: Layers;
-  /** A hook: what to add to the replay of a goal that has ended; null for nothing. */
-  replay?: (goal: AnyGoal) => ReplayLayer | null;
-  /** A hook: how the page's robot is placed by dragging it in its picture; null where it is not. */
-  placing?: () => Placing | null;
 }
 
 /** Places a robot elsewhere, which does without driving. */
@@ -67,6 +61,17 @@ interface MenuEntry {
   button?: true;
 }
 
+/** Starts extensions, each by itself: one that fails keeps no other from it. */
+export function startAll(extensions: readonly Extension[]): void {
+  for (const { start } of extensions) {
+    try {
+      start?.();
+    } catch (error) {
+      reportError(error);
+    }
+  }
+}
+
 /** The pages of extensions. */
 export function pagesOf(extensions: readonly Extension[]): Page[] {
   return extensions.flatMap(({ pages = [] }) => pages);
@@ -92,8 +97,6 @@ export function partsAt<Place extends keyof Places>(
 export interface Places {
   /** On every page, below the stops that hold: those that need somebody. */
   stops: object;
-  /** On every page, above its content: what has to be answered. */
-  banners: object;
   /** Below the list of users. */
   users: object;
   /** Above the fields of a login. */
@@ -112,9 +115,17 @@ export interface Places {
   goalCommands: OfGoal;
   /** What sent a goal that no person has sent. */
   automaticGoal: OfGoal;
+  /** Beside the name of a goal in a list. */
+  listedGoal: { goal: GoalInList; listed: readonly GoalInList[] };
+  /** Shows nothing itself: calls `onLayer` with what it adds to the replay of a goal that has ended, null for nothing. */
+  replay: OfGoal & { onLayer: (layer: ReplayLayer | null) => void };
+  /** Shows nothing itself: calls `onPlacing` with how the page's robot is placed by dragging it, null where it is not. */
+  placing: { onPlacing: (placing: Placing | null) => void };
   /** On the page about who is told of alerts. */
   notifications: object;
 }
+
+export type GoalInList = Pick<AnyGoal, "goal_id" | "status">;
 
 interface OfGoal {
   goal: AnyGoal;

@@ -1,9 +1,10 @@
 import type { ActionServer, ListedGoal } from "@dock-gateway/client";
 import { Anchor, Button, Group, Table, Text } from "@mantine/core";
-import { type MouseEvent, memo, type ReactNode, useState } from "react";
+import { type MouseEvent, memo, useMemo, useState } from "react";
 import { Link, useNavigate } from "react-router";
 import { apiAddress } from "../api/site";
-import { useGoalMarks } from "../extension/context";
+import { Parts } from "../extension/context";
+import type { GoalInList } from "../extension/extension";
 import { useNaming } from "../fleet/context";
 import { goalPath } from "../fleet/names";
 import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
@@ -28,7 +29,9 @@ interface GoalsTableProps {
 /** Goals, a row each, which leads to the goal's page. */
 export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
   const naming = useNaming();
-  const markOf = useGoalMarks(goals);
+  // The same until something of it changes that extensions see: so rows stay as they are.
+  const summary = JSON.stringify(goals.map(({ goal_id, status }) => ({ goal_id, status })));
+  const listed = useMemo(() => JSON.parse(summary) as GoalInList[], [summary]);
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
       <GoalsHead oneRobot={oneRobot} />
@@ -39,7 +42,7 @@ export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
             goal={goal}
             title={oneRobot ? goalName(goal) : goalTitle(goal, naming)}
             oneRobot={oneRobot}
-            mark={markOf(goal.goal_id)}
+            listed={listed}
           />
         ))}
       </Table.Tbody>
@@ -67,11 +70,11 @@ interface GoalRowProps {
   /** In words. */
   title: string;
   oneRobot: boolean;
-  /** What extensions show beside its name. */
-  mark: ReactNode;
+  /** It and those around it. */
+  listed: readonly GoalInList[];
 }
 
-const GoalRow = memo(function GoalRow({ goal, title, oneRobot, mark }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, title, oneRobot, listed }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id, goal.action_name);
   const open = ({ target }: MouseEvent) => {
@@ -89,7 +92,7 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot, mark }: GoalRowPr
         <Table.Td visibleFrom="xs" title={goal.action_name}>
           <div className={classes.titled}>
             {title}
-            {mark}
+            <Parts at="listedGoal" goal={goal} listed={listed} quiet />
           </div>
         </Table.Td>
       ) : (
@@ -103,7 +106,7 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot, mark }: GoalRowPr
                 <Breakable text={goal.action_name} />
               </Text>
             </div>
-            {mark}
+            <Parts at="listedGoal" goal={goal} listed={listed} quiet />
           </div>
           {goal.tags !== undefined && goal.tags.length > 0 && <Tags tags={goal.tags} />}
         </Table.Td>

@@ -2,7 +2,7 @@ import type { AnyGoal, PoseEvent } from "@dock-gateway/client";
 import { Text } from "@mantine/core";
 import { useEffect, useId, useMemo, useState } from "react";
 import { onBeat } from "../clock/beat";
-import { useReplayLayer } from "../extension/context";
+import { Parts } from "../extension/context";
 import type { ReplayLayer } from "../extension/extension";
 import { RecordedScene } from "../scene/recorded";
 import { SceneCanvas } from "../scene/SceneCanvas";
@@ -20,7 +20,7 @@ const NO_GHOST = () => {};
 /** Where the robot was at the moment that is marked, and its way until then. Nothing where no poses are stored. */
 export default function ReplayMap({ goal }: { goal: AnyGoal }) {
   const { api } = useWatched();
-  const layer = useReplayLayer(goal);
+  const [layer, setLayer] = useState<ReplayLayer | null>(null);
   const {
     data: poses = [],
     error,
@@ -33,7 +33,12 @@ export default function ReplayMap({ goal }: { goal: AnyGoal }) {
   if (error !== null)
     return <Trouble what="The map could not be loaded" error={error} onRetry={() => void refetch()} />;
   if (poses.length === 0) return null;
-  return <Drawn poses={poses} began={Date.parse(goal.created_at)} layer={layer} />;
+  return (
+    <>
+      <Parts at="replay" goal={goal} onLayer={setLayer} quiet />
+      <Drawn poses={poses} began={Date.parse(goal.created_at)} layer={layer} />
+    </>
+  );
 }
 
 interface DrawnProps {

@@ -5,6 +5,7 @@ import { LoginEnded } from "../access/Entrance";
 import { OpenBanner } from "../access/OpenNotice";
 import { openAlerts } from "../alerts/order";
 import { useSession } from "../api/session";
+import { ApprovalBanner } from "../approvals/ApprovalBanner";
 import { Parts } from "../extension/context";
 import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
@@ -43,7 +44,7 @@ export function Shell() {
             {loggedOut ? <LoginEnded /> : <ConnectionBanner />}
             <StopBanner />
             <Parts at="stops" />
-            <Parts at="banners" />
+            <ApprovalBanner />
             <OpenBanner />
             <Guarded of={pathname}>
               <Suspense fallback={<PageSkeleton />}>

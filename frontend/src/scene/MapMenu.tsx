@@ -28,7 +28,7 @@ interface MapMenuProps {
 }
 
 /** What can be done at a place of the map: to dock at its dock, or to drive there. Each is asked about as elsewhere. */
-export function MapMenu({ pick, onClose }: MapMenuProps) {
+export default function MapMenu({ pick, onClose }: MapMenuProps) {
   const { gateway, robot, store, scene, layers } = useServices();
   const naming = useNaming();
   const asking = useAsking();

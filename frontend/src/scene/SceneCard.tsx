@@ -1,10 +1,11 @@
 import type { Pose, Scene, Twist } from "@dock-gateway/client";
 import { isTerminal } from "@dock-gateway/client";
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
-import { useEffect, useId, useMemo, useState } from "react";
+import { Suspense, useEffect, useId, useMemo, useState } from "react";
 import { useAtTime } from "../clock/clock";
 import { useDockList } from "../docking/docks";
-import { usePlacing } from "../extension/context";
+import { Parts } from "../extension/context";
+import type { Placing } from "../extension/extension";
 import { FreshnessBadge } from "../fleet/badges";
 import { currentGoal } from "../goal/words";
 import {
@@ -20,24 +21,27 @@ import { frameIn, type LegendEntry } from "../store/layers";
 import type { CmdVel } from "../store/state";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
 import { CommandErrorAlert } from "../ui/errors";
+import { lazyPart } from "../ui/lazyPart";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { lowerFirst } from "../ui/text";
 import { formatDuration } from "../ui/time";
 import type { Surroundings } from "./around";
 import { SCENE_COLORS, type SceneColors } from "./colors";
-import { MapMenu } from "./MapMenu";
 import { type Pick, SceneCanvas } from "./SceneCanvas";
 import classes from "./scene.module.css";
 import { describePose, describeScene } from "./words";
+
+/** Its code comes with the first place that is picked. */
+const MapMenu = lazyPart(() => import("./MapMenu"));
 
 /** The robot and its dock from above, in a picture and in words. */
 export function SceneCard() {
   const { scene } = useServices();
   const around = useSurroundings();
-  const [pick, setPick] = useState<Pick | null>(null);
+  const [pick, setPick] = useState<Pick | null>();
   const freshness = useFreshness("scene");
-  const placing = usePlacing();
+  const [placing, setPlacing] = useState<Placing | null>(null);
   const known = useScene((scene) => scene !== null);
   const [ghost, setGhost] = useState<Pose | null>(null);
   const wordsId = useId();
@@ -47,6 +51,7 @@ export function SceneCard() {
 
   return (
     <Section title="Map" aside={<FreshnessBadge freshness={freshness} />}>
+      <Parts at="placing" onPlacing={setPlacing} quiet />
       {!known ? (
         <NoScene live={freshness !== "offline"} simulated={placing !== null} />
       ) : (
@@ -64,7 +69,11 @@ export function SceneCard() {
               await place.mutateAsync(pose).catch(() => {});
             }}
           >
-            <MapMenu pick={pick} onClose={() => setPick(null)} />
+            {pick !== undefined && (
+              <Suspense fallback={null}>
+                <MapMenu pick={pick} onClose={() => setPick(null)} />
+              </Suspense>
+            )}
           </SceneCanvas>
           <MapNote />
           <Text size="sm" id={wordsId} data-testid="scene-words" className={`tabular ${classes.text}`}>
@@ -154,7 +163,12 @@ function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
 }
 
 /** What is in a scene besides robot and dock. */
-const SHOWN: readonly (LegendEntry<keyof SceneColors> & { isShown: (scene: Scene) => boolean })[] = [
+const SHOWN: readonly {
+  name: string;
+  color: keyof SceneColors;
+  round?: true;
+  isShown: (scene: Scene) => boolean;
+}[] = [
   { name: "trail", color: "trail", isShown: () => true },
   {
     name: "contact zone",
@@ -169,13 +183,16 @@ const SHOWN: readonly (LegendEntry<keyof SceneColors> & { isShown: (scene: Scene
 
 /** What the colours mean of what is there. */
 function Legend() {
-  const colors = SCENE_COLORS[useComputedColorScheme("light")];
+  const scheme = useComputedColorScheme("light");
   const { layers } = useServices();
   // A text changes only with what it says.
-  const entries: LegendEntry<keyof SceneColors>[] = JSON.parse(
+  const entries: LegendEntry[] = JSON.parse(
     useScene((scene) => {
-      const ofLayers = layers.flatMap((layer) => layer.legend());
-      const ofScene = SHOWN.filter(({ isShown }) => scene !== null && isShown(scene));
+      const ofLayers = layers.flatMap((layer) => layer.legend(scheme));
+      const ofScene = SHOWN.filter(({ isShown }) => scene !== null && isShown(scene)).map((entry) => ({
+        ...entry,
+        color: SCENE_COLORS[scheme][entry.color],
+      }));
       return JSON.stringify([...ofLayers, ...ofScene]);
     }),
   );
@@ -186,7 +203,7 @@ function Legend() {
           <span
             className={classes.swatch}
             data-round={round}
-            style={{ background: colors[color] }}
+            style={{ background: color }}
             aria-hidden="true"
           />
           {name}

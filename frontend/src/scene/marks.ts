@@ -11,7 +11,7 @@ const OBSTACLE_M = 0.2;
 /** A line with a ring at its end, such as a planned path. */
 export function drawLine(
   ctx: CanvasRenderingContext2D,
-  { view, size, colors }: Drawing,
+  { view, size }: Drawing,
   { points, color }: Mark,
 ): void {
   if (points.length < 2) return;
@@ -21,7 +21,7 @@ export function drawLine(
     const { x, y } = toScreen(view, size, point);
     ctx.lineTo(x, y);
   }
-  ctx.strokeStyle = colors[color];
+  ctx.strokeStyle = color;
   ctx.lineWidth = 2.5;
   ctx.setLineDash([7, 5]);
   ctx.lineJoin = "round";
@@ -44,7 +44,7 @@ export function drawDots(
 ): void {
   const nearest = blocked ? Math.min(...all.map((point) => distance(point, robot))) + OBSTACLE_M : -1;
   const near = all.filter((point) => distance(point, robot) <= nearest);
-  dots(all, DOT_PX, colors[color]);
+  dots(all, DOT_PX, color);
   dots(near, DOT_PX * 2, colors.obstacle);
 
   function dots(points: readonly Point[], width: number, color: string): void {

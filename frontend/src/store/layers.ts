@@ -3,9 +3,6 @@ import type { Point, Size, View } from "./geometry";
 
 export type Scheme = "light" | "dark";
 
-/** The colors of a picture that layers draw in. */
-export type LayerColor = "path" | "scan";
-
 /*
  * The order of a picture, from below: grid, ground of layers, numbers of the grid, trail, lines of layers, docks, dots of
  * layers, robots.
@@ -42,7 +39,7 @@ export interface RobotLayer extends SceneLayer {
   /** What is wrong with it, in sentences. */
   hints(): string[];
   /** What the colors of what is drawn mean. */
-  legend(): LegendEntry[];
+  legend(scheme: Scheme): LegendEntry[];
 }
 
 export interface LocatedFrame {
@@ -50,9 +47,10 @@ export interface LocatedFrame {
   pose: Pose;
 }
 
-export interface LegendEntry<Color = LayerColor> {
+export interface LegendEntry {
   name: string;
-  color: Color;
+  /** Of CSS. */
+  color: string;
   round?: true;
 }
 
@@ -80,7 +78,8 @@ export interface GroundPicture {
 
 export interface Mark {
   points: readonly Point[];
-  color: LayerColor;
+  /** Of CSS. */
+  color: string;
 }
 
 /** A layer of the picture of all robots. */

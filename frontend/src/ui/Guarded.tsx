@@ -5,21 +5,23 @@ import { ErrorBoundary } from "react-error-boundary";
 interface GuardedProps {
   /** What is shown again when this changes. */
   of: string;
+  /** Begins the sentence about what cannot be shown; null to say nothing. */
+  what?: string | null;
   children: ReactNode;
 }
 
 /** A part of the page that takes nothing else with it if it cannot be shown. */
-export function Guarded({ of, children }: GuardedProps) {
+export function Guarded({ of, what = "This page", children }: GuardedProps) {
   return (
-    <ErrorBoundary resetKeys={[of]} fallback={<Problem />}>
+    <ErrorBoundary resetKeys={[of]} fallback={what === null ? null : <Problem what={what} />}>
       {children}
     </ErrorBoundary>
   );
 }
 
-function Problem() {
+function Problem({ what }: { what: string }) {
   return (
-    <Alert color="orange" title="This page cannot be shown">
+    <Alert color="orange" title={`${what} cannot be shown`}>
       <Stack gap="sm" align="flex-start">
         <Text size="sm">The gateway may have been updated since the page was loaded. Stop still works.</Text>
         <Button variant="default" onClick={() => window.location.reload()}>

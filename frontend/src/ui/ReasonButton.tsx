@@ -8,6 +8,9 @@ interface ReasonButtonProps extends Omit<ButtonProps, "disabled">, NativeProps {
   reason: string | null;
 }
 
+/** How a button beside an entry of a list looks. */
+export const ENTRY_BUTTON = { variant: "default", size: "compact-sm" } as const;
+
 /**
  * A button that says in a tooltip why it cannot be used. Then it can still have the focus, so that the reason is there for
  * the keyboard, a finger and a screen reader, too.

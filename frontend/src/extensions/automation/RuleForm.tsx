@@ -11,7 +11,7 @@ import {
   Text,
 } from "@mantine/core";
 import { useMemo } from "react";
-import { EntryForm } from "../../access/EntryForm";
+import { EntryForm } from "../../entries/EntryForm";
 import { useFleetTopic, useNaming } from "../../fleet/context";
 import { RobotFields } from "../../fleet/RobotFields";
 import { isCovered } from "../../fleet/robotChoice";

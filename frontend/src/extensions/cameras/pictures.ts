@@ -1,6 +1,4 @@
-import { type components, deadline, type Http, settle } from "@dock-gateway/client";
-
-export type Camera = components["schemas"]["CameraInfo"];
+import { type Http, settle } from "@dock-gateway/client";
 
 /** One picture of a camera. */
 export interface Picture {
@@ -14,14 +12,6 @@ const SILENCE_MS = 10_000;
 const RETRY_MS = 2000;
 /** What stands before a picture is shorter. */
 const LONGEST_HEAD = 1024;
-
-/** Every failure is a ClientError. */
-export async function listCameras(http: Http, robot: string): Promise<Camera[]> {
-  const { cameras = [] } = await settle(
-    http.GET("/robots/cameras", { params: { query: { robot } }, signal: deadline() }),
-  );
-  return cameras;
-}
 
 export interface Source {
   http: Http;

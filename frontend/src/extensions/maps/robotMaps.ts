@@ -1,4 +1,5 @@
 import type { GatewayEvent, Http, Pose, Scene } from "@dock-gateway/client";
+import { SCENE_COLORS } from "../../scene/colors";
 import { compose, inverse, type Point, place } from "../../store/geometry";
 import type { LayerPainter, LegendEntry, LocatedFrame, RobotLayer, Scheme } from "../../store/layers";
 import { frameIn } from "../../store/layers";
@@ -59,24 +60,26 @@ export class RobotMaps implements RobotLayer {
     return hints.filter((each) => each != null);
   }
 
-  legend(): LegendEntry[] {
+  legend(scheme: Scheme): LegendEntry[] {
+    const { scan, path } = SCENE_COLORS[scheme];
     const shown = (points: Points | null) => points !== null && points.points.length > 0;
     return [
-      ...(shown(this.#scan) ? [{ name: "laser scan", color: "scan", round: true } as const] : []),
-      ...(shown(this.#path) ? [{ name: "path", color: "path" } as const] : []),
+      ...(shown(this.#scan) ? [{ name: "laser scan", color: scan, round: true } as const] : []),
+      ...(shown(this.#path) ? [{ name: "path", color: path }] : []),
     ];
   }
 
   paint(scheme: Scheme, onChange: () => void): LayerPainter {
     const load = () => mapImage(this.http, this.robot, MAP_COLORS[scheme]);
     const image = new MapImage(load, onChange);
+    const { scan, path } = SCENE_COLORS[scheme];
     return {
       viewIn: (scene, robot, now) => {
         image.show(this.#map?.map ?? null);
         return {
           ground: image.placeAt(mapIn(scene, this.#map)),
-          lines: [{ points: this.#pointsIn(this.#path, scene, robot), color: "path" }],
-          dots: [{ points: this.scanIn(scene, robot, now), color: "scan" }],
+          lines: [{ points: this.#pointsIn(this.#path, scene, robot), color: path }],
+          dots: [{ points: this.scanIn(scene, robot, now), color: scan }],
         };
       },
       cornersIn: (scene) => cornersOf(this.#map?.map ?? null, mapIn(scene, this.#map)),

@@ -1,11 +1,14 @@
 import type { Extension } from "../../extension/extension";
-import { useGoalPictures } from "./pictured";
+import { lazyPart } from "../../ui/lazyPart";
+import { ListedPicture } from "./ListedPicture";
 import { RecordedPicture, RecordingButton } from "./RecordingButton";
-import { useReplay } from "./replay";
 
 export const extension: Extension = {
   name: "recordings",
-  parts: { goalHead: RecordedPicture, goalCommands: RecordingButton },
-  goalMarks: useGoalPictures,
-  replay: useReplay,
+  parts: {
+    goalHead: RecordedPicture,
+    goalCommands: RecordingButton,
+    listedGoal: ListedPicture,
+    replay: lazyPart(() => import("./replay")),
+  },
 };

@@ -1,9 +1,10 @@
-import type { AnyGoal, Pose } from "@dock-gateway/client";
-import { useMemo } from "react";
-import type { RecordedLayer, ReplayLayer } from "../../extension/extension";
+import type { Pose } from "@dock-gateway/client";
+import { useEffect } from "react";
+import type { Places, RecordedLayer } from "../../extension/extension";
 import { useFleet } from "../../fleet/context";
+import { SCENE_COLORS } from "../../scene/colors";
 import { type Point, place } from "../../store/geometry";
-import type { LayerPainter } from "../../store/layers";
+import type { LayerPainter, Scheme } from "../../store/layers";
 import { lastUpTo } from "../../ui/crosshair";
 import { useAnswer } from "../../ui/requests";
 import { useRecording } from "./RecordingButton";
@@ -13,7 +14,7 @@ import { type GoalReplay, replayOf } from "./requests";
 const OLD_S = 2;
 
 /** What the recording of a goal adds to its replay; null while it is not known, and without a recording. */
-export function useReplay(goal: AnyGoal): ReplayLayer | null {
+export default function RecordedReplay({ goal, onLayer }: Places["replay"]): null {
   const { http } = useFleet();
   const size = useRecording(goal).data?.size ?? null;
   const { data } = useAnswer({
@@ -22,13 +23,12 @@ export function useReplay(goal: AnyGoal): ReplayLayer | null {
     enabled: size !== null,
     staleTime: Number.POSITIVE_INFINITY,
   });
-  return useMemo(
-    () =>
-      data === undefined
-        ? null
-        : { scene: new RecordedScans(data), readings: (moment) => readingsAt(data, moment) },
-    [data],
-  );
+  useEffect(() => {
+    if (data === undefined) return;
+    onLayer({ scene: new RecordedScans(data), readings: (moment) => readingsAt(data, moment) });
+    return () => onLayer(null);
+  }, [data, onLayer]);
+  return null;
 }
 
 /** What the laser saw at a moment of a goal, as its recording has it. */
@@ -53,12 +53,12 @@ export class RecordedScans implements RecordedLayer {
     return null;
   }
 
-  paint(): LayerPainter {
+  paint(scheme: Scheme): LayerPainter {
     return {
       viewIn: (_, robot) => ({
         ground: null,
         lines: [],
-        dots: [{ points: this.scanAt(robot), color: "scan" }],
+        dots: [{ points: this.scanAt(robot), color: SCENE_COLORS[scheme].scan }],
       }),
       cornersIn: () => [],
       close: () => {},

@@ -1,16 +1,21 @@
 import { useEffect } from "react";
 import { useForbidden } from "../../api/session";
-import type { Placing } from "../../extension/extension";
+import type { Places } from "../../extension/extension";
 import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
 import { useSimulatorApi } from "./requests";
 
-/** Places a simulated robot; null for a real one. */
-export function usePlacing(): Placing | null {
+/** Places a simulated robot. */
+export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
   const { place } = useSimulatorApi();
   useAsked();
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
   const forbidden = useForbidden("POST /simulator/place");
-  return simulated ? { place, forbidden } : null;
+  useEffect(() => {
+    if (!simulated) return;
+    onPlacing({ place, forbidden });
+    return () => onPlacing(null);
+  }, [simulated, place, forbidden, onPlacing]);
+  return null;
 }
 
 /**

@@ -1,39 +1,20 @@
 import { Anchor, Group, Table, Text } from "@mantine/core";
 import { Link } from "react-router";
-import { useFleet, useNaming } from "../../fleet/context";
+import { useNaming } from "../../fleet/context";
 import { robotPath } from "../../fleet/names";
 import { fixed } from "../../ui/numbers";
-import { useAnswer } from "../../ui/requests";
 import { Section } from "../../ui/Section";
 import { goalsLink, NumberLink, SUCCEEDED } from "./cells";
+import { useDockingTimes } from "./dockingTimes";
 import classes from "./plots.module.css";
-import { type DockingTrend, dockingTimes } from "./requests";
+import type { DockingTrend } from "./requests";
 import { changeWords, seconds, sparkline, trendWords } from "./trend";
 import { statisticsView, type View } from "./view";
 
 const BOX = { width: 132, height: 36, room: 4 };
-/** It changes slowly. */
-const FRESH_MS = 5 * 60_000;
-
-function useDockingTimes({ robot, group }: Pick<View, "robot" | "group">) {
-  const { http } = useFleet();
-  return useAnswer({
-    queryKey: ["docking time", robot, group],
-    queryFn: ({ signal }) =>
-      dockingTimes(
-        http,
-        { ...(robot === null ? {} : { robot }), ...(group === null ? {} : { group }) },
-        signal,
-      ),
-    staleTime: FRESH_MS,
-  });
-}
-
-/** How long docking takes this robot, on its page; nothing where it has not docked in two weeks. */
-export function DockingTimeCard({ robot }: { robot: string }) {
-  const { data } = useDockingTimes({ robot, group: null });
-  const trend = data?.find((each) => each.robot === robot);
-  if (trend === undefined) return null;
+/** How long docking takes a robot, on its page. */
+export default function DockingTimeCard({ trend }: { trend: DockingTrend }) {
+  const { robot } = trend;
   const query = statisticsView.write({ ...statisticsView.initial, robot });
   return (
     <Section

@@ -1,6 +1,6 @@
 import type { Extension } from "../../extension/extension";
 import { lazyPart } from "../../ui/lazyPart";
-import { DockingTimeCard } from "./DockingTrend";
+import { RobotDockingTime } from "./RobotDockingTime";
 
 export const extension: Extension = {
   name: "statistics",
@@ -11,5 +11,5 @@ export const extension: Extension = {
       menu: { name: "Statistics", letter: "s", order: 50 },
     },
   ],
-  parts: { robotPanels: DockingTimeCard },
+  parts: { robotPanels: RobotDockingTime },
 };

@@ -1,11 +1,11 @@
 import { Alert, Badge, Group, Skeleton, Switch, Table, Text } from "@mantine/core";
 import { useState } from "react";
 import { ownName } from "../../access/who";
+import { EntryCard } from "../../entries/EntryCard";
 import { useNaming, useWhyNot } from "../../fleet/context";
 import { robotsWords } from "../../fleet/robotChoice";
-import { ENTRY_BUTTON, EntryCard } from "../../ui/EntryCard";
 import { CommandErrorAlert, Trouble } from "../../ui/errors";
-import { ReasonButton } from "../../ui/ReasonButton";
+import { ENTRY_BUTTON, ReasonButton } from "../../ui/ReasonButton";
 import { Time } from "../../ui/Time";
 import { useZone } from "../../ui/zone";
 import type { Delivery, Webhook } from "./requests";

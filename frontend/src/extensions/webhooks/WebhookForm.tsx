@@ -1,6 +1,6 @@
 import { SegmentedControl, TextInput } from "@mantine/core";
-import { EntryForm } from "../../access/EntryForm";
 import { LIMITS } from "../../api/limits.gen";
+import { EntryForm } from "../../entries/EntryForm";
 import { RobotFields } from "../../fleet/RobotFields";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
 import { SEVERITY_OPTIONS } from "../../notifications/severities";

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { factWords, waitingWords } from "../../../src/extensions/cameras/CameraCard";
+import { factWords, waitingWords } from "../../../src/extensions/cameras/LiveCamera";
 import { type Picture, readPictures } from "../../../src/extensions/cameras/pictures";
 
 const text = new TextEncoder();

@@ -1,11 +1,13 @@
 import type { EventOf, Http } from "@dock-gateway/client";
 import { describe, expect, it, vi } from "vitest";
 import { mapIn, RobotMaps } from "../../../src/extensions/maps/robotMaps";
+import { SCENE_COLORS } from "../../../src/scene/colors";
 import { frameIn } from "../../../src/store/layers";
 import { at, emptyScene } from "../../events";
 
 const QUARTER = Math.PI / 2;
 const HTTP = {} as Http;
+const { scan, path } = SCENE_COLORS.light;
 
 /** Odometry begins at (2, 3) in the map, and at (1, 0) in the frame that is drawn. */
 const MAP: EventOf<"map"> = {
@@ -58,8 +60,8 @@ describe("frames", () => {
   });
 
   it("are those of a scan, which is forgotten when it is old", () => {
-    const scan = { frame: "base_link" as const, points: [[1, 0]], hint: null };
-    const maps = mapsOf({ type: "scan", time: at(1), robot: "/", scan });
+    const seen = { frame: "base_link" as const, points: [[1, 0]], hint: null };
+    const maps = mapsOf({ type: "scan", time: at(1), robot: "/", scan: seen });
     expect(maps.scanIn(SCENE, { x: 1, y: 1, theta: QUARTER }, 1100)).toEqual([{ x: 1, y: 2 }]);
     expect(maps.scanIn(SCENE, SCENE.robot, 9000)).toEqual([]);
   });
@@ -74,20 +76,20 @@ describe("what is around a robot", () => {
       { type: "scan", time: at(1), robot: "/", scan: points("odom") },
       { type: "path", time: at(1), robot: "/", path: points("map") },
     );
-    expect(maps.legend()).toEqual([
-      { name: "laser scan", color: "scan", round: true },
-      { name: "path", color: "path" },
+    expect(maps.legend("light")).toEqual([
+      { name: "laser scan", color: scan, round: true },
+      { name: "path", color: path },
     ]);
     const view = maps.paint("light", () => {}).viewIn(SCENE, SCENE.robot, 1100);
     expect(view.ground).toBeNull();
-    expect(view.dots).toEqual([{ color: "scan", points: [{ x: 1, y: 0 }] }]);
+    expect(view.dots).toEqual([{ color: scan, points: [{ x: 1, y: 0 }] }]);
     const [line] = view.lines;
     expect([line?.color, line?.points[0]?.x.toFixed(3), line?.points[0]?.y.toFixed(3)]).toEqual([
-      "path",
+      path,
       "-2.000",
       "2.000",
     ]);
-    expect(mapsOf().legend()).toEqual([]);
+    expect(mapsOf().legend("light")).toEqual([]);
   });
 
   it("is looked at as a whole while the picture of its map is on its way", () => {
@@ -110,8 +112,8 @@ describe("what is around a robot", () => {
 
   it("says what is wrong with it; a robot without a map has none", () => {
     const none = { ...MAP, map: { topic: null, map: null, odom: null, hint: "No map." } };
-    const scan = { type: "scan" as const, time: at(1), robot: "/", scan: points("odom", "Old scan.") };
-    expect(mapsOf(none, scan).hints()).toEqual(["Old scan."]);
+    const old = { type: "scan" as const, time: at(1), robot: "/", scan: points("odom", "Old scan.") };
+    expect(mapsOf(none, old).hints()).toEqual(["Old scan."]);
     expect(mapsOf({ ...MAP, map: { ...MAP.map, hint: "No transform." } }).hints()).toEqual(["No transform."]);
   });
 

@@ -1,14 +1,14 @@
 import { ClientError, type EventOf } from "@dock-gateway/client";
 import { act, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import * as requests from "../../../src/extensions/simulator/requests";
 import { SCENE_STALE_MS } from "../../../src/store/context";
 import { at, sceneEvent, simulator } from "../../events";
 import { fakeGateway, isDisabled, renderPage } from "../../page";
 
 const words = () => screen.getByTestId("scene-words").textContent;
 
-const api = vi.hoisted(() => ({ get: vi.fn(), reset: vi.fn(), place: vi.fn(), switchFault: vi.fn() }));
-vi.mock("../../../src/extensions/simulator/requests", () => ({ useSimulatorApi: () => api }));
+const api = { get: vi.fn(), reset: vi.fn(), place: vi.fn(), switchFault: vi.fn() };
 
 function simulatorEvent(change: Partial<typeof simulator> = {}): EventOf<"simulator"> {
   return { type: "simulator", time: at(1), robot: "/", simulator: { ...simulator, ...change } };
@@ -16,6 +16,7 @@ function simulatorEvent(change: Partial<typeof simulator> = {}): EventOf<"simula
 
 // Time stands still: on a busy machine a scene would be history before it is looked at.
 beforeEach(() => {
+  vi.spyOn(requests, "useSimulatorApi").mockReturnValue(api);
   vi.spyOn(performance, "now").mockReturnValue(1000);
   for (const each of [api.reset, api.place, api.switchFault]) each.mockReset().mockResolvedValue(undefined);
   api.get.mockReset().mockResolvedValue(simulator);

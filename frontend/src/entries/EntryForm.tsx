@@ -2,9 +2,9 @@ import type { ClientError } from "@dock-gateway/client";
 import { Stack, TextInput } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, type ReactNode, useState } from "react";
+import { NameInput, ownName, setOwnName } from "../access/who";
 import { SaveBar } from "../ui/Dialog";
 import { newId } from "../ui/text";
-import { NameInput, ownName, setOwnName } from "./who";
 
 interface EntryFormProps<Draft extends { name: string }, Errors extends { name?: string }, Body, Stored> {
   /** What it is: `rule`. */

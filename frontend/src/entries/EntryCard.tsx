@@ -3,10 +3,10 @@ import { Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
-import { RemovalDialog } from "./Dialog";
+import { RemovalDialog } from "../ui/Dialog";
+import { ENTRY_BUTTON, ReasonButton } from "../ui/ReasonButton";
+import { Time } from "../ui/Time";
 import classes from "./EntryCard.module.css";
-import { ReasonButton } from "./ReasonButton";
-import { Time } from "./Time";
 
 interface EntryCardProps {
   entry: { id: string; name: string; changed_by: string | null; changed_at: string };
@@ -90,6 +90,3 @@ export function EntryCard(props: EntryCardProps) {
     </Paper>
   );
 }
-
-/** How a button of an entry looks. */
-export const ENTRY_BUTTON = { variant: "default", size: "compact-sm" } as const;

@@ -1,39 +1,29 @@
-import type { Approval } from "@dock-gateway/client";
+import { type Approval, deadline, settle } from "@dock-gateway/client";
 import { Anchor, Code, Group, Paper, Text } from "@mantine/core";
-import { memo } from "react";
 import { Link } from "react-router";
-import { ownId } from "../../api/places";
-import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
-import { robotPath } from "../../fleet/names";
-import { dockOf } from "../../goal/words";
-import { CommandErrorAlert } from "../../ui/errors";
-import { ReasonButton } from "../../ui/ReasonButton";
-import { useCommand } from "../../ui/requests";
-import { Time } from "../../ui/Time";
+import { ownId } from "../api/places";
+import { useFleet, useNaming, useWhyNot } from "../fleet/context";
+import { robotPath } from "../fleet/names";
+import { dockOf } from "../goal/words";
+import { CommandErrorAlert } from "../ui/errors";
+import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
+import { Time } from "../ui/Time";
 import classes from "./approvals.module.css";
-import { answerApproval } from "./requests";
 
 /** The number of characters of a goal to show. */
 const GOAL = 300;
 
-/** Asks whether robots may get the goals of agents that wait for it; nothing where none does. */
-export function ApprovalBanner() {
-  const approvals = useFleetTopic("approvals");
-  return (
-    <div role="status" className={classes.list}>
-      {approvals.map((approval) => (
-        <Question key={approval.approval_id} approval={approval} />
-      ))}
-    </div>
-  );
-}
-
-const Question = memo(function Question({ approval }: { approval: Approval }) {
+/** Asks whether a robot may get the goal of an agent. */
+export default function Question({ approval }: { approval: Approval }) {
   const { approval_id, agent, client, robot, action_name, verb, goal, expires_at } = approval;
   const naming = useNaming();
   const { httpOf, store } = useFleet();
   const answer = useCommand(async (allow: boolean) => {
-    await answerApproval(httpOf(robot), ownId(approval_id, robot), allow);
+    const params = { path: { approval_id: ownId(approval_id, robot) } };
+    await settle(
+      httpOf(robot).POST("/approvals/{approval_id}", { body: { allow }, params, signal: deadline() }),
+    );
     store.setAnswered(approval_id);
   });
   const forbidden = useWhyNot("POST /approvals/{approval_id}");
@@ -91,4 +81,4 @@ const Question = memo(function Question({ approval }: { approval: Approval }) {
       )}
     </Paper>
   );
-});
+}

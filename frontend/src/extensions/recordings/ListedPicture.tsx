@@ -1,7 +1,7 @@
-import { type GoalStatus, isTerminal } from "@dock-gateway/client";
+import { isTerminal } from "@dock-gateway/client";
 import { keepPreviousData } from "@tanstack/react-query";
-import { type ReactNode, useMemo } from "react";
 import { ofSites } from "../../api/places";
+import type { Places } from "../../extension/extension";
 import { useFleet } from "../../fleet/context";
 import { useAnswer } from "../../ui/requests";
 import { GoalPicture } from "./GoalPicture";
@@ -10,15 +10,10 @@ import { picturedGoals } from "./requests";
 /** The gateway is asked for the pictures of so many goals at once. */
 const MAX_ASKED = 100;
 
-/** The last pictures of listed goals, of the newest that have ended: one request for all. */
-export function useGoalPictures(
-  goals: readonly { goal_id: string; status: GoalStatus }[],
-): ReadonlyMap<string, ReactNode> {
+/** The last picture of a listed goal, where it has one: one request for the newest of the list that have ended. */
+export function ListedPicture({ goal: { goal_id }, listed }: Places["listedGoal"]) {
   const { http } = useFleet();
-  const ids = goals
-    .filter(({ status }) => isTerminal(status))
-    .slice(0, MAX_ASKED)
-    .map(({ goal_id }) => goal_id);
+  const ids = listed.flatMap((goal) => (isTerminal(goal.status) ? [goal.goal_id] : [])).slice(0, MAX_ASKED);
   const { data } = useAnswer({
     queryKey: ["pictured", ...ids],
     queryFn: () => picturedGoals(http, ids),
@@ -26,8 +21,5 @@ export function useGoalPictures(
     enabled: ids.length > 0 && !ofSites(),
     placeholderData: keepPreviousData,
   });
-  return useMemo(
-    () => new Map((data ?? []).map((id) => [id, <GoalPicture key={id} goalId={id} small />])),
-    [data],
-  );
+  return data?.includes(goal_id) ? <GoalPicture goalId={goal_id} small /> : null;
 }

@@ -1,8 +1,8 @@
 import type { Approval } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { at, robot } from "../../events";
-import { fakeGateway, renderPage } from "../../page";
+import { at, robot } from "./events";
+import { fakeGateway, renderPage } from "./page";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -39,7 +39,7 @@ describe("the goal of an agent that waits for somebody", () => {
     const fetched = answers(() => Response.json(approval));
     const { user } = renderPage(fakeGateway(), { robots, approvals: [approval] });
     const question = within(
-      screen.getByRole("region", { name: "shift planner wants to dock Left forklift (/robot1)" }),
+      await screen.findByRole("region", { name: "shift planner wants to dock Left forklift (/robot1)" }),
     );
     expect(question.getByText(/An agent, planner 1.0, asks/)).toBeDefined();
     await user.click(question.getByRole("button", { name: `${button}: dock Left forklift (/robot1)` }));
@@ -53,7 +53,7 @@ describe("the goal of an agent that waits for somebody", () => {
     answers(() => problem("approval_not_found", "it has expired"));
     const other: Approval = { ...approval, verb: null, action_name: "/arm/move", goal: { order: 3 } };
     const { store, user } = renderPage(fakeGateway(), { robots, approvals: [other] });
-    expect(screen.getByText('{"order":3}')).toBeDefined();
+    expect(await screen.findByText('{"order":3}')).toBeDefined();
     await user.click(screen.getByRole("button", { name: "Allow: send a goal to /arm/move" }));
     expect(await screen.findByText("It has expired")).toBeDefined();
     act(() => store.onEvent({ type: "approvals", time: at(1), approvals: [] }));
