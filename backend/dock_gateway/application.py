@@ -95,8 +95,6 @@ def build_app(
     )
     routes = _add_routes(app, routers)
     _add_documents(app, settings, contents)
-    install_docs(app)
-    install_dashboard(app, settings)
     install_upgrades(app, routes)
     _add_middleware(app, settings, allowed_methods([*routes, *app.routes]), many_sites=contents.many_sites)
     return app
@@ -122,6 +120,8 @@ def _add_documents(app: FastAPI, settings: Settings, contents: Contents) -> None
     )
     if (make := contents.asyncapi) is not None:
         serve_document(app, "/asyncapi.json", lambda: make(app.openapi()))
+    install_docs(app)
+    install_dashboard(app, settings)
 
 
 def _add_middleware(app: FastAPI, settings: Settings, allowed: AllowedMethods, *, many_sites: bool) -> None:
