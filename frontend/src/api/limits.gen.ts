@@ -33,6 +33,10 @@ export const LIMITS = {
     "schedule.time_zone": { maxLength: 60 },
     "by": { maxLength: 60 },
   },
+  "PUT /goals/{goal_id}/tags": {
+    "tags": { maxItems: 10 },
+    "tags[]": { maxLength: 30 },
+  },
   "PUT /robots/label": {
     "robot": { maxLength: 255 },
     "display_name": { maxLength: 60 },
@@ -42,15 +46,6 @@ export const LIMITS = {
   "PUT /session/password": {
     "old": { minLength: 1, maxLength: 200 },
     "new": { minLength: 12, maxLength: 200 },
-  },
-  "PUT /users/{user}": {
-    "robots": { maxItems: 50 },
-    "robots[]": { maxLength: 255 },
-    "actions": { maxItems: 50 },
-    "actions[]": { maxLength: 255 },
-    "topics": { maxItems: 50 },
-    "topics[]": { maxLength: 255 },
-    "password": { minLength: 12, maxLength: 200 },
   },
   "PUT /webhooks/{webhook_id}": {
     "name": { maxLength: 60 },

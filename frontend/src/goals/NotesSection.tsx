@@ -178,10 +178,7 @@ function DeleteButton({ note, reason, onDelete }: DeleteButtonProps) {
   );
 }
 
-/** As the gateway allows. */
-const MAX_TAGS = 10;
-
-const MAX_TAG = 30;
+const { tags: TAGS, "tags[]": TAG } = LIMITS["PUT /goals/{goal_id}/tags"];
 
 interface TagsFieldProps {
   tags: readonly string[];
@@ -196,10 +193,10 @@ function TagsField({ tags, reason, onTags }: TagsFieldProps) {
   return (
     <TagsInput
       aria-label="Tags"
-      placeholder={tags.length < MAX_TAGS ? "Add a tag" : ""}
+      placeholder={tags.length < TAGS.maxItems ? "Add a tag" : ""}
       data={[...known]}
-      maxTags={MAX_TAGS}
-      maxLength={MAX_TAG}
+      maxTags={TAGS.maxItems}
+      maxLength={TAG.maxLength}
       value={[...tags]}
       onChange={(next) => reason === null && onTags(next)}
       readOnly={reason !== null}
