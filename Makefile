@@ -49,7 +49,7 @@ test: setup $(STAMPS)/test-interfaces ## lint, format, types, import rules, Pyth
 check: setup ## the fast part of `make test`: everything but the tests
 	@scripts/check
 
-without: setup $(STAMPS)/test-interfaces ## what is left without one extension, in a copy: EXTENSION=cameras (TESTS=quick: unit tests); see docs/write-an-extension.md
+without: setup $(STAMPS)/test-interfaces ## what is left without one extension, in a copy: EXTENSION=cameras (TESTS=quick: what would notice first); see docs/write-an-extension.md
 	@scripts/try-without $(EXTENSION)
 
 mutation: setup ## change the safety-critical modules in small ways: do their unit tests notice? (AREAS='latch stop')
