@@ -89,7 +89,7 @@ it("does not wait for a gateway that never answered", async () => {
 });
 
 it("goes on after the last feedback, hands on each once, and ends with the goal", async () => {
-  answers["GET /goals/a"] = [known, { ...known, status: "succeeded" }];
+  answers["GET /goals/a"] = [known, { ...known, status: "succeeded", finished_at: at(3) }];
   const followed = await new Client({ url: "http://gateway", token: "secret" }).goal("a");
   const seen = all(followed);
   const [first, second] = [feedback("a", 1), feedback("a", 2)];
@@ -108,7 +108,7 @@ it("goes on after the last feedback, hands on each once, and ends with the goal"
 it("asks for a goal whose end another gateway did not tell", async () => {
   answers["GET /goals/a"] = [
     known,
-    { ...known, status: "aborted", error: { code: "stalled", detail: "No." } },
+    { ...known, status: "aborted", finished_at: at(3), error: { code: "stalled", detail: "No." } },
   ];
   const waiting = (await new Client({ url: "http://gateway" }).goal("a")).result();
   const socket = await nextSocket(1);
