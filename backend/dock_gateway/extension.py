@@ -1,7 +1,7 @@
 """What an extension is: a feature that can be taken out, with all that it adds to a gateway in one object.
 
-`extension_list` names the extensions; nothing else does. An extension reaches the gateway by its parts, as a route
-does, and never imports another one.
+`extension_list` names the extensions of a gateway, `dock_hub.extensions` those that a hub has, too. An extension
+reaches the gateway by its parts, as a route does, and never imports another one.
 """
 
 import asyncio

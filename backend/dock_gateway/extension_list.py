@@ -1,4 +1,4 @@
-"""The one list of extensions: nothing else names them.
+"""The one list of extensions: no other module of the gateway names them.
 
 A command that only reads settings imports no more than those: an extension takes its time to import. Besides ours there
 are those of other distributions, which `DOCK_GATEWAY_EXTENSIONS` names and an entry point of theirs leads to.

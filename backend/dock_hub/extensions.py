@@ -1,4 +1,4 @@
-"""The extensions of a gateway that a hub has, too: those that need no more than goals, events and alerts."""
+"""The extensions of a gateway that a hub has, too: those that need no ROS and no goal that runs here."""
 
 from dock_gateway.extension import Installed
 from dock_gateway.extension_list import OURS

@@ -33,6 +33,15 @@ def copied(folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.parametrize("name", ["single_sign_on", "nothing"])
+def test_what_is_no_extension_of_the_gateway_stays(name: str, tmp_path: Path) -> None:
+    copy = copied(tmp_path)
+    before = {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}
+    with pytest.raises(LookupError, match=f"has no extension {name}: only those that it names"):
+        load()(name, copy)
+    assert before == {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}
+
+
 @pytest.mark.parametrize("name", OURS)
 def test_no_page_names_the_tests_or_the_page_of_an_extension_that_is_taken_out(name: str, tmp_path: Path) -> None:
     removed = load()(name, copy := copied(tmp_path))

@@ -1,5 +1,7 @@
 """A site and its hub agree on a key, over a real NATS server; again when either is another process."""
 
+# ruff: noqa: SLF001 - the tunnel of another process, and what one sends, are private
+
 import asyncio
 import time
 from collections.abc import AsyncIterator
