@@ -233,6 +233,6 @@ const ROLE_WORDS: Record<Role, string> = {
   agent:
     "For programs of language models: as viewer, and sends goals. A person has to allow those to real robots.",
   operator: "Also docks and undocks, sends and cancels goals, adds notes, and acknowledges alerts.",
-  supervisor: "Also releases stops, and changes rules, webhooks, names and groups.",
-  admin: "Also adds and changes users and tokens, and reads the audit log.",
+  supervisor: "Also releases stops, and changes names, groups and what the gateway does by itself.",
+  admin: "Also adds and changes users and tokens, and sees who did what.",
 };

@@ -1,6 +1,6 @@
 import { ClientError } from "@dock-gateway/client";
 
-interface Words {
+export interface ErrorWords {
   /** Where the gateway's own is not clear enough on a page. */
   title?: string;
   advice: string | null;
@@ -9,7 +9,7 @@ interface Words {
 const START_SERVER =
   "Start the action server on the robot (connect_to_charging_dock_server, or dock-gateway up), then try again.";
 
-const WORDS: Record<string, Words> = {
+const WORDS: Record<string, ErrorWords> = {
   action_server_unavailable: { title: "There is no action server", advice: START_SERVER },
   action_server_timeout: {
     title: "The action server did not answer",
@@ -113,10 +113,6 @@ const WORDS: Record<string, Words> = {
     title: "The history does not answer",
     advice: "Look at /readyz of the gateway for what its database says. Running goals go on.",
   },
-  simulator_not_found: {
-    title: "There is no simulator",
-    advice: "Start it: dock-gateway up, or dock_simulator.",
-  },
   stop_latched: {
     title: "A stop is latched",
     advice: "Check that the area is clear, release the stop above, then send the goal again.",
@@ -161,6 +157,11 @@ const WORDS: Record<string, Words> = {
       "The alert names the type and the node that uses it. Set DOCK_GATEWAY_BATTERY_TOPIC to another topic.",
   },
 };
+
+/** Adds the words of an extension for its errors, by code. Called once, before anything is shown. */
+export function addErrorWords(words: Readonly<Record<string, ErrorWords>>): void {
+  Object.assign(WORDS, words);
+}
 
 /** What went wrong, in a few words. */
 export function titleOf(error: ClientError): string {

@@ -21,23 +21,14 @@ export function useExtensions(): readonly Extension[] {
 
 type PartsProps<Place extends keyof Places> = Places[Place] & {
   at: Place;
-  /** Shown where no extension adds something. */
-  otherwise?: ReactNode;
   /** A part that fails leaves its place empty. */
   quiet?: true;
 };
 
 /** What extensions add at a place, each guarded: one that fails takes no other with it. */
-export function Parts<Place extends keyof Places>({
-  at,
-  otherwise = null,
-  quiet,
-  ...given
-}: PartsProps<Place>) {
+export function Parts<Place extends keyof Places>({ at, quiet, ...given }: PartsProps<Place>) {
   const { pathname } = useLocation();
-  const parts = partsAt(useExtensions(), at);
-  if (parts.length === 0) return otherwise;
-  return parts.map(([name, Part]) => {
+  return partsAt(useExtensions(), at).map(([name, Part]) => {
     const Any = Part as ComponentType<object>;
     return (
       <Guarded key={name} of={pathname} what={quiet ? null : `The extension ${name}`}>

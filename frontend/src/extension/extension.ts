@@ -7,7 +7,7 @@ import type { Layers, SceneLayer } from "../store/layers";
  * extensions.ts and know no extension by its name.
  */
 export interface Extension {
-  /** That of its folder, and of the gateway's extension. */
+  /** That of its folder, and of the gateway's extension that it belongs to, if there is one. */
   name: string;
   pages?: readonly Page[];
   /** What it adds to pages that are not its own, by place. */
@@ -113,8 +113,8 @@ export interface Places {
   goalHead: OfGoal;
   /** Among what can be done about a goal. */
   goalCommands: OfGoal;
-  /** What sent a goal that no person has sent. */
-  automaticGoal: OfGoal;
+  /** Beside the origin of a goal: what sent it. */
+  goalOrigin: OfGoal;
   /** Beside the name of a goal in a list. */
   listedGoal: { goal: GoalInList; listed: readonly GoalInList[] };
   /** Shows nothing itself: calls `onLayer` with what it adds to the replay of a goal that has ended, null for nothing. */

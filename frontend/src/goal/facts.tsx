@@ -50,7 +50,7 @@ const ORIGINS: Record<AnyGoal["origin"], { words: string; color: string }> = {
   external: { words: "external", color: "grape" },
 };
 
-/** Whether a goal was sent through the gateway, by a rule of automatic docking, or by someone else. */
+/** Whether a goal was sent through the gateway, by a rule, or by someone else. */
 export function OriginBadge({ origin }: Pick<AnyGoal, "origin">) {
   const { words, color } = ORIGINS[origin];
   return (

@@ -43,7 +43,7 @@ export function GoalFilters({ filter, change }: GoalFiltersProps) {
           data={[
             { value: "", label: "Anyone" },
             { value: "gateway", label: "This gateway" },
-            { value: "automation", label: "Automatic docking" },
+            { value: "automation", label: "A rule (automatic)" },
             { value: "external", label: "Someone else (external)" },
           ]}
         />

@@ -69,11 +69,10 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         )}
         {goal.retries !== null && <Fact name="Retries">{goal.retries}</Fact>}
         <Fact name="Origin">
-          {goal.origin === "automation" ? (
-            <Parts at="automaticGoal" goal={goal} otherwise={<OriginBadge origin={goal.origin} />} />
-          ) : (
+          <Group gap="xs">
             <OriginBadge origin={goal.origin} />
-          )}
+            <Parts at="goalOrigin" goal={goal} />
+          </Group>
         </Fact>
         {robot !== null && <Fact name="Robot">{robot}</Fact>}
         <Fact name="Action">

@@ -1,6 +1,6 @@
 import type { Extension } from "../../extension/extension";
 import { lazyPart } from "../../ui/lazyPart";
-import { RobotRules, SentByRule } from "./rules";
+import { GoalRule, RobotRules } from "./rules";
 
 export const extension: Extension = {
   name: "automation",
@@ -12,5 +12,5 @@ export const extension: Extension = {
       at: "gateway",
     },
   ],
-  parts: { robotHead: RobotRules, automaticGoal: SentByRule },
+  parts: { robotHead: RobotRules, goalOrigin: GoalRule },
 };

@@ -4,7 +4,6 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useCallback, useEffect } from "react";
 import { Link } from "react-router";
 import { useFleet, useFleetEvent, useFleetLive } from "../../fleet/context";
-import { OriginBadge } from "../../goal/facts";
 import { useAnswer, useCommand } from "../../ui/requests";
 import {
   type Decision,
@@ -99,10 +98,15 @@ export function RobotRules({ robot }: { robot: string }) {
   );
 }
 
-/** The rule that sent a goal, once it is known. */
-export function SentByRule({ goal }: { goal: AnyGoal }) {
-  const decision = useDecisionOf(goal.goal_id);
-  if (decision === null) return <OriginBadge origin="automation" />;
+/** The rule that sent a goal; nothing for other goals. */
+export function GoalRule({ goal }: { goal: AnyGoal }) {
+  return goal.origin === "automation" && <RuleLink goalId={goal.goal_id} />;
+}
+
+/** A link to the rule that sent a goal, once it is known. */
+function RuleLink({ goalId }: { goalId: string }) {
+  const decision = useDecisionOf(goalId);
+  if (decision === null) return null;
   return (
     <Anchor component={Link} to="/ui/automation">
       Automatic docking: {decision.rule_name}

@@ -1,6 +1,7 @@
 import { ClientError, type EventOf } from "@dock-gateway/client";
 import { act, screen, waitFor } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { adviceFor, titleOf } from "../../../src/api/errors";
 import * as requests from "../../../src/extensions/simulator/requests";
 import { SCENE_STALE_MS } from "../../../src/store/context";
 import { at, sceneEvent, simulator } from "../../events";
@@ -151,4 +152,10 @@ describe("the simulator", () => {
     expect(isDisabled("Reset")).toBe(true);
     expect(screen.getByRole<HTMLInputElement>("switch", { name: "Dead charger" }).disabled).toBe(true);
   });
+});
+
+it("has words for its error", () => {
+  const error = new ClientError("simulator_not_found", "Not found", "there is no simulator of /");
+  expect(titleOf(error)).toBe("There is no simulator");
+  expect(adviceFor(error.code)).toMatch(/dock_simulator/);
 });
