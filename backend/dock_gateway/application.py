@@ -37,7 +37,7 @@ class State(TypedDict):
 
 @dataclass(frozen=True)
 class Contents:
-    """What the documents of an API say besides its routes.
+    """The contents of an API's documents besides its routes.
 
     Attributes:
         description: What the API is for.

@@ -1,4 +1,4 @@
-"""What an extension is: a feature that can be taken out, with all that it adds to a gateway in one object.
+"""An extension is a feature that can be taken out, with all that it adds to a gateway in one object.
 
 `extension_list` names the extensions of a gateway, `dock_hub.extensions` those that a hub has, too. An extension
 reaches the gateway by its parts, as a route does, and never imports another one.

@@ -48,7 +48,7 @@ OF_LINKS = re.compile("SERVICE_|PORT_[0-9]")
 
 
 def scope() -> str:
-    """Which robots are met: the ROS domain, and whether only those of this machine.
+    """The robots within reach: the ROS domain, and whether only those of this machine.
 
     Robots of another scope are other robots: what the gateway keeps in the user's data directory has this in its name.
     """
@@ -577,7 +577,7 @@ class Settings(BaseSettings):
 
     @property
     def stop_file(self) -> Path:
-        """Where latched stops are kept."""
+        """The file with latched stops."""
         return self.stop_path or self.own_file("stops", ".json")
 
     @property
@@ -587,7 +587,7 @@ class Settings(BaseSettings):
 
     @property
     def spool_folder(self) -> Path:
-        """Where goals go that the database does not take at once."""
+        """The folder for goals that the database does not take at once."""
         return self.spool_path or self.own_file("spool")
 
     def counts_to_100(self, namespace: str) -> bool:

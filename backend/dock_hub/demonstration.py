@@ -31,7 +31,7 @@ NO_BROKER = (
 
 @dataclass(frozen=True)
 class Login:
-    """How one program logs in at the broker."""
+    """The login of one program at the broker."""
 
     user: str
     password: str

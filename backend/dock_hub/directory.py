@@ -1,4 +1,4 @@
-"""Which sites there are, and which process of each is welcome. Pure: hellos in, answers out; the caller has the clocks.
+"""Knows the sites, and which process of each is welcome. Pure: hellos in, answers out; the caller has the clocks.
 
 A site's name belongs to the installation that came first, until an admin forgets the site. One process of it is welcome
 at a time: another one is, as soon as the first has left or was silent for `SILENT_AFTER` seconds.
@@ -26,7 +26,7 @@ class SiteState(StrEnum):
 
 @dataclass
 class Site:
-    """What is known of a site.
+    """A site, as its hellos describe it.
 
     Attributes:
         name: Its name.

@@ -1,4 +1,4 @@
-"""What users of a hub share besides what they share of a gateway."""
+"""The limits that users of a hub share, besides those of a gateway."""
 
 from collections.abc import Mapping
 

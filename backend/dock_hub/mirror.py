@@ -1,4 +1,4 @@
-"""What a hub has of its sites: their goals and events, and how far each site was read, in one transaction."""
+"""Stores goals and events of sites, with the position of each stream, in one transaction."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,7 +23,7 @@ class RefusedError(ValueError):
 
 @dataclass
 class MirrorBatch:
-    """What is stored at once.
+    """The contents of one transaction.
 
     Attributes:
         goals: New or changed goals. An older state never replaces a newer one.

@@ -64,7 +64,7 @@ Document = dict[str, Any]
 
 
 class Overview:
-    """What spans all sites. It is the robots, the alerts and the present of a hub.
+    """The robots, the alerts and the snapshot of all sites of a hub.
 
     Args:
         fanout: Receives changes, and knows the subscribers.

@@ -1,4 +1,4 @@
-"""How far the stream of a site has been read."""
+"""Keeps the position up to which the stream of a site has been read."""
 
 from datetime import datetime, timedelta
 from typing import Any
@@ -11,7 +11,7 @@ from dock_hub.site_view import SiteView
 
 
 class Reading:
-    """How far a stream of a site has been read.
+    """The position up to which a stream of a site has been read.
 
     Args:
         cursor: The last event that is stored; None if the site was never read.

@@ -26,5 +26,5 @@ class HubSettings(BrokerSettings, Settings):
 
     @property
     def hub_key_file(self) -> Path:
-        """Where the private key is."""
+        """The file with the private key."""
         return self.hub_key_path or data_file("hub.key")

@@ -1,4 +1,4 @@
-"""What a site has answered to a stop or a release."""
+"""A site's answers to stops and releases."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

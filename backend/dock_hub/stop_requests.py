@@ -28,7 +28,7 @@ FINAL = frozenset({400, 403, 404, 405, 409, 421, 422})
 
 
 class SiteAnswer(Protocol):
-    """What a site has answered."""
+    """The answer of a site."""
 
     @property
     def status(self) -> int:

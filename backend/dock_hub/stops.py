@@ -45,7 +45,7 @@ class StopTimes:
 
 @dataclass(eq=False)
 class _Site:
-    """What is on its way to one site.
+    """The requests that are on their way to one site.
 
     Attributes:
         entry: The stop that it has not confirmed.

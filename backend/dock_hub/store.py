@@ -31,7 +31,7 @@ MAX_TOGETHER = 100
 
 @dataclass
 class News:
-    """What a site has reported, in its order.
+    """The reports of a site, in their order.
 
     Attributes:
         site: The site.

@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Callable
 
 PR_SET_PDEATHSIG = 1
-# Simulated robots at most, each of which is a process.
+# The maximum number of simulated robots: each is a process.
 MAX_ROBOTS = 20
 
 

@@ -1,4 +1,4 @@
-"""How long zero velocity is repeated to stop a robot. Pure.
+"""Decides how long zero velocity is repeated to stop a robot. Pure.
 
 One message may be lost, and a base without a command timeout goes on with its last command. DDS may also find the base
 only after the last repetition: a publisher does not reach a subscriber that it has not been matched with yet. But the

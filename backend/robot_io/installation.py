@@ -1,4 +1,4 @@
-"""What is installed of ROS, and what is missing, as seen in its files.
+"""Finds in its files what is installed of ROS, and what is missing.
 
 Nothing of ROS is imported: a ROS that does not fit ends the process.
 """
@@ -55,12 +55,12 @@ class Installation:
 
     @property
     def prefix(self) -> Path:
-        """Where it is installed, such as `/opt/ros/jazzy`."""
+        """The folder where it is installed, such as `/opt/ros/jazzy`."""
         return _prefix(self.rclpy)
 
     @property
     def source(self) -> str:
-        """Where it is from, in words."""
+        """The source of the installation, in words."""
         return f"the environment {sys.prefix}" if self.wheels else f"the sourced installation in {self.prefix}"
 
 
@@ -109,7 +109,7 @@ def _find_misfit(package: str, module: str, environment: Mapping[str, str]) -> s
 
 
 def mend(package: str, environment: Mapping[str, str]) -> str:
-    """Return what to do about a package that does not work, as the second half of a sentence."""
+    """Return what to do about a package that does not work: a clause that ends a sentence."""
     folder = find_folder(package)
     for path in filter(None, environment.get("PYTHONPATH", "").split(os.pathsep)):
         if folder is not None and folder.is_relative_to(Path(path).absolute()):
@@ -155,7 +155,7 @@ def find_middleware_fault(environment: Mapping[str, str]) -> str | None:
 
 
 def _install(package: str, environment: Mapping[str, str]) -> str:
-    """Return how a package is installed, as the second half of a sentence."""
+    """Return how a package is installed: a clause that ends a sentence."""
     if package == DOCKING:
         return "run `make setup` in a clone of dock-gateway, or build it with `colcon build` and source the workspace"
     name = f"ros-jazzy-{package.replace('_', '-')}"

@@ -35,6 +35,6 @@ LATEST = volatile(1)
 """For sensors: an older message is of no use."""
 LATCHED = latched(1)
 LISTEN = volatile(50)
-"""For messages of which each may count."""
+"""For messages that must not be lost."""
 TALK = QoSProfile(depth=10)
 """ROS's default."""

@@ -1,4 +1,4 @@
-"""When a message arrived, which may be long before it is handled."""
+"""Knows when a message arrived, which may be long before it is handled."""
 
 import time
 from collections.abc import Mapping
@@ -6,7 +6,7 @@ from typing import Any
 
 
 def arrived_at(info: Mapping[str, Any], now: float | None = None) -> float:
-    """When a message that is handled now was received, in seconds of the clock of `now`.
+    """Return when a message that is handled now was received, in seconds of the clock of `now`.
 
     Args:
         info: About the message, as a subscription of rclpy gives it.
@@ -16,7 +16,7 @@ def arrived_at(info: Mapping[str, Any], now: float | None = None) -> float:
 
 
 def received_at(now: float, wall_now: float, received_wall: float) -> float:
-    """When a message that is handled now was received.
+    """Return when a message that is handled now was received.
 
     A message may have waited while the process was busy or frozen, and must not look fresh for it. The middleware
     stamps the reception with the wall clock; only the difference counts, so that a clock set in between

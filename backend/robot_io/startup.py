@@ -1,4 +1,4 @@
-"""What keeps ROS from starting: each fault is a sentence that says what mends it."""
+"""Finds what keeps ROS from starting: each fault is a sentence that says how to mend it."""
 
 import importlib
 from collections.abc import Iterable, Mapping

@@ -1,4 +1,4 @@
-"""Whether a stop holds, by what several publishers say: plain data, without ROS."""
+"""Decides whether a stop holds, by what several publishers say: plain data, without ROS."""
 
 from collections.abc import Mapping
 from collections.abc import Set as AbstractSet

@@ -10,7 +10,7 @@ Quaternion = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Transform:
-    """Where a frame lies in another one, and how it is turned.
+    """The position and the rotation of a frame in another one.
 
     Attributes:
         translation: The frame's origin, in m.

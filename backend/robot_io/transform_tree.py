@@ -114,7 +114,7 @@ class TransformTree:
         return [*up[: up.index(common) + 1], *reversed(down[: down.index(common)])]
 
     def lookup(self, target: str, frame: str, measured_at: float) -> Transform:
-        """Where a frame lies in another one.
+        """Return where a frame lies in another one.
 
         Args:
             target: The frame that the transform is given in.
@@ -135,7 +135,7 @@ class TransformTree:
         return transform
 
     def newest(self, target: str, frame: str) -> float | None:
-        """When the oldest of the last transforms between two frames was measured; None where all are fixed.
+        """Return when the oldest of the last transforms between two frames was measured; None where all are fixed.
 
         Args:
             target: One of the frames.
@@ -178,7 +178,7 @@ class TransformTree:
 
 
 def nearer_frame(tree: TransformTree, frame: str, odometry: str, base: str) -> str:
-    """Which of odometry's two frames a frame is to be related to.
+    """Return which of odometry's two frames a frame is to be related to.
 
     It is `odometry` if the way from the frame to the robot leads through it, as from a map, else `base`: between these
     two, odometry itself is believed and not `tf`.

@@ -1,4 +1,4 @@
-"""The types of a robot's velocity topic, of which a base takes one and ignores the other. Pure."""
+"""The types of a robot's velocity topic: a base takes one and ignores the other. Pure."""
 
 from collections.abc import Set as AbstractSet
 

@@ -1,4 +1,4 @@
-"""Whether a request or a command of `/ws` is allowed: checked before each, and while a stream lasts."""
+"""Checks whether a request or a command of `/ws` is allowed: before each, and while a stream lasts."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""What the provider says of a person or a service: their name, and what they may do. Pure."""
+"""Reads the provider's claims about a person or a service: their name, and what they may do. Pure."""
 
 import hashlib
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ SCOPE = "scope"
 
 
 class ClaimRules:
-    """How claims become a name and a grant, as the settings say.
+    """Makes a name and a grant of claims, as the settings say.
 
     Args:
         settings: The settings.

@@ -1,4 +1,4 @@
-"""What the provider has signed: keys, signatures and the claims that every JWT has. Pure: the time is given."""
+"""Verifies JWTs of the provider: keys, signatures and the claims that every one has. Pure: the time is given."""
 
 import base64
 import binascii
@@ -41,7 +41,7 @@ KINDS = {"RS": "RSA", "PS": "RSA", "ES": "EC", "Ed": "OKP"}
 
 @dataclass(frozen=True)
 class Header:
-    """What a JWT says of its own signature: not verified.
+    """The header of a JWT, which describes its signature; not verified.
 
     Attributes:
         algorithm: The algorithm.

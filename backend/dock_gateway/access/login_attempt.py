@@ -59,17 +59,17 @@ class LoginAttempt:
 
     @property
     def cookie(self) -> str:
-        """What the browser keeps."""
+        """The value of the browser's cookie."""
         return f"{self.started}.{self.secret}.{_text(self.page.encode())}"
 
     @property
     def state(self) -> str:
-        """What the provider sends back: shows that this browser has begun the login (RFC 6749, 10.12)."""
+        """The value that the provider sends back: shows that this browser has begun the login (RFC 6749, 10.12)."""
         return self._derive("state")
 
     @property
     def nonce(self) -> str:
-        """What the ID token has to contain: shows that it is for this login."""
+        """The value that the ID token has to contain: shows that it is for this login."""
         return self._derive("nonce")
 
     @property
@@ -79,7 +79,7 @@ class LoginAttempt:
 
     @property
     def challenge(self) -> str:
-        """What the provider gets of the verifier beforehand: its SHA-256."""
+        """The SHA-256 of the verifier, which the provider gets beforehand."""
         return _text(hashlib.sha256(self.verifier.encode()).digest())
 
     def expired(self, now: float) -> bool:

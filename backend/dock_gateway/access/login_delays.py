@@ -1,4 +1,4 @@
-"""How long to wait after failed logins. Pure: the clock is given."""
+"""Delays logins after failed ones. Pure: the clock is given."""
 
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ MAX_DOUBLINGS = 20
 
 @dataclass(frozen=True)
 class Slope:
-    """How a delay grows: 1 s, then twice as long after each failure.
+    """The growth of a delay: 1 s, then twice as long after each failure.
 
     Attributes:
         free: Number of failures without a delay.
@@ -46,7 +46,7 @@ PAIR, KNOWN, ADDRESS, NAME = Slope(4, 300.0), Slope(100, 300.0), Slope(20, 300.0
 
 @dataclass
 class Failures:
-    """Failed attempts, of which the last was at `at`."""
+    """Failed attempts; the last was at `at`."""
 
     count: int = 0
     at: float = 0.0

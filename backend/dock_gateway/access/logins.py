@@ -1,4 +1,4 @@
-"""Who uses the gateway: users and people with their sessions, tokens, and the streams that end with them."""
+"""Identifies users of the gateway: their sessions and tokens, and the streams that end with them."""
 
 import asyncio
 import logging

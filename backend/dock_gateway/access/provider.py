@@ -57,7 +57,7 @@ class ProviderEndpoints:
 
 
 class Provider:
-    """What the provider says. What it said earlier stays valid while it does not answer.
+    """The provider's addresses and keys. Those that it gave earlier stay valid while it does not answer.
 
     Args:
         settings: Of them, those of the provider.

@@ -1,4 +1,4 @@
-"""Whether what a request or a command is about lies within its user's grant, and within this gateway's share."""
+"""Checks that the subject of a request or a command is within its user's grant, and within this gateway's share."""
 
 from collections.abc import Callable
 

@@ -68,7 +68,7 @@ class SingleSignOn:
 
     @property
     def logout_url(self) -> str | None:
-        """Where a person logs out at the provider, if that is possible."""
+        """The address where a person logs out at the provider, if there is one."""
         endpoints = self.provider.endpoints
         if endpoints is None or endpoints.end_session is None or self.client_id is None:
             return None

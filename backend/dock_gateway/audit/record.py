@@ -16,7 +16,7 @@ UNKNOWN = ""
 
 @dataclass(frozen=True)
 class RecordLimits:
-    """How many entries there are. Those beyond are only counted: they neither fill a disk nor displace others.
+    """Limits of the number of entries. Those beyond are only counted: they neither fill a disk nor displace others.
 
     Attributes:
         period: Seconds over which the limits apply.

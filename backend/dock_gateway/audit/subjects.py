@@ -1,4 +1,4 @@
-"""What an audit entry says of a subject: the robot, the action and the goal of a request or a command."""
+"""Names the subject in an audit entry: the robot, the action and the goal of a request or a command."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any

@@ -185,7 +185,7 @@ async def audited_command(
 
 
 def _failure(error: BaseException) -> tuple[HTTPStatus, str]:
-    """Return the status and the code of what was not answered: the gateway has ended meanwhile, or has a bug."""
+    """Return the status and the code of a request without an answer: the gateway has ended before, or has a bug."""
     if isinstance(error, asyncio.CancelledError):
         return HTTPStatus.SERVICE_UNAVAILABLE, "shutting_down"
     return HTTPStatus.INTERNAL_SERVER_ERROR, "internal_error"

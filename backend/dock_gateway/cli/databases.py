@@ -1,4 +1,4 @@
-"""Which database a command uses, and which others there are: a gateway with other ROS variables uses another one."""
+"""Finds the database of a command, and others: a gateway with other ROS variables uses another one."""
 
 from pathlib import Path
 

@@ -31,7 +31,7 @@ def asyncapi() -> None:
     """Print the AsyncAPI document: streams, and the commands of /ws."""
     document = _openapi()
     from dock_gateway.extension import extensions  # noqa: PLC0415 - takes seconds to import
-    from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415 - likewise
+    from dock_gateway.streams.asyncapi import asyncapi_document  # noqa: PLC0415 - as above
 
     _print(asyncapi_document(document, extensions().events))
 

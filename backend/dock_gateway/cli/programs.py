@@ -1,4 +1,4 @@
-"""Where the programs of this installation are."""
+"""Finds the programs of this installation."""
 
 import shutil
 import sys

@@ -1,4 +1,4 @@
-"""What `serve` and `up` check before anything starts: each fault is one sentence that says what mends it."""
+"""The checks of `serve` and `up` before anything starts: each fault is a sentence that says how to mend it."""
 
 import importlib
 import importlib.util

@@ -80,7 +80,7 @@ def _end(parts: Sequence[Part], timeout: float) -> None:
 
 
 class ReadinessProbe(NamedTuple):
-    """What says that everything is up.
+    """Tells whether everything is up.
 
     Attributes:
         path: Is asked for at the gateway.

@@ -1,4 +1,4 @@
-"""Where a gateway is, how it is reached, and what its answers mean: what both clients have in common. No I/O."""
+"""The common part of both clients: a gateway's address, its requests, and the meaning of its answers. No I/O."""
 
 import math
 import os
@@ -124,10 +124,10 @@ class Connection:
 
     @contextmanager
     def understood(self) -> Iterator[None]:
-        """What is read within comes from a gateway.
+        """Read an answer of a gateway within: one that cannot be read is an error.
 
         Raises:
-            ClientError: It does not.
+            ClientError: It is none of a gateway.
         """
         try:
             yield
@@ -141,7 +141,7 @@ class Connection:
 
 
 class Retry:
-    """How long to wait after attempts that failed, and when to give up.
+    """The delays after failed attempts, and the time when to give up.
 
     Args:
         connection: To the gateway.
@@ -208,7 +208,7 @@ class Attempts(Retry):
 
     @property
     def timeout(self) -> httpx2.Timeout:
-        """How long the next attempt may take."""
+        """The time limits of the next attempt."""
         most = self._connection.timeout
         return httpx2.Timeout(self.left(most + self._call.wait), connect=self.left(most))
 
@@ -241,7 +241,7 @@ def refusal(status: int, body: bytes | bytearray | None) -> GatewayRefused:
 
 
 class ReadPosition:
-    """How far a stream was read, so that the next connection resumes there; and until when it is read."""
+    """The position in a stream, where the next connection resumes; and the time until which it is read."""
 
     def __init__(
         self, connection: Connection, query: dict[str, Any], after: str | None, deadline: float | None = None

@@ -1,4 +1,4 @@
-"""What a gateway answers and streams. What a newer gateway adds is no error here: fields, states, types of events."""
+"""A gateway's answers and events. Fields, states and types that a newer gateway adds are no error."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -131,7 +131,7 @@ class Battery(_Read):
 
 @dataclass(frozen=True)
 class StopReport(_Read):
-    """What a stop has done: the robots that it has stopped and the others, the goals that it cancels, what failed."""
+    """The outcome of a stop: robots that it has stopped and others, goals that it cancels, and failures."""
 
     stopped: list[str]
     not_stopped: list[str]

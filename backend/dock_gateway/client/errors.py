@@ -1,4 +1,4 @@
-"""What can go wrong at a client. The text of each error is a sentence for people."""
+"""The errors of a client. The text of each is a sentence for people."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ class GatewayUnreachable(ClientError):
 
 
 class ClientTimeout(ClientError, TimeoutError):
-    """What was waited for did not come in the time that the caller gave: an answer, or the end of a goal.
+    """An answer, or the end of a goal, did not come in the time that the caller gave.
 
     The gateway may have carried out what it was asked for, and may be doing so still.
     """

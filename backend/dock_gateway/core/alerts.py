@@ -1,4 +1,4 @@
-"""What is known of the active alerts, wherever they come from."""
+"""The active alerts, wherever they come from."""
 
 from typing import Any, Protocol
 

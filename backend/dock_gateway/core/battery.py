@@ -1,4 +1,4 @@
-"""Which values of a battery state can be right. Pure: a sensor_msgs/BatteryState as decoded JSON in, plain data out."""
+"""Checks the values of a battery state. Pure: a sensor_msgs/BatteryState as decoded JSON in, plain data out."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -83,7 +83,7 @@ class Doubt(NamedTuple):
 
 @dataclass(frozen=True)
 class BatteryReading:
-    """A battery state as far as it is believed; None: not measured, or not believed.
+    """A battery state without the values that are not believed; None: not measured, or not believed.
 
     Attributes:
         power_supply: `power_supply_status`; UNKNOWN if it is not one that there is.

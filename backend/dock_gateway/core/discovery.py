@@ -15,7 +15,7 @@ EXPECTED = (ImportError, TypeError, OverflowError)
 
 @dataclass(frozen=True)
 class Failure:
-    """Why something cannot be used, and when to retry, on the monotonic clock."""
+    """The reason why something cannot be used, and the time of the next attempt, on the monotonic clock."""
 
     why: str
     retry_at: float

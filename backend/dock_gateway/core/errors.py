@@ -166,7 +166,7 @@ class TooManyRequests(GatewayError):
 
 
 class NotInstalled(GatewayError):
-    """What is asked for is not there, and does not come by itself: to try again does not help."""
+    """The request needs something that is not installed: to try again does not help."""
 
     status = HTTPStatus.NOT_IMPLEMENTED
     code = "interface_not_installed"

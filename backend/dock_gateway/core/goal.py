@@ -63,7 +63,7 @@ FROM_ROS = {
 
 @dataclass(frozen=True)
 class GoalError:
-    """Why a goal did not succeed: a stable code and a human-readable sentence."""
+    """The reason why a goal did not succeed: a stable code and a human-readable sentence."""
 
     code: str
     detail: str

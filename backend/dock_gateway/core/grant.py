@@ -99,7 +99,7 @@ class Grant:
 
     @cached_property
     def own(self) -> "Grant":
-        """What the user may do at any gateway."""
+        """The user's grant at any gateway."""
         return self if self.share is None else replace(self, share=None)
 
     def narrowed(self, role: Role, robots: tuple[str, ...]) -> "Grant":

@@ -8,8 +8,8 @@ from dock_gateway.core.event import Event, EventClock, is_end, restamped
 
 # Seconds after which it is asked again what may be published, while there is something to publish.
 WANT_AFTER = 0.1
-MAX_OVER = 10_000  # Goals of which it is remembered that their end is published.
-MAX_STORED = 50_000  # States of goals of which it is remembered that they are published.
+MAX_OVER = 10_000  # Goals whose published end is remembered.
+MAX_STORED = 50_000  # Published states of goals that are remembered.
 
 
 class Hold:

@@ -1,4 +1,4 @@
-"""Where log lines go, and how they look: for people, or as JSON for a log collector (docs/logs.md)."""
+"""Configures logging: lines for people, or JSON for a log collector (docs/logs.md)."""
 
 import json
 import logging

@@ -1,4 +1,4 @@
-"""What a reader whose grant is limited is shown of an event about several robots: each such event says how."""
+"""Narrows events about several robots to a reader's grant: each such event says how."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""What a node that only listens sees of the ROS graph in a few seconds. Plain data."""
+"""The ROS graph as a node that only listens sees it in a few seconds. Plain data."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +7,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class GraphSnapshot:
-    """What was seen, without gateways.
+    """The ROS graph, without gateways.
 
     Attributes:
         seconds: How long it took.

@@ -1,4 +1,4 @@
-"""Which types of velocity a robot's topic has. Pure: the endpoints in, the types out."""
+"""Finds the types of a robot's velocity topic. Pure: the endpoints in, the types out."""
 
 from collections.abc import Collection
 
@@ -18,7 +18,7 @@ def choose_types(
         topic: The endpoints of the topic.
         before: The types that are published now.
         own: Name of our node.
-        gateways: Names of the nodes of gateways, as far as they matter.
+        gateways: Names of the nodes of gateways that matter.
 
     Returns:
         The types, and why they reach no base, if they do not.

@@ -27,7 +27,7 @@ Item = TypeVar("Item")
 
 # Maximum bytes of a message that is processed on the event loop, in a thread, and in the worker process.
 SMALL, MEDIUM, MOST = 4096, 65_536, 20_000_000
-# Seconds that a piece of work may take in the process, the start of which takes one or two.
+# Seconds that a piece of work may take in the process, whose start takes one or two.
 WITHIN = 30.0
 # Times as long as a client's message took in a thread: the pause before the next one, in which others work.
 REST = 4
@@ -65,7 +65,7 @@ class Worker:
             kwargs: More of them.
 
         Raises:
-            RuntimeError: The function raised an error, whose text this has, or the process ended meanwhile.
+            RuntimeError: The function raised an error, whose text this has, or the process ended before it returned.
         """
         with self._using:
             process = self._process

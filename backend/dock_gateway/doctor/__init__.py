@@ -1,1 +1,1 @@
-"""What a gateway needs from its environment, its machine and the ROS graph: checked before a start and on request."""
+"""Checks the environment, the machine and the ROS graph before a start and on request."""

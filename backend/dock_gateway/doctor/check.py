@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Level(StrEnum):
-    """How a check went: with an error, the gateway does not start or a robot does not dock."""
+    """The outcome of a check: with an error, the gateway does not start or a robot does not dock."""
 
     OK = "ok"
     WARNING = "warning"

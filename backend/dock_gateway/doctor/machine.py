@@ -86,7 +86,7 @@ def _is_gateway(url: str) -> bool:
 
 
 def check_clock(now: Callable[[], float] = time.time, *, synchronized: bool | None = None) -> Check:
-    """Check that the clock is right, as far as this machine knows.
+    """Check that the clock is right, by what this machine knows.
 
     Args:
         now: The time in seconds since 1970.

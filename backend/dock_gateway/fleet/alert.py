@@ -10,7 +10,7 @@ from dock_gateway.fleet.alert_kinds import AlertKind
 
 @dataclass(frozen=True)
 class Acknowledgement:
-    """Who has acknowledged an alert, and when."""
+    """The acknowledgement of an alert: by whom, and when."""
 
     by: str
     at: datetime

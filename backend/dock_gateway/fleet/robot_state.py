@@ -31,7 +31,7 @@ class RobotState:
         stop: Whether a stop holds for it, as `GET /stop` shows it.
         simulator: The report of its simulator, as `GET /simulator` shows it, or None without a simulator.
         dock: The server of its docking action, or None if it has no such action.
-        undock: The server of its undocking action, likewise.
+        undock: The server of its undocking action, or None.
         goals: The running goals on its actions, newest first.
         lost: The lost goals on its actions after which nothing has been learned of it, newest first.
         last_goal: The last docking or undocking goal that ended.

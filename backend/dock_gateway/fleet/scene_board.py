@@ -1,4 +1,4 @@
-"""Where all robots are: collects their scenes, and publishes them together."""
+"""Collects the scenes of all robots, and publishes them together."""
 
 import asyncio
 import logging

@@ -71,7 +71,7 @@ class WheelsWatch:
 
     @property
     def findings(self) -> list[Finding]:
-        """What alerts show."""
+        """The findings for alerts."""
         return list(self._stopped.values())
 
     # ------------------------------------------------------------------ which robots
@@ -188,7 +188,7 @@ class WheelsWatch:
     # ------------------------------------------------------------------ goals that are lost
 
     def halt(self, goal: Goal) -> str:
-        """Stop the robot of a docking goal that is about to be lost; return what was done, as half a sentence."""
+        """Stop the robot of a docking goal that is about to be lost; return what was done, as a clause."""
         if (robot := self._robot_of(goal)) is None:
             return ""
         wheels = self._robots.get(robot).velocity

@@ -1,4 +1,4 @@
-"""How other gateways name this machine, and where they find this gateway."""
+"""The name of this machine and the address of this gateway for other gateways."""
 
 import socket
 from pathlib import Path

@@ -113,7 +113,7 @@ class Action:
 
     @property
     def family(self) -> str:
-        """Who defines the type of a docking action; empty for all others."""
+        """The family of a docking action: who defines its type; empty for all others."""
         return "" if self.adapter is None else self.adapter.family
 
     @property

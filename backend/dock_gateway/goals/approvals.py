@@ -48,7 +48,7 @@ class Approval:
 
     @property
     def agent(self) -> str:
-        """What the agent is called."""
+        """The name of the agent."""
         return _name_of(self.principal)
 
     def answer(self, refused: GatewayError | None) -> None:

@@ -26,7 +26,7 @@ MakeEvent = Callable[[Goal, int, int], Event]
 
 
 class News(Enum):
-    """What other parts of the gateway want to know about a goal.
+    """A change of a goal that other parts of the gateway react to.
 
     `SENT`: this process sends it. `SEEN`: it runs, which was not known so far. `RESUMED`: it is tracked again, as the
     history knows it. `CHANGED`: it has an event before its end. `LOST`, `RETURNED`: it was lost, or is back.
@@ -93,7 +93,7 @@ class GoalMachine:
         stamp: Returns the stamp of the next event's id from that of its source. Stamps rise.
         started: When the gateway started.
         adapter: What its messages say about a goal, if it docks or undocks robots.
-        halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
+        halt: Stops the robot of a goal that is about to be lost; returns what was done, as a clause; empty: nothing.
         limits: How many goals to remember.
 
     Attributes:

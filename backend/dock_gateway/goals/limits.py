@@ -1,4 +1,4 @@
-"""How long the parts that follow goals wait, and how much they remember."""
+"""The time limits of the parts that follow goals, and how much they remember."""
 
 from dataclasses import dataclass
 

@@ -62,7 +62,7 @@ class ActionRegistry:
     Attributes:
         robot_actions: The robots of the actions.
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
-        halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
+        halt: Stops the robot of a goal that is about to be lost; returns what was done, as a clause; empty: nothing.
         before_send: Called and awaited before each goal is sent through the gateway; what it raises refuses the goal.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
@@ -251,7 +251,7 @@ class ActionRegistry:
         await self.open(name, type_name)
 
     def _is_fixed(self, action: Action) -> bool:
-        """Return whether the settings say of which type an action is, whatever is on the graph."""
+        """Return whether the settings fix the type of an action, whatever is on the graph."""
         verb = action.verb
         return verb is not None and action.pinned and self._catalog.preferred(verb).strict
 

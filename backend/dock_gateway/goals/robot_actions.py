@@ -1,4 +1,4 @@
-"""Which actions a robot has, those that dock and undock it among them, and which robot an action belongs to."""
+"""Finds the actions of a robot, those that dock and undock it among them, and the robot of an action."""
 
 import logging
 from collections.abc import Iterable, Iterator
@@ -18,7 +18,7 @@ log = logging.getLogger(__name__)
 
 
 class KnownAction(Protocol):
-    """What the choice of a robot's docking actions needs of an action."""
+    """The part of an action that the choice of a robot's docking actions needs."""
 
     name: str
     type: str
@@ -26,7 +26,7 @@ class KnownAction(Protocol):
 
     @property
     def family(self) -> str:
-        """Who defines its type."""
+        """The family of its type: who defines it."""
 
     @property
     def on_graph(self) -> bool:

@@ -43,7 +43,7 @@ class GoalTracker:
         reasons: Why goals were rejected or aborted.
         adapter: What the action's messages say about a goal, if it docks or undocks robots.
         remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
-        halt: Stops the robot of a goal that is about to be lost; returns what was done, as half a sentence.
+        halt: Stops the robot of a goal that is about to be lost; returns what was done, as a clause; empty: nothing.
         limits: How long to wait, and how many goals to remember.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""Reads the parameters of nodes, and sets them as far as the setting `set_parameters` allows it."""
+"""Reads the parameters of nodes, and sets those that the setting `set_parameters` allows."""
 
 import asyncio
 from collections import OrderedDict
@@ -56,7 +56,7 @@ class Parameters:
     Reading asks for `Grant.covers_place`, setting for `Grant.covers_parameters`.
 
     Args:
-        settings: Of which nodes they may be set.
+        settings: Name the nodes whose parameters may be set.
         bridge: The bridge to the ROS thread.
     """
 

@@ -69,7 +69,7 @@ class Relay:
 
     @property
     def hint(self) -> str | None:
-        """Why its messages cannot be read: their package is not installed. None if they can be."""
+        """The reason why its messages cannot be read: their package is not installed. None if they can be."""
         kind = self._subscription.kind
         return None if kind is None else kind.hint
 

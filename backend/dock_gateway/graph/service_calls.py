@@ -1,4 +1,4 @@
-"""Calls of any service on the ROS graph, as far as the setting `call_services` allows them.
+"""Calls any service on the ROS graph that the setting `call_services` allows.
 
 A service may do anything, also move a robot past goals and the latch. So none is called that the setting does not
 name, except those that only read; and none of a stopped robot, except those.

@@ -30,7 +30,7 @@ class Listening:
 
 
 class Offer(NamedTuple):
-    """What the publishers of a topic offer together.
+    """The QoS that the publishers of a topic offer together.
 
     Attributes:
         reliable: Whether one of them sends again what was lost.
@@ -73,7 +73,7 @@ class TopicSubscription:
 
     @property
     def heard(self) -> Heard:
-        """What has come so far."""
+        """The messages so far, counted."""
         return Heard() if self.port is None else self.port.heard
 
     @property

@@ -133,7 +133,7 @@ def _build(
 
 
 def _open_answers(document: dict[str, Any], unions: Iterable[Union]) -> None:
-    """What the gateway reads has no other fields than those described; what it sends may get further ones."""
+    """Let the schemas of answers have further fields, and leave those of requests as they are."""
     schemas = document["components"]["schemas"]
     operations = [operation for item in document["paths"].values() for operation in item.values()]
     read = [name for union in unions if union.mode == "validation" for name in references(schemas[union.name])]

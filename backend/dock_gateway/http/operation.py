@@ -1,4 +1,4 @@
-"""What an operation needs, declared on its function: role, scope, audit and quota. Each door to it needs the same."""
+"""Declares on a function what the operation needs: role, scope, audit and quota. Each door to it needs the same."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -21,7 +21,7 @@ MINUTE = 60.0
 
 @dataclass(frozen=True)
 class Limit:
-    """How much there is of something that users share.
+    """The limit of something that users share.
 
     Attributes:
         noun: What it is called in errors.

@@ -1,4 +1,4 @@
-"""What a request or a command is about. Its names are read here: rights, `421` and the audit log take a `Subject`."""
+"""The subject of a request or a command: its names are read here, for rights, `421` and the audit log."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

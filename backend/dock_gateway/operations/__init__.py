@@ -1,1 +1,1 @@
-"""What can be done through any door. Each operation is declared once: its role, its subject, its audit."""
+"""Operations that can be done through any door. Each is declared once: its role, its subject, its audit."""

@@ -47,7 +47,7 @@ class SetParameters:
 
     @property
     def subject(self) -> str:
-        """What they are about, for the audit log."""
+        """The subject, for the audit log."""
         return f"{self.node} {', '.join(self.values)}"[:200]
 
 

@@ -106,7 +106,7 @@ class LatestBattery:
 
     @property
     def stale_since(self) -> datetime | None:
-        """When the state became stale; None if it is not stale, or if there is none."""
+        """The time when the state became stale; None if it is not stale, or if there is none."""
         age, received_at = self.age, self._received_at
         if age is None or received_at is None or age <= self._stale_after:
             return None

@@ -1,4 +1,4 @@
-"""Which values of a robot's battery states are believed, message by message. No ROS, no clock."""
+"""Decides which values of a robot's battery states are believed, message by message. No ROS, no clock."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which robots there are, and what they are called, wherever that is known from."""
+"""The robots that there are, with their names, at a gateway and at a hub."""
 
 from typing import Protocol
 

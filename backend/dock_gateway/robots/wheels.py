@@ -28,7 +28,7 @@ class ZeroPublisher(Protocol):
 
     @property
     def subscribers(self) -> int:
-        """How many subscriptions it reaches now."""
+        """The number of subscriptions that it reaches now."""
 
 
 @dataclass(frozen=True, slots=True)

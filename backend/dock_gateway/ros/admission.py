@@ -17,7 +17,7 @@ from dock_gateway.ros.status import text_of
 MAX_UNKNOWN, WINDOW = 50, 10.0
 # The maximum number of publishers with a limit of their own. All others share one.
 MAX_PUBLISHERS = 20
-# Seconds between two checks of which goals of a publisher still count.
+# Seconds between two checks whether goals of a publisher still count.
 CHECK_INTERVAL = 0.1
 # Seconds after the last ignored message until which the limit counts as exceeded.
 RECENT = 30.0

@@ -111,7 +111,7 @@ class Listener(ABC, Generic[E]):
 
 
 class Unread(StrEnum):
-    """Why a message was not read: it is too large, or earlier ones took too long."""
+    """The reason why a message was not read: it is too large, or earlier ones took too long."""
 
     TOO_LARGE = "too_large"
     TOO_FAST = "too_fast"

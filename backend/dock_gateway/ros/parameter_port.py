@@ -31,7 +31,7 @@ class ParameterPort(ParameterReader):
         self._at_once = ServiceClient(bridge, SetParametersAtomically, f"{node}/set_parameters_atomically", within)
 
     async def describe(self, names: Iterable[str]) -> Mapping[str, ParameterDescriptor]:
-        """Return the descriptors of parameters, by name; without those of which the node says nothing.
+        """Return the descriptors of parameters, by name; without those that the node does not describe.
 
         Raises:
             TimeoutError: The node does not answer.

@@ -56,7 +56,7 @@ class ParameterReader:
         return {name: value for name, value in values.items() if value is not None}
 
     async def messages(self, names: Iterable[str]) -> Mapping[str, ParameterValue]:
-        """Return the values as messages, by name; without those of which the node says nothing.
+        """Return the values as messages, by name; without those that the node does not have.
 
         Raises:
             TimeoutError, Unavailable: As for `values`.

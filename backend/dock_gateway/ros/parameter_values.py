@@ -58,7 +58,7 @@ class Parameter:
 
     @classmethod
     def of(cls, name: str, value: ParameterValue | None, descriptor: ParameterDescriptor | None) -> Self:
-        """Return a parameter of which the node may not have said everything."""
+        """Return a parameter, also without a value or a descriptor of the node."""
         return cls(name, value or ParameterValue(), descriptor or ParameterDescriptor(name=name))
 
     @property
@@ -161,7 +161,7 @@ def plain_value(value: ParameterValue) -> tuple[str, Any]:
 
 
 def _infer(value: object) -> int:
-    """Return the type of a value of which the node says none; 0 if there is none."""
+    """Return the type of a value for which the node names none; 0 if there is none."""
     if not isinstance(value, list):
         return PLAIN.get(type(value), 0)
     kinds = {PLAIN.get(type(item), 0) for item in value}

@@ -21,7 +21,7 @@ from robot_io.rclpy_private import RCLError
 
 # Messages queued for the listener: at 3,000 a second, enough for a delay of 60 ms.
 DEPTH = 200
-# The same for messages of a megabyte and more, of which the newest counts.
+# The same for messages of a megabyte and more: only the newest counts.
 LARGE_DEPTH = 3
 LARGE = frozenset(
     {

@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class GatewayEndpoints:
-    """What the gateway has on a topic.
+    """The gateway's endpoints on a topic.
 
     Attributes:
         handlers: Get each message, each by a subscription of its own of this quality.

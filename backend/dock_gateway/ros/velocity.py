@@ -135,7 +135,7 @@ class VelocityTopic:
 
     @property
     def subscribers(self) -> int:
-        """How many subscriptions its publishers are matched with; its own listeners do not count."""
+        """The number of subscriptions that its publishers are matched with, without its own listeners."""
         count = 0
         for name, (_, publisher) in self._publishers.of.items():
             with suppress(InvalidHandle, RCLError):  # it was just destroyed
@@ -233,7 +233,7 @@ class VelocityPort:
 
     @property
     def subscribers(self) -> int:
-        """How many subscriptions it reaches now."""
+        """The number of subscriptions that it reaches now."""
         return self._topic.subscribers
 
     def publish_zero(self) -> None:

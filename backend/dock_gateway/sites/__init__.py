@@ -1,1 +1,1 @@
-"""What a site and its hub both need: subjects and messages on the broker, the tunnel, names, and who asks."""
+"""The common part of a site and its hub: subjects and messages on the broker, the tunnel, names and identities."""

@@ -35,7 +35,7 @@ NO_RESPONDERS = "503"
 
 @dataclass(frozen=True)
 class BrokerOptions:
-    """Where the broker is, and who connects.
+    """The broker's addresses, and who connects.
 
     Attributes:
         urls: NATS servers: `tls://[user:password@]host[:port]` or `nats://…`. Any one of them will do.

@@ -1,4 +1,4 @@
-"""Who asks, signed by the hub for one request, and verified by the site. The time is given."""
+"""The identity of a user, signed by the hub for one request and verified by the site. The time is given."""
 
 import hashlib
 import os
@@ -61,7 +61,7 @@ class IdentityReused(NotAuthenticated):
 
 @dataclass(frozen=True)
 class Identity:
-    """Who asks, as the hub says.
+    """The user who makes a request, as the hub says.
 
     Attributes:
         name: Their name at the hub; None if the hub needs no login.

@@ -1,4 +1,4 @@
-"""What a site and its hub say to each other before anything else: hello, welcome, refusal."""
+"""The first messages between a site and its hub: hello, welcome, refusal."""
 
 import re
 from typing import Annotated, TypeVar

@@ -27,7 +27,7 @@ class NatsClient(Client):
 
     Attributes:
         lost: Set as soon as the connection is over.
-        reason: Why, as far as it is known.
+        reason: Why, if that is known.
     """
 
     def __init__(self, server: ServerAddress) -> None:

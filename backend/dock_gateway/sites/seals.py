@@ -52,7 +52,7 @@ def seal(key: bytes, message: bytes) -> bytes:
 
 
 def unseal(key: bytes | None, data: bytes) -> bytes | None:
-    """Return the message of which a seal is valid; None if it has none, or a forged one."""
+    """Return the sealed message; None if it has no seal, or a forged one."""
     message = data[SEAL:]
     return message if key is not None and hmac.compare_digest(data[:SEAL], _mac(key, message)) else None
 

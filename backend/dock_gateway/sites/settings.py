@@ -10,7 +10,7 @@ from dock_gateway.setting_types import Brokers, OptionalFile, is_safe_broker
 
 
 class BrokerSettings(BaseSettings):
-    """How NATS servers are connected to."""
+    """The settings of connections to NATS servers."""
 
     nats_credentials: OptionalFile = Field(
         None, description="File with the credentials (`.creds`) of this site or hub at the NATS servers."

@@ -1,4 +1,4 @@
-"""What a request to stop robots means, at every door. Reading it never fails: what is unclear stops all robots."""
+"""Reads a request to stop robots, at every door. That never fails: what is unclear stops all robots."""
 
 import logging
 import re
@@ -47,7 +47,7 @@ PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "exam
 
 @dataclass(frozen=True)
 class StopOrder:
-    """What a request to stop robots means.
+    """The meaning of a request to stop robots.
 
     Attributes:
         robots: Namespaces of the robots; those below them are meant, too. `/` is every robot.
@@ -130,7 +130,7 @@ def noting(wrong: list[GatewayError]) -> Iterator[None]:
 
 
 class _Reader:
-    """Reads the parts of one request, each as far as it can be understood.
+    """Reads the parts of one request, each by itself: one that is unclear spoils no other.
 
     Attributes:
         wrong: What could not be understood.

@@ -1,4 +1,4 @@
-"""What a stop has done, and what of it failed."""
+"""The report of a stop: what it has done, and what failed."""
 
 from dataclasses import dataclass, field
 from typing import Any

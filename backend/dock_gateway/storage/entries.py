@@ -65,7 +65,7 @@ class Entries(Generic[EntryT]):
             entry: The entry.
             check: Is given all entries, and raises if this one must not be stored. No other gateway can write between
                 the check and the write.
-            dependency: Entries of the same history that are checked likewise.
+            dependency: Entries of the same history that are checked, too.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).

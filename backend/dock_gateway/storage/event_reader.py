@@ -25,7 +25,7 @@ class LaterEvents:
 
 
 class EventReader:
-    """Reads events: pending ones first, because they may be written meanwhile and must not be missed."""
+    """Reads events: pending ones first, because they may be written during the read and must not be missed."""
 
     def __init__(self, reader: Reader, waiting: WaitingEntries) -> None:
         self._reader = reader

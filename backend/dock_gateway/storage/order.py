@@ -46,7 +46,7 @@ _LAST_STATE = (
 
 
 class Turn(NamedTuple):
-    """What a gateway may do after its turn.
+    """The result of a gateway's turn.
 
     Attributes:
         stored: The events of the batch as stored: those of another gateway, if it was first.
@@ -64,7 +64,7 @@ def take_turn(connection: sa.Connection, batch: Batch, after: str | None, wanted
 
     Args:
         connection: A write transaction.
-        batch: The goals, and events of them in their order, of which the ids are changed to later ones.
+        batch: The goals, and events of them in their order, whose ids are changed to later ones.
         after: What the last turn allowed; None: this is the first one.
         wanted_ns: The stamp up to which the gateway wants to publish, in nanoseconds.
     """

@@ -25,7 +25,7 @@ TIMEOUT = 10.0  # seconds per transaction
 MEMORY_INTERVAL, MEMORY_EVENT_BYTES, MEMORY_ROWS = 15.0, 5_000_000, 10_000
 # The maximum number of events, and of goals (with their events), deleted per transaction, to keep it short.
 CHUNK, GOAL_CHUNK = 1000, 20
-# The maximum number of transactions of one kind in a run: what is added meanwhile is for the next one.
+# The maximum number of transactions of one kind in a run: what is added during a run is for the next one.
 MAX_CHUNKS = 10_000
 # The maximum number of events, and of goals, that are added up to find the last one that is too much.
 MOST_EVENTS, MOST_GOALS = 20_000, 2000
@@ -44,7 +44,7 @@ Excess = TypeVar("Excess")
 
 @dataclass(frozen=True)
 class Deleted:
-    """How many events and goals a transaction has deleted."""
+    """The numbers of events and goals that a transaction has deleted."""
 
     events: int = 0
     goals: int = 0
@@ -52,7 +52,7 @@ class Deleted:
 
 @dataclass(frozen=True)
 class ExcessRule(Generic[Excess]):
-    """What goes when there is too much.
+    """A rule that chooses what is deleted when there is too much.
 
     Attributes:
         find: Returns what must go so that some bytes are left; None if nothing must go.
@@ -65,7 +65,7 @@ class ExcessRule(Generic[Excess]):
 
 @dataclass(frozen=True)
 class Limits:
-    """How much is kept.
+    """The maximum size and age of what is kept.
 
     Attributes:
         event_age: Maximum age of feedback and battery events, in seconds.

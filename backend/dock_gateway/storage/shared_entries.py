@@ -119,7 +119,7 @@ class SharedEntries(Generic[EntryT]):
 
 
 class SharedBook(SharedEntries[EntryT]):
-    """What people edit, such as rules, webhooks, tokens and users: each entry is stored before it counts.
+    """Entries that people edit, such as rules, webhooks, tokens and users: each is stored before it counts.
 
     Args:
         store: Stores them.

@@ -69,7 +69,7 @@ class Writer:
 
     @property
     def awaited(self) -> str | None:
-        """What the database does while it does not answer, without a full stop; None if it does nothing."""
+        """The activity of the database while it does not answer, without a full stop; None if there is none."""
         if self.answers or not self._running:
             return None
         since, what = min(self._running)
@@ -77,7 +77,7 @@ class Writer:
 
     @contextmanager
     def _run(self, what: str) -> Iterator[None]:
-        """Note what the database does meanwhile, and log it if it takes long."""
+        """Note what the database does within, and log it if it takes long."""
         begun = (time.monotonic(), what)
         self._running.append(begun)
         saying = asyncio.get_running_loop().call_later(SAY_AFTER, self._say_running)

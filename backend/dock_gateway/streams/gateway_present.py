@@ -1,4 +1,4 @@
-"""What a gateway tells a reader of the present: goals, the state of one robot, and all robots if asked for."""
+"""The snapshot of a gateway for a reader: goals, the state of one robot, and all robots if asked for."""
 
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
 from dock_gateway.core.filters import EventFilter

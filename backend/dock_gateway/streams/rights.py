@@ -1,4 +1,4 @@
-"""What the user of a connection may do: each operation is authorized and audited as it is at `/ws`."""
+"""Authorizes and audits each operation of a connection as `/ws` does."""
 
 from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager

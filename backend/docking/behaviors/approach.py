@@ -40,7 +40,7 @@ PRESSES = 0.2
 
 
 def sure_enough(settings: ApproachSettings) -> Spread:
-    """How well the docked pose must be known before the last piece.
+    """Return the spread that the docked pose may have before the last piece.
 
     Args:
         settings: The tolerances there.
@@ -166,7 +166,7 @@ class Approach:
         )
 
     def _foresee(self, off: Pose) -> Pose:
-        """Where the robot will be COMMITTED before the docked pose, both as seen from that, if it drives on."""
+        """Return where the robot will be COMMITTED before the docked pose if it drives on, as seen from that pose."""
         motion, target = self._motion, Pose(PROJECTION)
         most = motion.v_angular_max / motion.v_linear_min
         while off.x < -COMMITTED:

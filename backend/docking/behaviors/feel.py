@@ -51,18 +51,18 @@ class BesideDock(DockTarget):
 
     @property
     def docked(self) -> Pose | None:
-        """Where base_link presses, in odom."""
+        """The pose of base_link while it presses, in odom."""
         docked = self._aim.docked
         return None if docked is None else docked.compose(self._offset)
 
     @property
     def seen_at(self) -> float:
-        """When the dock was seen last."""
+        """The time when the dock was seen last."""
         return self._aim.seen_at
 
     @property
     def doubts(self) -> Doubts:
-        """What seemed wrong on the way."""
+        """The doubts of the way so far."""
         return self._aim.doubts
 
     @property

@@ -115,7 +115,7 @@ class KeepInSight:
 
     @property
     def _peek_to(self) -> float:
-        """How far before the docked pose the dock must be in sight again, in m."""
+        """The distance before the docked pose where the dock must be in sight again, in m."""
         if self._peeks_from is None:
             return 0.0
         far = self._gone_at if self._gone_at <= max(self._blind_distance, BLIND_AT_MOST) else 0.0

@@ -1,4 +1,4 @@
-"""How fast to turn and to drive, so that the robot comes to a standstill where it is to.
+"""Computes velocities with which the robot comes to a standstill where it is to.
 
 The smooth control law, `steer`, is that of J. J. Park and B. Kuipers, "A smooth control law for graceful motion of
 differential wheeled mobile robots in 2D environment", IEEE International Conference on Robotics and Automation (ICRA),
@@ -33,7 +33,7 @@ class Steering:
 
 
 def steer(robot: Pose, target: Pose, gains: Gains) -> Steering:
-    """How to drive forward, so that the robot gets to the target and is turned like it there.
+    """Return how to drive forward, so that the robot gets to the target and is turned like it there.
 
     Args:
         robot: Where the robot is.

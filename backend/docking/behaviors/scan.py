@@ -8,7 +8,7 @@ from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
 
 BEYOND = math.radians(5.0)
-"""How far beyond the edge of the center receiver's view to turn, in rad: as far as two readings."""
+"""How far beyond the edge of the center receiver's view to turn, in rad: the width of two readings."""
 
 
 class Scan:
@@ -18,7 +18,7 @@ class Scan:
         """Start at the current pose of the robot.
 
         Args:
-            beacon: Where the beacon is, as far as is known.
+            beacon: Where the beacon is, if that is known.
             motion: Limits of the robot's motion.
         """
         self._beacon = beacon

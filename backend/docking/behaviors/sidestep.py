@@ -93,7 +93,7 @@ class Sidestep:
             self._crossings.append(crossing)
 
     def _beyond(self, line_of_sight: float) -> float:
-        """How far outside of the last crossing a place is, in rad around the dock."""
+        """Return how far outside of the last crossing a place is, in rad around the dock."""
         return self._side * normalize_angle(line_of_sight - self._crossings[-1].line_of_sight)
 
     def _edge(self) -> float:

@@ -82,7 +82,7 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
 
     @property
     def exit_code(self) -> ExitCode | None:
-        """How it ended; None before."""
+        """The exit code of the goal's end; None before."""
         return self._session.exit_code
 
     @classmethod

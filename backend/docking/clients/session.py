@@ -25,7 +25,7 @@ class Request(enum.Enum):
 
 
 class Phase(enum.Enum):
-    """Where the session is."""
+    """The phase of the session."""
 
     SEARCHING = "searching"
     SENT = "sent"
@@ -45,7 +45,7 @@ OUTCOMES = {
 
 @dataclass(frozen=True)
 class Patience:
-    """How long a client waits, all in seconds.
+    """The time limits of a client, all in seconds.
 
     Attributes:
         server: For a server that answers.

@@ -42,7 +42,7 @@ class Stage(enum.StrEnum):
 
 
 class ErrorCode(enum.StrEnum):
-    """Why a goal waits, was aborted or was rejected.
+    """The reason why a goal waits, was aborted or was rejected.
 
     Attributes:
         number: The number that stands for it: nav2's where nav2 has one.

@@ -11,7 +11,7 @@ def normalize_angle(angle: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where a frame lies in another one, and how it is turned.
+    """The position and the heading of a frame in another one.
 
     Attributes:
         x: In m.

@@ -44,7 +44,7 @@ STANDSTILL = Velocity()
 
 @dataclass(frozen=True, slots=True)
 class Deceleration:
-    """How fast the base can slow down, as far as it was seen.
+    """The deceleration of the base that was seen.
 
     Attributes:
         linear_x: In m/s².
@@ -60,7 +60,7 @@ UNLIMITED = Deceleration()
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
-    """Where the robot is by its own reckoning (nav_msgs/Odometry).
+    """The robot's pose and motion by its own reckoning (nav_msgs/Odometry).
 
     Attributes:
         pose: Of base_link in odom.

@@ -110,7 +110,7 @@ ELEMENT_NAMES = {str: "strings", float: "doubles, with decimal points"}
 
 @dataclass(frozen=True)
 class Contents:
-    """What a file says of parameters.
+    """The parameters in a file.
 
     Attributes:
         values: Defaults of parameters that come later, by their names.
@@ -127,7 +127,7 @@ class Contents:
 
 @dataclass
 class Meanings:
-    """What parameters mean that have names of another program.
+    """The meaning of parameters that have names of another program.
 
     Attributes:
         values: By the name here: the value, and the name as it is written.
@@ -145,7 +145,7 @@ class NodeSettings:
 
     @classmethod
     def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:
-        """What given parameters mean that have names of another program.
+        """Return the meaning of given parameters that have names of another program.
 
         Args:
             given: The values of all parameters that are given to the node, by their names.
@@ -157,7 +157,7 @@ class NodeSettings:
         return Meanings()
 
     def find_conflict(self) -> str | None:
-        """Why these values, each of them in range, cannot work together, with the arithmetic; None where they can."""
+        """Return why these values, each in range, cannot work together, with the arithmetic; None where they can."""
         return None
 
 
@@ -189,7 +189,7 @@ def file(form: str, text: str, opens: Callable[[str], Contents]) -> str:
 
 
 def names(form: str, text: str) -> tuple[str, ...]:
-    """A field that is a parameter: names of which none comes twice, for `named_groups`."""
+    """A field that is a parameter: names, each only once, for `named_groups`."""
     return _parameter((), Parameter("", (), text, form=form, read=_read_names, elements=str, read_only=True))
 
 

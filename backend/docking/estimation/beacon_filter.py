@@ -1,4 +1,4 @@
-"""Where the infrared beacon is and which way it shines, out of what three receivers see."""
+"""Estimates the pose of the infrared beacon from the readings of three receivers."""
 
 import math
 from collections import deque
@@ -126,7 +126,7 @@ class BeaconFilter:
         return math.atan2(position.y - receivers.y, position.x - receivers.x)
 
     def bearing(self, robot: Pose) -> float:
-        """How far to the left of straight ahead the beacon is, in rad."""
+        """Return how far to the left of straight ahead the beacon is, in rad."""
         return normalize_angle(self.line_of_sight(self.receivers.position(robot)) - robot.theta)
 
     def distance(self, robot: Pose) -> float:
@@ -242,7 +242,7 @@ class BeaconFilter:
             self.edges.clear()
 
     def _seen(self, state: BeaconState, ranges: tuple[float, float, float], view: View) -> list[bool | None]:
-        """Which receivers see the beacon; None if they see something else, so that nothing is known of the beacon."""
+        """Return which receivers see the beacon; None if they see something else, which says nothing of the beacon."""
         far = RANGE_GATE + 4.0 * state.deviation(view.of_distance())
         widest = self.receivers.half + BEARING_GATE + 3.0 * state.deviation(view.of_bearing())
         seen: list[bool | None] = []
@@ -267,7 +267,7 @@ class BeaconFilter:
             self.crossings.append(Crossing(change.seen, self._view(state, change.stamp).line_of_sight, change.stamp))
 
     def _correct_distance(self, state: BeaconState, distance: float, view: View) -> None:
-        """Where it is another one than expected for some readings in a row, someone has pushed the robot."""
+        """Correct the distance. If it is not the expected one for some readings, the robot was pushed."""
         off = abs(distance - view.distance)
         self._off = self._off + 1 if off > 2.0 * self.receivers.infrared_range_noise else 0
         state.correct_distance(view, distance, pushed=off if self._off >= AGREEING else 0.0)

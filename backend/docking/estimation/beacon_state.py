@@ -71,7 +71,7 @@ class BeaconState:
 
     @property
     def turn_scale(self) -> float:
-        """How much the robot turns for each rad of odometry."""
+        """The angle that the robot turns for each rad of odometry."""
         return float(self._mean[TURN])
 
     @property
@@ -171,7 +171,7 @@ class BeaconState:
         return self.deviation(gradient)
 
     def forget_axis(self) -> None:
-        """What was taken for an edge of the light cannot have been one."""
+        """Forget the axis: what was taken for an edge of the light cannot have been one."""
         self._mean[ANGLE] = self._receivers.infrared_beacon_angle
         for unknown, deviation in ((AXIS, UNKNOWN), (ANGLE, ANGLE_NOISE)):
             self._covariance[unknown, :] = self._covariance[:, unknown] = 0.0

@@ -1,4 +1,4 @@
-"""Where a docked robot stands as seen from the marker, measured while it stands on its dock."""
+"""Measures the pose of a robot on its dock as seen from the marker."""
 
 import math
 from collections.abc import Sequence

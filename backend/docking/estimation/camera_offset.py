@@ -1,4 +1,4 @@
-"""Where the camera is mounted in truth, measured while the robot turns on the spot in front of the marker."""
+"""Measures how the camera is mounted, while the robot turns on the spot in front of the marker."""
 
 import math
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Offset:
-    """How far the camera is from where it is taken to be.
+    """The distance of the camera from where it is taken to be.
 
     Attributes:
         x: Ahead, in base_link, in m.

@@ -1,4 +1,4 @@
-"""How long the robot can go on until it touches something."""
+"""Computes how long the robot can go on until it touches something."""
 
 import math
 
@@ -58,7 +58,7 @@ class Clearance:
         return points[self._depth(points) > 0.0]
 
     def _depth(self, points: Points) -> Points:
-        """How far each point is outside of the outline, in m; below 0 inside."""
+        """Return how far each point is outside of the outline, in m; below 0 inside."""
         return np.asarray((points @ self._normals.T - self._sides).max(axis=1, initial=-math.inf))
 
 

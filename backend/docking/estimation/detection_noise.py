@@ -1,4 +1,4 @@
-"""How noisy the detections of the marker are, measured from how far they are from the prediction."""
+"""Measures the noise of the detections of the marker by their distance from the prediction."""
 
 import math
 from collections import deque
@@ -44,7 +44,7 @@ class DetectionNoise:
         """Take in how far a detection is off.
 
         Args:
-            off: From the prediction, as far as the detection's noise explains it.
+            off: The part of the distance from the prediction that the detection's noise explains.
             distance: To the marker, in m.
 
         Returns:
@@ -63,7 +63,7 @@ class DetectionNoise:
         self._assumed = self.scales
 
     def forget(self) -> None:
-        """What was measured was wrong."""
+        """Forget all measurements: they were wrong."""
         self._positions.clear()
         self._angles.clear()
 

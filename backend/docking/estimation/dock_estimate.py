@@ -1,4 +1,4 @@
-"""Where the marker is, estimated from detections that are noisy, wrong, late or rare."""
+"""Estimates the marker's pose from detections that are noisy, wrong, late or rare."""
 
 import math
 from collections import deque
@@ -133,7 +133,7 @@ class DockEstimate:
         return all(squared_distance(difference(one, first), (2.0 * position, 2.0 * angle)) < GATE for one in others)
 
     def spread(self, docked: Pose) -> Spread:
-        """How well the docked pose is known.
+        """Return the spread of the docked pose.
 
         Args:
             docked: base_link in the marker's frame.
@@ -295,7 +295,7 @@ class DockEstimate:
         self.seen_at = stamp
 
     def _moved(self, noise: tuple[float, float], spread: tuple[float, float]) -> Pose | None:
-        """How far the marker has been moved; None if it has not."""
+        """Return how far the marker has been moved; None if it has not."""
         if len(self._recent) < RECENT:
             return None
         error = median_pose(self._recent)

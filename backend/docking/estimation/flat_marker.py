@@ -40,7 +40,7 @@ DIRECT = 0.1
 LEAST = -30.0
 """How unlikely the other heading can become at most."""
 SETTLED = 20
-"""Detections of which the heading is the mean at first."""
+"""The number of detections whose mean is the first heading."""
 FOLLOWS, DRIFT = math.radians(0.1), 0.05
 """How far it follows later ones at most, in rad each, and in rad for each m driven and each rad turned.
 
@@ -63,7 +63,7 @@ class _Seen:
     unsure: float
 
     def off(self, heading: float, noise: float) -> tuple[float, float]:
-        """How far both are off a heading, in standard deviations.
+        """Return how far both are off a heading, in standard deviations.
 
         Args:
             heading: In odom, in rad.
@@ -164,7 +164,7 @@ class FlatMarker:
         return (Pose(marker.x, marker.y, mirrored) if abs(other) < abs(direct) else marker), changed
 
     def _drift(self, robot: Pose) -> float:
-        """How much the heading may have drifted in odom since the last detection, in rad."""
+        """Return how much the heading may have drifted in odom since the last detection, in rad."""
         last, self._robot = self._robot or robot, robot
         return DRIFT * (robot.distance_to(last) + abs(normalize_angle(robot.theta - last.theta)))
 

@@ -1,4 +1,4 @@
-"""Which poses of a localization are believed: it drifts a little all the time, and jumps at times."""
+"""Chooses the poses of a localization to believe: it drifts a little all the time, and jumps at times."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Which detections are of the goal's dock, where more than one marker is detected on one topic."""
+"""Selects the detections of the goal's dock, where more than one marker is detected on one topic."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ MOST = 20
 
 @dataclass(slots=True)
 class _Place:
-    """Where a marker was detected, in odom.
+    """A place where a marker was detected, in odom.
 
     Attributes:
         middle: The mean of its detections.
@@ -80,7 +80,7 @@ class MarkerSelection:
 
     @property
     def other(self) -> Pose | None:
-        """Where the other marker is that is detected most often, in odom."""
+        """The pose of the other marker that is detected most often, in odom."""
         all_of_them = sum(place.count for place in self._places)
         most = max(self._places, key=lambda place: place.count * (place.turns >= TURNS), default=None)
         known = most is not None and most.turns >= TURNS and most.count >= max(ENOUGH, REPORTED * all_of_them)

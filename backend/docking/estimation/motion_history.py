@@ -119,7 +119,7 @@ class MotionHistory:
         return self._at(self._measured, end).since(self._at(self._measured, begin))
 
     def last_step(self) -> tuple[float, Motion, Motion]:
-        """When the last step began, in s, and its motion, commanded and measured. There must be one."""
+        """Return when the last step began, in s, and its motion, commanded and measured. There must be one."""
         began, now = self._times[-2:]
         return began, self.commands(began, now), self.measured(began, now)
 

@@ -1,4 +1,4 @@
-"""How the base carries out commands, learned from odometry: how late, and from which velocity on.
+"""Learns from odometry how the base carries out commands: how late, and from which velocity on.
 
 Everything that depends on it has one model: the controllers plan from where the robot will be when the next command
 takes effect (a Smith predictor), and a base that does not move as commanded is recognized.
@@ -52,7 +52,7 @@ class MotionModel:
         lag: Seconds from a command until odometry shows the motion.
         dead_zone: Learned dead zone: smaller commands do not move the base.
         moves_at: The lowest speed that was commanded and driven, in m/s; infinite before.
-        sure_zone: The dead zone, in m/s, as far as it is confirmed by a base that was seen to drive beyond it.
+        sure_zone: The confirmed part of the dead zone, in m/s: the base was seen to drive beyond it.
         learns: Whether a base that does not move may have a dead zone; else something is in its way.
         tried_first: A speed, in m/s, that is commanded before a higher one while the dead zone is learned.
         stands: Whether the base, commanded to drive, did not for longer than it may take to begin, and has not since.
@@ -105,7 +105,7 @@ class MotionModel:
 
     @property
     def deceleration(self) -> Deceleration:
-        """How fast the base slows down at most, where it is weaker than commanded."""
+        """The greatest deceleration of the base, where that is less than commanded."""
         return Deceleration(self.braking.limit, self.turn_braking.limit)
 
     @property
@@ -127,7 +127,7 @@ class MotionModel:
         return before.plus(self.commanded.linear_x * dt, self.commanded.angular_z * dt)
 
     def ahead(self, pose: Pose) -> Pose:
-        """Where the robot will be when a command that is given now takes effect.
+        """Return where the robot will be when a command that is given now takes effect.
 
         Args:
             pose: The newest that odometry has measured.
@@ -205,7 +205,7 @@ class MotionModel:
         self.dead_zone = Velocity(min(zone[0], self.moves_at), zone[1])
 
     def _raised(self, axis: int, speed: float) -> float:
-        """What is commanded after a speed that did not move the base."""
+        """Return the speed to command after one that did not move the base."""
         raised = RAISE * speed
         return self.tried_first if axis == 0 and speed < self.tried_first < raised else raised
 

@@ -34,12 +34,12 @@ class Change:
 
     @property
     def gap(self) -> float:
-        """How long nothing was measured, in s."""
+        """The time without a measurement, in s."""
         return self.after - self.before
 
 
 class Sight:
-    """Whether the beacon is in sight. A change counts once `CONFIRMED` readings in a row agree on it.
+    """Tells whether the beacon is in sight. A change counts once `CONFIRMED` readings in a row agree on it.
 
     Attributes:
         seen: None before the first `CONFIRMED` readings in a row that agree.

@@ -1,4 +1,4 @@
-"""Where the points of a laser scan are."""
+"""Computes the points of a laser scan."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Whether the marker is seen to move as the robot drives, and how old its detections are."""
+"""Finds out whether the marker is seen to move as the robot drives, and how old its detections are."""
 
 import math
 from collections import deque
@@ -232,7 +232,7 @@ class SeenMotion:
 
 
 def _costs(placed: Array, distance: Array, way: Array) -> Array:
-    """How improbable each hypothesis about the marker is, as minus the logarithm of a likelihood.
+    """Return how improbable each hypothesis about the marker is, as minus the logarithm of a likelihood.
 
     Args:
         placed: The detections where they would be equal but for noise; shape (3, hypotheses, n).

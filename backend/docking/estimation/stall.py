@@ -1,4 +1,4 @@
-"""Whether the wheels stall, by their joints."""
+"""Tells by their joints whether the wheels stall."""
 
 from docking.core.observation import Observation
 from docking.parameters import StallSettings

@@ -1,4 +1,4 @@
-"""Whether the robot moves, by its odometry."""
+"""Tells by odometry whether the robot moves."""
 
 from docking.core.observation import Odometry
 

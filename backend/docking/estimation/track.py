@@ -23,7 +23,7 @@ class Track:
         self._samples: deque[tuple[float, Odometry]] = deque()
 
     def __len__(self) -> int:
-        """How many measurements are kept."""
+        """Return the number of measurements that are kept."""
         return len(self._samples)
 
     @property
@@ -86,7 +86,7 @@ class Track:
         return _between(before, after, (measured_at - before_at) / (after_at - before_at))
 
     def arrival(self, measured_at: float, received: float) -> float:
-        """When odometry of a moment arrived, or will arrive, by the monotonic clock.
+        """Return when odometry of a moment arrived, or will arrive, by the monotonic clock.
 
         What was measured at that moment belongs to that odometry, however late either of them is.
 

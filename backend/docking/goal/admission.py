@@ -1,4 +1,4 @@
-"""Which goals are let in."""
+"""Decides which goals are let in."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ UNDOCKING = Purpose(
 
 @dataclass(frozen=True)
 class Rejection:
-    """Why a goal is not let in."""
+    """The reason why a goal is not let in."""
 
     error_code: ErrorCode
     error_msg: str

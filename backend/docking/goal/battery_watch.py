@@ -1,4 +1,4 @@
-"""How long the battery has been silent."""
+"""Watches for how long the battery has been silent."""
 
 from docking.core.battery import BatteryReading
 from docking.parameters import Timeouts

@@ -1,4 +1,4 @@
-"""Whether the robot is docked, as far as earlier goals can tell."""
+"""Remembers from earlier goals whether the robot is docked."""
 
 import json
 import math
@@ -23,7 +23,7 @@ MOST_RECORDED = 20
 
 @dataclass(frozen=True, slots=True)
 class LastDocking:
-    """How the robot was docked at one dock the last time.
+    """The last docking at one dock.
 
     Attributes:
         dock: The dock's parameters then.
@@ -83,7 +83,7 @@ class DockMemory:
             self.dockings.pop(next(iter(self.dockings)))
 
     def last_at(self, name: str, dock: Staging) -> LastDocking:
-        """How the robot was docked the last time; with other parameters, only where.
+        """Return how the robot was docked the last time; with other parameters, only where.
 
         Args:
             name: Of the dock.
@@ -97,13 +97,13 @@ class DockMemory:
         return replace(self, since=self.since + by, hits=self.hits.shifted(by))
 
     def as_json(self, now: float) -> str:
-        """What is remembered at this moment, on a clock that is at zero now: a replay begins with it."""
+        """Return what is remembered at this moment, on a clock that is at zero now: a replay begins with it."""
         recorded = dict(list(self.dockings.items())[-MOST_RECORDED:])
         return json.dumps(asdict(replace(self.shifted(-now), dockings=recorded)))
 
     @classmethod
     def from_json(cls, text: str) -> "DockMemory":
-        """What `as_json` has recorded, on the same clock.
+        """Return what `as_json` has recorded, on the same clock.
 
         Raises:
             Exception: Something else has made the text.
@@ -153,7 +153,7 @@ class DockMemory:
         return None if len(types) > 1 else "".join(types)
 
     def recall(self, robot: Pose | None) -> bool | None:
-        """Whether the robot is docked; None where that is not known, as when it was moved since.
+        """Return whether the robot is docked; None where that is not known, as when it was moved since.
 
         Args:
             robot: Where it is now, in odom.

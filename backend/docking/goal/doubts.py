@@ -1,4 +1,4 @@
-"""What seemed wrong while a goal ran: its final error and its report name it."""
+"""Collects what seemed wrong while a goal ran, for its final error and its report."""
 
 MOST = 6
 """Doubts that a final error names; of more it names the first ones and the number of the others."""

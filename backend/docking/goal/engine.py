@@ -280,7 +280,7 @@ class Goal:
             self._watch.restart()
 
     def _behavior(self, stage: Stage) -> Behavior:
-        """What moves the robot at a stage; a new one."""
+        """Return a new behavior that moves the robot at a stage."""
         plan = self._plan
         if stage is Stage.CORRECTING and isinstance(plan, RecoveringPlan):
             return plan.correct(self._recovery.corrections)

@@ -1,4 +1,4 @@
-"""Where the robot has run into something, so that it comes there slowly the next time."""
+"""Remembers where the robot has run into something, so that it comes there slowly the next time."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -43,7 +43,7 @@ class Hits:
         return replace(self, places=[(place, at + by) for place, at in self.places])
 
     def distance(self, robot: Pose, way: float, linear: float) -> float:
-        """How far the robot may drive as it likes, in m; infinite where it drives away from all places.
+        """Return how far the robot may drive as it likes, in m; infinite where it drives away from all places.
 
         Args:
             robot: base_link in odom, by the last odometry.

@@ -29,7 +29,7 @@ LEAST_TURN = 0.2
 REPEATED = 0.1
 """Seconds after which a pose that is the same again is repeated, where the robot moves."""
 UNSEEN = Velocity(0.01, 0.05)
-"""Least motion that must have been commanded meanwhile, in m and rad."""
+"""Least motion that must have been commanded in that time, in m and rad."""
 MOVING = Velocity(0.05, 0.1)
 """In m/s and rad/s: by its velocity, odometry moves, and faster than it may stall at the dock."""
 DOUBTED_FOR = 0.6
@@ -37,7 +37,7 @@ DOUBTED_FOR = 0.6
 JUMP = (0.05, 0.25)
 """In m and rad; odometry that gets farther at once than commanded, by more, has jumped."""
 CARRIED = (0.5, 1.0)
-"""In m/s and rad/s; how fast someone may move the robot meanwhile."""
+"""In m/s and rad/s; how fast someone may move the robot in that time."""
 CARRIED_FOR = 0.5
 """Seconds for which that is believed after a silence: a pose farther away is of a base that has restarted."""
 

@@ -65,7 +65,7 @@ class Navigator(Protocol):
 
 
 class Going(enum.Enum):
-    """How a navigation goes on."""
+    """The state of a navigation."""
 
     WAITS = enum.auto()
     """It is not known yet whether to navigate; the robot is to stand still."""

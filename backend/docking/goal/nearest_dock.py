@@ -1,4 +1,4 @@
-"""Which of the docks is the nearest to the robot: for goals that leave the choice to the server."""
+"""Finds the dock that is nearest to the robot, for goals that leave the choice to the server."""
 
 from collections.abc import Callable, Sequence
 

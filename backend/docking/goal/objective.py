@@ -31,7 +31,7 @@ class Deadline:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far a plan has come.
+    """The progress of a plan.
 
     Attributes:
         arrived: Whether it is at its last stage.

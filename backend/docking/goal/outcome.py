@@ -38,7 +38,7 @@ class Command:
 
 
 class End(enum.StrEnum):
-    """How a goal can end, in the words of ROS."""
+    """The ends of a goal, in the words of ROS."""
 
     SUCCEEDED = "SUCCEEDED"
     CANCELED = "CANCELED"

@@ -1,4 +1,4 @@
-"""How fast the robot may drive: slowly near the dock, where it is not seen to move, and backwards without a view."""
+"""Limits the speed: slow near the dock, where the robot is not seen to move, and backwards without a view."""
 
 import math
 
@@ -148,7 +148,7 @@ class Pace:
         return math.hypot(slowest, braked(way, min(gentle / RESERVE, self._limits.a_linear_max)))
 
     def _distance(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
-        """How near to the dock the robot may have come, in m, on its way there; infinite where it is on no such way.
+        """Return how near to the dock the robot may be on its way there, in m; infinite where it is on no such way.
 
         Args:
             robot: By the last odometry.
@@ -169,7 +169,7 @@ class Pace:
 
 
 def _gentle(model: MotionModel) -> float:
-    """How fast the base can slow down for sure, in m/s²."""
+    """Return how fast the base can slow down for sure, in m/s²."""
     braking = model.braking
     if braking.limit < math.inf:
         return min(GENTLE, OF_LIMIT * braking.limit)

@@ -56,25 +56,25 @@ class DockTarget(ABC):
 
     @cached_property
     def doubts(self) -> Doubts:
-        """What seemed wrong on the way."""
+        """The doubts of the way so far."""
         return Doubts()
 
     @property
     @abstractmethod
     def docked(self) -> Pose | None:
-        """Where base_link is when docked, in odom; None before the dock was seen."""
+        """The pose of base_link when docked, in odom; None before the dock was seen."""
 
     @property
     @abstractmethod
     def seen_at(self) -> float:
-        """When the dock was seen last."""
+        """The time when the dock was seen last."""
 
     unseen = "the dock was out of sight"
     """What it means that `seen_at` stays the same, as a part of a sentence."""
 
     @property
     def spread(self) -> Spread:
-        """How well the docked pose is known: well enough, unless a plan knows better."""
+        """The spread of the docked pose: small enough, unless a plan knows better."""
         return Spread(0.0, 0.0)
 
     @property
@@ -99,7 +99,7 @@ class DockTarget(ABC):
 
 
 class Plan(Protocol):
-    """How to dock by one kind of sensor; a new one is made for each goal.
+    """A plan to dock by one kind of sensor; a new one is made for each goal.
 
     Attributes:
         stages: In their order. After the last one the robot stands still until the battery charges.

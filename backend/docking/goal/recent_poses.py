@@ -1,4 +1,4 @@
-"""Where the dock was believed to be over the last way."""
+"""Keeps where the dock was believed to be over the last way."""
 
 from collections import deque
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What comes after a failure: another press on the contacts, a retry, the way back to the staging pose, or the end."""
+"""Chooses what follows a failure: another press on the contacts, a retry, the way back to staging, or the end."""
 
 from docking.core.errors import (
     DockingError,

@@ -1,4 +1,4 @@
-"""How long a goal may take: each moment counts once, for its stage, for the search or as waiting."""
+"""Limits the time of a goal: each moment counts once, for its stage, for the search or as waiting."""
 
 import math
 

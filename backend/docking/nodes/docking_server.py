@@ -31,7 +31,7 @@ def make_servers(battery: Battery, context: Context) -> list[ActionNode[Any]]:
 
 
 def compare_directions(docking: DockSettings, undocking: UndockSettings) -> str | None:
-    """Why a robot that is on a dock at the start may leave it the wrong way, as a sentence; None if it does not.
+    """Return why a robot that is on a dock at the start may leave it the wrong way, as a sentence; None if it does not.
 
     Args:
         docking: The parameters of the docking node.

@@ -1,4 +1,4 @@
-"""How the robot drives onto the dock."""
+"""Parameters of the way onto the dock."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,7 @@ def push_field() -> float:
 
 @dataclass(frozen=True, slots=True)
 class ApproachSettings:
-    """How the robot drives from the staging pose onto the dock."""
+    """Parameters of the way from the staging pose onto the dock."""
 
     gains: Gains = group(Gains)
     slowdown_radius: float = number(

@@ -1,4 +1,4 @@
-"""How the connection to the charger is detected."""
+"""Parameters that tell how the connection to the charger is detected."""
 
 import enum
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class ChargingSource(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ChargingSettings:
-    """How to tell whether the battery charges."""
+    """Parameters that tell whether the battery charges."""
 
     charging_source: ChargingSource = choice(
         ChargingSource.STATUS,

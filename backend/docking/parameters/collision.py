@@ -1,4 +1,4 @@
-"""How the robot keeps away from obstacles."""
+"""Parameters that keep the robot away from obstacles."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ class Outline:
 
 @dataclass(frozen=True, slots=True)
 class CollisionSettings:
-    """When the robot slows down, waits and gives up; how the laser scanner is mounted."""
+    """Parameters of when the robot slows down, waits and gives up, and of how the laser scanner is mounted."""
 
     use_collision_detection: bool = switch(
         False,

@@ -1,4 +1,4 @@
-"""Which controller drives the robot: one of ours, or one of another package."""
+"""Parameters that choose the controller: one of ours, or one of another package."""
 
 import enum
 from importlib.metadata import entry_points

@@ -15,7 +15,7 @@ def _read_service(name: str) -> None:
 
 @dataclass(frozen=True, slots=True)
 class DetectorSettings:
-    """How the detector is switched on for a goal and off after it; the names are nav2's."""
+    """Parameters that switch the detector on for a goal and off after it; the names are nav2's."""
 
     detector_service_name: str = string(
         "",

@@ -1,4 +1,4 @@
-"""Where the docked pose and the staging pose are."""
+"""Parameters of the docked pose and the staging pose."""
 
 import enum
 import math
@@ -15,7 +15,7 @@ from robot_io.transform import Transform
 
 
 class DockDirection(enum.StrEnum):
-    """Which end of the robot comes to the dock."""
+    """The end of the robot that comes to the dock."""
 
     FORWARD = "forward"
     BACKWARD = "backward"
@@ -23,7 +23,7 @@ class DockDirection(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Staging:
-    """Where the staging pose is."""
+    """Parameters of the staging pose."""
 
     staging_x_offset: float = number(
         -0.7,
@@ -50,7 +50,7 @@ class Staging:
         return -self.staging_x_offset
 
     def staging(self, docked: Pose) -> Pose:
-        """Where the robot waits in front of the dock; its end that comes to the dock is turned towards it."""
+        """Return the pose in front of the dock where the robot waits; its docking end is turned towards it."""
         return docked.compose(Pose(self.staging_x_offset))
 
     def base_link(self, docked: Pose) -> Pose:
@@ -60,7 +60,7 @@ class Staging:
 
 @dataclass(frozen=True, slots=True)
 class Dock(Staging):
-    """Where base_link stands when docked, and where it waits in front. The names are nav2's."""
+    """Parameters of base_link's docked pose and the pose in front, where it waits. The names are nav2's."""
 
     external_detection_translation_x: float = number(
         -0.2,
@@ -128,7 +128,7 @@ class Dock(Staging):
         return tilt(self.external_detection_rotation_roll, self.external_detection_rotation_pitch)
 
     def docked(self, marker: Pose) -> Pose:
-        """Where the robot is when docked, looking into the dock, in the frame that the marker's pose is given in.
+        """Return the docked pose, looking into the dock, in the frame that the marker's pose is given in.
 
         A robot that docks backwards looks the other way: see base_link.
         """

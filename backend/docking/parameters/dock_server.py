@@ -155,7 +155,7 @@ class DockSettings(ServerSettings):
 
     @property
     def _kinds(self) -> "dict[str, DockSettings | DockType]":
-        """What depends on the type of a dock, by the prefix of its parameters."""
+        """The settings that depend on the type of a dock, by the prefix of its parameters."""
         return {"": self, **{f"{name}.": kind for name, kind in self.database.types.items()}}
 
     def _of_type(self, dock: DockType) -> Self:
@@ -181,7 +181,7 @@ class DockSettings(ServerSettings):
         return StagingGoal(place.dock, place.frame, dock.brought_to(place.pose), self.navigation)
 
     def find_conflict(self) -> str | None:
-        """Why these values cannot work together."""
+        """Return why these values cannot work together."""
         receivers, motion = self.receivers, self.motion
         conflict = super().find_conflict() or find_disorder(
             "infrared_field_of_view",
@@ -241,5 +241,5 @@ class DockSettings(ServerSettings):
 
 
 def _place_of(name: str, entry: DockEntry) -> DockPlace | None:
-    """Where the database has a dock; None where it says nothing about that."""
+    """Return where the database has a dock; None where it says nothing about that."""
     return DockPlace(name, entry.frame, Pose(*entry.pose)) if entry.pose else None

@@ -1,4 +1,4 @@
-"""How fast the robot may move."""
+"""Parameters that limit the robot's motion."""
 
 import enum
 import math
@@ -27,7 +27,7 @@ def braked(error: float, acceleration: float) -> float:
 
 
 class DriveModel(enum.StrEnum):
-    """How a base moves, with nav2's names."""
+    """The kinds of bases, with nav2's names."""
 
     DIFF_DRIVE = "DiffDrive"
     OMNI = "Omni"

@@ -21,7 +21,7 @@ PREFIXES = {"docks": DOCK, "dock_plugins": TYPE}
 
 
 def read_nav2(given: Mapping[str, Value], resolve: Callable[[str], str] = str) -> Meanings:
-    """What given parameters mean here that are nav2's.
+    """Return the meaning of given parameters that are nav2's.
 
     Args:
         given: The values of all parameters that are given to the node, by their names.
@@ -171,7 +171,7 @@ class _Reader:
             self._set(source, "current", name)
 
     def _set_source(self, name: str, source: str) -> None:
-        """What tells that the battery charges at a type of docks, unless that is given for all of them."""
+        """Set what tells that the battery charges at a type of docks, unless that is given for all of them."""
         if self._given.get("charging_source", source) == source:
             self._set(f"{name.rpartition('.')[0]}.charging_source", source, name)
         else:

@@ -10,7 +10,7 @@ TYPE, DOCK, CONTROLLER = "<type>.", "<dock>.", "controller."
 
 
 class Meaning(enum.Enum):
-    """What becomes of a parameter of nav2."""
+    """The treatment of a parameter of nav2."""
 
     SAME = "the same"
     """There is one of that name here."""

@@ -1,4 +1,4 @@
-"""Whether another action server drives the robot to its staging pose."""
+"""Parameters of a drive to the staging pose by another action server."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from docking.core.parameter import number, string, switch
 
 @dataclass(frozen=True, slots=True)
 class NavigationSettings:
-    """When nav2 drives the robot to the staging pose of a dock that is in the database; the names are nav2's."""
+    """Parameters of nav2's drive to the staging pose of a dock that is in the database; the names are nav2's."""
 
     navigate_to_staging_pose: bool = switch(
         False,

@@ -8,7 +8,7 @@ from docking.core.parameter import number
 
 @dataclass(frozen=True, slots=True)
 class Receivers:
-    """How the infrared receivers are mounted and what the beacon is like."""
+    """Parameters of the infrared receivers and the beacon."""
 
     infrared_receiver_x: float = number(
         0.15, -1.0, 1.0, "m", "Position of the three infrared receivers: x in base_link."
@@ -83,9 +83,9 @@ class Receivers:
 
     @property
     def directions(self) -> tuple[float, float, float]:
-        """Where the left, the center and the right one look, in rad to the left of straight ahead."""
+        """The directions of the left, the center and the right one, in rad to the left of straight ahead."""
         return self.infrared_receiver_angle, 0.0, -self.infrared_receiver_angle
 
     def position(self, robot: Pose) -> Pose:
-        """Where they are, in the frame of the robot's pose."""
+        """Return the pose of the receivers, in the frame of the robot's pose."""
         return robot.compose(Pose(self.infrared_receiver_x))

@@ -1,4 +1,4 @@
-"""What the robot does before an attempt is given up, and after the last one."""
+"""Parameters of what the robot does before an attempt is given up, and after the last one."""
 
 from dataclasses import dataclass
 

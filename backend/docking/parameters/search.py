@@ -1,4 +1,4 @@
-"""How the robot looks for its dock."""
+"""Parameters of the search for the dock."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from docking.core.parameter import number
 
 @dataclass(frozen=True, slots=True)
 class SearchSettings:
-    """Where the robot may drive to find its dock, and which marker is believed to be the dock's."""
+    """Parameters of the way on which the robot finds its dock, and of the marker that is believed to be the dock's."""
 
     search_radius: float = number(
         0.0,
@@ -41,7 +41,7 @@ class SearchSettings:
 
 @dataclass(frozen=True, slots=True)
 class DockPlace:
-    """Where the database has a dock.
+    """The pose of a dock in the database.
 
     Attributes:
         dock: The name of the dock.

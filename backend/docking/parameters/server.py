@@ -123,17 +123,17 @@ class ServerSettings(NodeSettings):
 
     @property
     def switched(self) -> DetectorSettings:
-        """How the detector of the marker is switched on and off."""
+        """The settings that switch the detector of the marker on and off."""
         return DetectorSettings()
 
     @property
     def marker_tilt(self) -> Transform:
-        """How the axes of the dock's marker are turned; see `Sensors`."""
+        """The rotation of the axes of the dock's marker; see `Sensors`."""
         return Transform()
 
     @classmethod
     def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:
-        """What given parameters mean that are those of nav2's docking server."""
+        """Return the meaning of given parameters of nav2's docking server."""
         return read_nav2(given, resolve)
 
     @property
@@ -142,7 +142,7 @@ class ServerSettings(NodeSettings):
         return 1.0 / self.controller_frequency
 
     def find_conflict(self) -> str | None:
-        """Why these values cannot work together."""
+        """Return why these values cannot work together."""
         timeouts, motion = self.timeouts, self.motion
         return (
             find_disorder(
@@ -153,17 +153,17 @@ class ServerSettings(NodeSettings):
         )
 
     def find_backing_shortage(self, name: str, timeout: float, distance: float) -> str | None:
-        """Why a time limit is too short to back out over a distance in m; None where it is not."""
+        """Return why a time limit is too short to back out over a distance in m; None where it is not."""
         speed = self.motion.v_linear_back
         where = f"{distance:g} m (staging_x_offset) backwards at {speed:.3g} m/s ({BACKWARDS:g} of v_linear_max)"
         return find_shortage(name, timeout, distance / speed, where)
 
 
 def find_disorder(greater: str, high: float, smaller: str, low: float) -> str | None:
-    """Why two values are in the wrong order; None where they are not."""
+    """Return why two values are in the wrong order; None where they are not."""
     return None if high >= low else f"{greater} ({high:g}) must not be below {smaller} ({low:g})"
 
 
 def find_shortage(name: str, timeout: float, needed: float, where: str) -> str | None:
-    """Why a time limit is too short for what needs some seconds; None where it is not."""
+    """Return why a time limit is too short for what needs some seconds; None where it is not."""
     return None if needed <= timeout else f"{name} ({timeout:g} s) is too short: {where} takes {needed:.1f} s"

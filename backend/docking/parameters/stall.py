@@ -1,4 +1,4 @@
-"""When the wheels are taken to press against the dock, by what their joints tell."""
+"""Parameters that tell by the joints whether the wheels press against the dock."""
 
 from dataclasses import dataclass
 

@@ -24,11 +24,11 @@ class UndockSettings(ServerSettings):
 
     @classmethod
     def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:
-        """What given parameters mean that are those of nav2's docking server."""
+        """Return the meaning of given parameters of nav2's docking server."""
         return read_nav2_for_undocking(given, resolve)
 
     def find_conflict(self) -> str | None:
-        """Why these values cannot work together."""
+        """Return why these values cannot work together."""
         return super().find_conflict() or self.find_backing_shortage(
             "undocking_timeout", self.timeouts.undocking_timeout, self.staging.distance
         )

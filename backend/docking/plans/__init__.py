@@ -1,1 +1,1 @@
-"""How to dock with one kind of sensor: which behavior at which stage."""
+"""Plans to dock, each with one kind of sensor: which behavior at which stage."""

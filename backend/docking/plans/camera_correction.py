@@ -26,7 +26,7 @@ IN_PLACE = Pose()
 
 
 class CameraCorrection:
-    """What a goal knows of where its camera is: what goals before have learned, and once, after a miss, what is left.
+    """A goal's knowledge of its camera's pose: from goals before, and once, after a miss, from what is left.
 
     Attributes:
         applied: How far the camera is taken to be from where tf has it, in base_link; detections are corrected by it.

@@ -78,7 +78,7 @@ class DockPosePlan(SightedPlan):
 
     @property
     def poses(self) -> KnownPoses:
-        """As far as they are known."""
+        """The poses that are known."""
         raw, docked, dock = self.marker.raw, self.docked, self.dock
         return KnownPoses(
             None if raw is None else dock.base_link(dock.docked(raw)),
@@ -96,7 +96,7 @@ class DockPosePlan(SightedPlan):
 
     @property
     def _note(self) -> str:
-        """That other markers are detected, or that the dock's seems to be turned."""
+        """A note that other markers are detected, or that the dock's seems to be turned."""
         selection, known = self.marker.selection, self.marker.pose or self._expected_marker()
         other, turn = selection.other, self._turns[self._turn]
         if other is not None and known is not None:
@@ -114,11 +114,11 @@ class DockPosePlan(SightedPlan):
 
     @property
     def expected(self) -> Pose | None:
-        """Where the robot should stand when docked, looking into the dock, in odom; None where nothing tells."""
+        """The pose where the robot should dock, looking into the dock, in odom; None where nothing tells."""
         return super().expected if self._last_marker is None else self.docked or self.dock.docked(self._last_marker)
 
     def _expected_marker(self) -> Pose | None:
-        """Where the dock's marker should be, in odom."""
+        """Return where the dock's marker should be, in odom."""
         expected = self.expected
         return None if expected is None else expected.compose(self.dock.docked(Pose()).inverse())
 
@@ -144,7 +144,7 @@ class DockPosePlan(SightedPlan):
 
     @property
     def docked(self) -> Pose | None:
-        """Where the robot is when docked, looking into the dock, in odom."""
+        """The docked pose, looking into the dock, in odom."""
         marker = self.marker.pose
         return None if marker is None else self.dock.docked(marker.compose(Pose(theta=self._turns[self._turn])))
 
@@ -251,7 +251,7 @@ class DockPosePlan(SightedPlan):
 
     @property
     def spread(self) -> Spread:
-        """How well the docked pose is known."""
+        """The spread of the docked pose."""
         return self.marker.spread(self.dock.docked(Pose()))
 
     @property
@@ -271,7 +271,7 @@ class DockPosePlan(SightedPlan):
 
     @property
     def seen_at(self) -> float:
-        """When the marker was seen last."""
+        """The time when the marker was seen last."""
         return self.marker.seen_at
 
     def _to_staging(self) -> Behavior:
@@ -322,6 +322,6 @@ class DockPosePlan(SightedPlan):
         return self.spread.within(ENOUGH)
 
     def _bearing(self, robot: Pose) -> float | None:
-        """Where to look for the marker that was noticed, in rad to the left."""
+        """Return where to look for the marker that was noticed, in rad to the left."""
         seen = self.marker.raw
         return None if seen is None else math.atan2(seen.y - robot.y, seen.x - robot.x) - robot.theta

@@ -55,18 +55,18 @@ class InfraredPlan(SightedPlan):
 
     @property
     def poses(self) -> KnownPoses:
-        """As far as they are known; there is no pose from one reading alone."""
+        """The poses that are known; one reading alone gives none."""
         return KnownPoses(None, self.docked, self.staging, explores=self.explores, pushes=self.pushes)
 
     @property
     def docked(self) -> Pose | None:
-        """Where base_link is when docked, in odom."""
+        """The pose of base_link when docked, in odom."""
         position, axis = self.beacon.position, self.beacon.axis
         return None if position is None or axis is None else self.dock.docked(Pose(position.x, position.y, axis))
 
     @property
     def seen_at(self) -> float:
-        """When the beacon was seen last."""
+        """The time when the beacon was seen last."""
         return self.beacon.seen_at
 
     def observe(self, observation: Observation) -> None:

@@ -48,7 +48,7 @@ class StandsHere(DockTarget):
 
     @property
     def docked(self) -> Pose | None:
-        """Where the robot is, looking into the dock."""
+        """The docked pose, looking into the dock."""
         return self._robot
 
 
@@ -80,18 +80,18 @@ class LocatedPlan(DockPosePlan):
 
     @property
     def poses(self) -> KnownPoses:
-        """As far as they are known."""
+        """The poses that are known."""
         return replace(super().poses, uncertainty=self.uncertainty)
 
     @property
     def uncertainty(self) -> float:
-        """How far the docked pose may be off, in m."""
+        """The greatest distance that the docked pose may be off, in m."""
         error = 0.0 if math.isnan(self._error) else DEVIATIONS * self._error
         return min(MOST, max(ASSUMED, error, self._steady.largest))
 
     @property
     def _note(self) -> str:
-        """What the robot does not know."""
+        """A note about what the robot does not know."""
         if self.marker.pose is None:
             return (
                 f"the localization is lost: its standard deviation is {self._error:.2f} m"
@@ -113,7 +113,7 @@ class LocatedPlan(DockPosePlan):
 
     @property
     def expected(self) -> Pose | None:
-        """Where the localization has the docked robot, in odom."""
+        """The docked pose by the localization, in odom."""
         return self._in_database
 
     def observe(self, observation: Observation) -> None:
@@ -123,7 +123,7 @@ class LocatedPlan(DockPosePlan):
         super().observe(replace(observation, marker=detection, other_markers=()))
 
     def _locate(self, observation: Observation) -> MarkerDetection | None:
-        """What the localization says, as if a marker were detected there; None while that is not believed."""
+        """Return the localization's pose as if a marker were detected there; None while that is not believed."""
         expected, at, odometry = observation.expected_dock, observation.localized_at, observation.odometry
         self._error = observation.localization_error
         if expected is None or odometry is None or self._error > LOST:
@@ -140,7 +140,7 @@ class LocatedPlan(DockPosePlan):
 
     @property
     def seen_at(self) -> float:
-        """When the localization was heard; near the dock it is not needed."""
+        """The time of the last message of the localization; near the dock it is not needed."""
         return self._now if self._late else self._heard_at
 
     @property
@@ -178,7 +178,7 @@ class LocatedPlan(DockPosePlan):
 
     @property
     def _loose(self) -> ApproachSettings:
-        """How to drive onto a dock whose pose may be off."""
+        """Settings to drive onto a dock whose pose may be off."""
         settings, off = self.approach, self.uncertainty
         return replace(
             settings,

@@ -12,7 +12,7 @@ from docking.plans.located import LocatedPlan
 
 
 class PlanType(Protocol):
-    """What an entry point of another package refers to: a class of plans, or anything else that makes them.
+    """The target of an entry point of another package: a class of plans, or anything else that makes them.
 
     Attributes:
         sensors: What its plans need of `odometry`, `marker`, `infrared` and `scan`.
@@ -41,7 +41,7 @@ OURS: dict[str, PlanType] = {
 
 
 def _find(settings: DockSettings) -> PlanType:
-    """What makes the plans."""
+    """Return what makes the plans."""
     if settings.by_localization:
         return LocatedPlan
     controller = settings.controller
@@ -55,5 +55,5 @@ def make_plan(settings: DockSettings) -> Plan:
 
 
 def sensors_of(settings: DockSettings) -> frozenset[str]:
-    """What the goals need: `odometry`, `marker`, `infrared`, `scan`, `localization`."""
+    """Return the sensors that the goals need: `odometry`, `marker`, `infrared`, `scan`, `localization`."""
     return frozenset(_find(settings).sensors)

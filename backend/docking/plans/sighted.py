@@ -59,7 +59,7 @@ class SightedPlan(DockTarget):
 
     @property
     def staging(self) -> Pose | None:
-        """Where base_link waits in front of the dock, in odom."""
+        """The pose where base_link waits in front of the dock, in odom."""
         docked = self.docked
         return None if docked is None else self.dock.staging(docked)
 
@@ -96,7 +96,7 @@ class SightedPlan(DockTarget):
 
     @property
     def expected(self) -> Pose | None:
-        """Where the robot should stand when docked, looking into the dock, in odom; None where nothing tells."""
+        """The pose where the robot should dock, looking into the dock, in odom; None where nothing tells."""
         return self.docked or self._in_database or self._last_docked
 
     @property

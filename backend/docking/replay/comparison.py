@@ -1,4 +1,4 @@
-"""Where two courses of a goal differ."""
+"""Compares two courses of a goal."""
 
 import math
 from bisect import bisect_left, bisect_right
@@ -26,7 +26,7 @@ ENDED_FROM_OUTSIDE = frozenset(
 
 
 class Difference(NamedTuple):
-    """Where a replayed course differs from the recorded one: the seconds since the goal was accepted, and how."""
+    """A difference between a replayed course and the recorded one: the seconds since the goal was accepted, and how."""
 
     at: float
     how: str

@@ -7,7 +7,7 @@ from docking.core.observation import Velocity
 
 @dataclass
 class Course:
-    """What became of a goal, in seconds since it was accepted.
+    """The course of a goal, in seconds since it was accepted.
 
     Attributes:
         stages: Each stage, and when it began.

@@ -31,7 +31,7 @@ INTEGERS = range(-(2**63), 2**63)
 
 @dataclass(frozen=True)
 class RecordedGoal:
-    """A goal, and what its robot said meanwhile.
+    """A goal, and what its robot said while it ran.
 
     Attributes:
         goal_id: Its id.

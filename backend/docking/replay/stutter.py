@@ -1,4 +1,4 @@
-"""Where a recorded robot stuttered: its server or its odometry was held up for a moment, as on a busy machine.
+"""Finds where a recorded robot stuttered: its server or its odometry was held up, as on a busy machine.
 
 What the server decided there depends on which message came just before which, and that is not in a recording.
 """
@@ -17,7 +17,7 @@ ECHO = 5.0
 
 
 class Stutter(NamedTuple):
-    """When something was held up, for how long, in seconds, and what it was."""
+    """Something that was held up: when, for how long, in seconds, and what it was."""
 
     at: float
     seconds: float

@@ -33,7 +33,7 @@ class DetectorClient:
         return self._name
 
     def detector(self, settings: DetectorSettings) -> Detector | None:
-        """What a new goal waits for; None where no service is named.
+        """Return the detector that a new goal waits for; None where no service is named.
 
         Args:
             settings: The name of the service, and how long to wait for it.
@@ -94,7 +94,7 @@ def _request(kind: Any, *, on: bool) -> Any:
 
 
 def _answer(call: Any) -> str | None:
-    """Why a call was refused, empty where it was not; None before it was answered."""
+    """Return why a call was refused, empty where it was not; None before it was answered."""
     if call is None or not call.done():
         return None
     if call.exception() is not None:

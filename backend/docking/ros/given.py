@@ -34,7 +34,7 @@ PROGRAMS = frozenset(
         "fibonacci_action_client",
     }
 )
-"""The nodes of our programs, several of which may share a file."""
+"""The nodes of our programs; several may share a file."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class Given:
         )
 
     def _judge(self, section: Section, name: str, nodes: Sequence[Node]) -> str:
-        """Why a parameter has no effect, as a sentence; empty if it has one."""
+        """Return why a parameter has no effect, as a sentence; empty if it has one."""
         addressed = self._addressed(section, nodes)
         by_name = {node.get_fully_qualified_name(): node for node in nodes}
         notes = [self.notes.get(one, {}).get(name) for one in addressed]

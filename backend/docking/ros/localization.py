@@ -1,4 +1,4 @@
-"""What a localization says of itself: when it was heard last, and how well it knows where the robot is."""
+"""Reads a localization: when it was heard last, and how well it knows the robot's pose."""
 
 import math
 

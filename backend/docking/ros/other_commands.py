@@ -17,7 +17,7 @@ from robot_io.velocity import CLASSES, is_motion
 
 
 class OtherCommands:
-    """When another node last commanded a motion.
+    """Watches for motions that another node commands.
 
     It subscribes only where another node publishes. All calls must come from the thread that spins the node.
 

@@ -218,7 +218,7 @@ class DeclaredParameters(Generic[S]):
         return parameter.name in self._node._parameter_overrides  # noqa: SLF001
 
     def _replace(self, old: Iterable[str], new: Iterable[Parameter], file: str, path: str) -> None:
-        """Undeclare some parameters and declare others, all of which are fine."""
+        """Undeclare some parameters and declare others, which have all been checked."""
         self._complete = False
         for name in old:
             self._node.describe_parameter(name).read_only = False

@@ -74,7 +74,7 @@ class PosePublishers:
 
 
 def _way(command: Command) -> list[Pose]:
-    """Where the robot drives, as far as that is known; nothing while another server drives it."""
+    """Return the known way of the robot; nothing while another server drives it."""
     docked, staging = command.filtered_dock_pose, command.staging_pose
     if command.yields or docked is None:
         return []

@@ -1,4 +1,4 @@
-"""What the docking server itself said of a recorded goal: when it began, its stages and its end.
+"""Reads the course of a recorded goal by its docking server: its beginning, its stages and its end.
 
 The gateway notes the same, but later on a busy machine.
 """

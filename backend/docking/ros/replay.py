@@ -223,7 +223,7 @@ class Replay:
 
 
 def _memory(goal: RecordedGoal) -> DockMemory:
-    """What the server knew from earlier goals, by its first report on this one; nothing where it did not tell."""
+    """Return what the server knew from earlier goals, by its first report on this one; nothing without it."""
     for sample in goal.samples:
         for status in getattr(_read(sample, DiagnosticArray), "status", ()):
             values = {each.key: each.value for each in status.values}

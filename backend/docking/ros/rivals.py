@@ -1,4 +1,4 @@
-"""Finds nodes of which there must be only one: two publishers of odometry, or two bases on one `cmd_vel`."""
+"""Finds second nodes where there must be only one: two publishers of odometry, or two bases on one `cmd_vel`."""
 
 from collections.abc import Iterable
 

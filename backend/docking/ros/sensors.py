@@ -40,7 +40,7 @@ MOST_MARKERS = 8
 
 
 class Sensor(enum.Enum):
-    """What can be listened to."""
+    """The sensors that can be listened to."""
 
     ODOMETRY = "odometry"
     MARKER = "marker"
@@ -212,7 +212,7 @@ class Sensors:
         self._markers = [*self._markers, detection][-MOST_MARKERS:]
 
     def _odometry_at(self, measured_at: float) -> Odometry:
-        """Where the robot was when something was measured.
+        """Return where the robot was when something was measured.
 
         Raises:
             ValueError: Odometry does not tell.
@@ -305,7 +305,7 @@ class Sensors:
         )
 
     def _expect_dock(self) -> Pose | None:
-        """Where the database has the dock, in odom; None where tf does not tell."""
+        """Return where the database has the dock, in odom; None where tf does not tell."""
         place, odometry = self.place, self._track.latest
         if place is None or odometry is None:
             return None
@@ -321,7 +321,7 @@ class Sensors:
         return expected
 
     def robot_in(self, frame: str) -> Pose:
-        """Where the robot is in a frame, by odometry and tf.
+        """Return where the robot is in a frame, by odometry and tf.
 
         Args:
             frame: The name of the frame.
@@ -344,5 +344,5 @@ class Sensors:
 
 
 def _off(seconds: float) -> str:
-    """How far a stamp is from now."""
+    """Return how far a stamp is from now, in words."""
     return f"{abs(seconds):.2f} s {'in the future' if seconds > 0.0 else 'old'}"

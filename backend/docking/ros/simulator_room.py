@@ -1,4 +1,4 @@
-"""What the simulated robot knows of its room: the map, and ways on it."""
+"""The simulated robot's knowledge of its room: the map, and ways on it."""
 
 from collections.abc import Callable
 

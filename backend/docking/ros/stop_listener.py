@@ -19,7 +19,7 @@ QUALITIES = (latched(LISTEN.depth), LISTEN)
 
 
 class StopListener:
-    """Whether a stop holds. All calls must come from the thread that spins the node.
+    """Tells whether a stop holds. All calls must come from the thread that spins the node.
 
     A topic that cannot be subscribed to counts as a stop, because a stop on it would not be heard.
 

@@ -101,7 +101,7 @@ class Transforms:
         return take
 
     def newest(self, frame: str, odometry: str, base: str) -> float | None:
-        """When a frame was last related to odometry, by the publishers' clocks; None where that never changes.
+        """Return when a frame was last related to odometry, by the publishers' clocks; None where that never changes.
 
         Args:
             frame: The full name of the frame.

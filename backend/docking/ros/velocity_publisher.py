@@ -92,7 +92,7 @@ class VelocityPublisher:
 
     @property
     def mismatch(self) -> str | None:
-        """Which nodes subscribe to `cmd_vel` with a type that is not published, as a sentence; None without any."""
+        """A sentence about nodes that subscribe to `cmd_vel` with a type that is not published; None without any."""
         if not self._unmatched:
             return None
         who = " and ".join(

@@ -125,7 +125,7 @@ class BatteryPack:
 
     @property
     def energy(self) -> float:
-        """That is left, in J."""
+        """The energy that is left, in J."""
         return self._settings.cells * self._curve.energy(self._taken)
 
     def step(self, dt: float, power: float, *, connected: bool, powered: bool) -> None:

@@ -27,7 +27,7 @@ class Box:
         return math.hypot(max(self.x_min - x, 0.0, x - self.x_max), max(self.y_min - y, 0.0, y - self.y_max))
 
     def obstruct(self, x: float, y: float, radius: float) -> Obstruction | None:
-        """Where a round body is kept that wants to be here; None where the box is not in its way.
+        """Return where a round body is kept that wants to be here; None where the box is not in its way.
 
         Args:
             x: Of its centre, in world.

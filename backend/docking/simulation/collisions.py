@@ -159,7 +159,7 @@ class Lip:
 
 
 def _correct(robot: Robot, solids: Sequence[Solid]) -> None:
-    """What keeps the robot out of one thing may have put it into another: it is moved out of all."""
+    """Move the robot out of all things: being kept out of one may have put it into another."""
     for _ in range(CORRECTIONS):
         within = _find(*robot.body, robot.radius, solids)
         if within is None:

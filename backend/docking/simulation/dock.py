@@ -91,5 +91,5 @@ class Dock:
         return min(box.clearance(x, y) for box in self.boxes)
 
     def nearest(self, y: float) -> float:
-        """Where, along y, the dock is that is the nearest to a point in world."""
+        """Return where, along y, the dock is that is the nearest to a point in world."""
         return min(self.places, key=lambda place: abs(place - y))

@@ -1,4 +1,4 @@
-"""What the simulated robot's camera sees: a drawing of the floor, the room, the dock and its marker in perspective."""
+"""Draws the picture of the simulated camera: floor, room, dock and marker in perspective."""
 
 import math
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ STEEL, WHITE, CARDBOARD, ORANGE = (52, 58, 66), (238, 238, 236), (150, 118, 80),
 
 @dataclass(frozen=True)
 class Scene:
-    """What there is to see.
+    """The things that the camera sees.
 
     Attributes:
         dock: The dock.

@@ -12,7 +12,7 @@ UNSEEN = (math.inf, math.inf, math.inf)
 
 @dataclass(frozen=True, slots=True)
 class InfraredSettings:
-    """How well the beacon is seen.
+    """Settings of how well the beacon is seen.
 
     Attributes:
         rate: Readings a second.

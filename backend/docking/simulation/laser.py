@@ -108,7 +108,7 @@ def _to_walls(scanner: Pose, cos: Distances, sin: Distances, floor: Box) -> Dist
 
 
 def _cross(scanner: Pose, cos: Distances, sin: Distances, boxes: Sequence[Box]) -> tuple[Distances, Distances]:
-    """Where each ray enters and leaves each box: it is in a box where it is between both pairs of sides."""
+    """Return where each ray enters and leaves each box: it is in a box where it is between both pairs of sides."""
     x_min, y_min, x_max, y_max = np.array([(box.x_min, box.y_min, box.x_max, box.y_max) for box in boxes]).T[:, :, None]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         by_x = (x_min - scanner.x) / cos, (x_max - scanner.x) / cos

@@ -30,7 +30,7 @@ OUTLIER_ANGLE = 1.0
 
 @dataclass(frozen=True, slots=True)
 class MarkerSettings:
-    """How well the marker is seen.
+    """Settings of how well the marker is seen.
 
     Attributes:
         view_angle: The most that the marker may be seen from the side, from its normal, in rad.
@@ -206,7 +206,7 @@ class MarkerCamera:
         return self._mirrored
 
     def _cut_off(self, marker: Pose) -> Pose:
-        """Where the marker seems to be if the edge of the image cuts it off, as seen from the robot."""
+        """Return where the marker seems to be if the edge of the image cuts it off, as seen from the robot."""
         settings = self.settings
         if settings.cut_off_bias == 0.0:
             return marker
@@ -239,7 +239,7 @@ class MarkerCamera:
 
 
 def camera_mount(yaw: float) -> Pose:
-    """Where the camera is taken to be in base_link.
+    """Return the pose in base_link where the camera is taken to be.
 
     Args:
         yaw: Where it looks, in rad; it is at the robot's edge there.
@@ -248,5 +248,5 @@ def camera_mount(yaw: float) -> Pose:
 
 
 def _camera(robot: Pose) -> tuple[float, float]:
-    """Where the camera is in world."""
+    """Return where the camera is in world."""
     return robot.x + CAMERA_X * math.cos(robot.theta), robot.y + CAMERA_X * math.sin(robot.theta)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True, slots=True)
 class Obstruction:
-    """Where a round body is kept that would be inside something solid.
+    """The place where a round body is kept that would be inside something solid.
 
     Attributes:
         x: Of its centre, in world.
@@ -38,7 +38,7 @@ class Obstacle:
     low: bool = False
 
     def obstruct(self, x: float, y: float, radius: float) -> Obstruction | None:
-        """Where a round body is kept that wants to be here; None if the obstacle is not in its way.
+        """Return where a round body is kept that wants to be here; None if the obstacle is not in its way.
 
         Args:
             x: Of its centre, in world.

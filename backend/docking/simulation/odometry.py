@@ -11,7 +11,7 @@ from docking.core.parameter import number, switch
 
 @dataclass(frozen=True, slots=True)
 class OdometrySettings:
-    """How well the robot knows its wheels.
+    """Settings of how well the robot knows its wheels.
 
     The error of a radius is drawn once, so that the error of the pose grows with the way (Borenstein and Feng, UMBmark,
     1996: unequal wheels).

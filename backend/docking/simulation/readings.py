@@ -12,7 +12,7 @@ class Sighting:
 
     Attributes:
         marker: In base_link at that moment.
-        odometry: base_link in odom at that moment, as far as it was known when the detection arrived.
+        odometry: base_link in odom at that moment, as it was known when the detection arrived.
         stamp: The detection's, in simulated seconds.
         at: When the odometry of that moment arrived, or the detection if that was earlier.
     """

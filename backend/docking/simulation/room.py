@@ -22,7 +22,7 @@ class Room:
     thickness: float = 0.15
 
     def obstruct(self, x: float, y: float, radius: float) -> Obstruction | None:
-        """Where a round body is kept that wants to be here; None where no wall is in its way.
+        """Return where a round body is kept that wants to be here; None where no wall is in its way.
 
         Args:
             x: Of its centre, in world.

@@ -39,7 +39,7 @@ FARTHEST = 20.0
 
 @dataclass(frozen=True, slots=True)
 class Start(Pose):
-    """Where the robot stands at first, in world."""
+    """Settings of the robot's first pose, in world."""
 
     x: float = number(-1.5, -20.0, 20.0, "m", "Start pose of the robot in world, x.")
     y: float = number(0.4, -20.0, 20.0, "m", "Start pose, y.")

@@ -224,12 +224,12 @@ class Simulation:
 
     @property
     def presses(self) -> int:
-        """How often the robot came onto the contacts."""
+        """The number of times that the robot came onto the contacts."""
         return self._collisions.presses
 
     @property
     def bumps(self) -> int:
-        """How often the robot has run into something, but for the dock while it touches the contacts."""
+        """The number of times that the robot ran into something, but for the dock while it touches the contacts."""
         return self._collisions.bumps
 
     @property
@@ -326,7 +326,7 @@ class Simulation:
     # How it goes on.
 
     def _wheel_ways(self, dt: float) -> tuple[float, float, float]:
-        """What odometry takes the wheels to have turned, in m: the left one, the right one, and to the left."""
+        """Return what odometry takes the wheels to have turned, in m: the left one, the right one, and to the left."""
         robot = self.robot
         if Fault.OPEN_LOOP_ODOMETRY not in self.faults:
             return robot.left, robot.right, robot.side

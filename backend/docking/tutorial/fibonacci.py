@@ -16,7 +16,7 @@ class FibonacciSettings(NodeSettings):
 
 
 def check_order(order: int) -> str | None:
-    """Why a sequence of this order cannot be computed; None where it can."""
+    """Return why a sequence of this order cannot be computed; None where it can."""
     if 0 <= order <= MAX_ORDER:
         return None
     return f"order is {order}, but must be from 0 to {MAX_ORDER} (beyond that the numbers do not fit in an int32)"

@@ -17,7 +17,7 @@ class FibonacciClient(GoalClient):
 
     @classmethod
     def add_options(cls, parser: argparse.ArgumentParser) -> None:
-        """How far to count."""
+        """Add the option that says how far to count."""
         parser.add_argument("--order", type=_int32, default=10, metavar="N", help="how far to count (default 10)")
 
     @classmethod

@@ -14,7 +14,7 @@ Fields = Mapping[str, Any]
 
 # The simple request's two fields, which every type takes or refuses.
 DOCK_ID, DESIRED = "dock_id", "desired_battery_state"
-# A dock that has no name: where it is, of which type, and which of the two counts.
+# A dock without a name: its pose and its type, and whether the name or the pose counts.
 POSE, TYPE, USE_ID = "dock_pose", "dock_type", "use_dock_id"
 # sensor_msgs/BatteryState.power_supply_status: what a docked robot's battery may do, and that of an undocked one.
 DOCKED = {0: "UNKNOWN", 1: "CHARGING", 4: "FULL"}
@@ -32,7 +32,7 @@ class Progress(NamedTuple):
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a goal ended: its state, why it did not succeed, and the number of retries if the result has it."""
+    """The end of a goal: its state, the reason if it failed, and the number of retries if the result has it."""
 
     status: GoalStatus
     error: GoalError | None = None

@@ -34,7 +34,7 @@ class Candidate:
 
     Attributes:
         name: Its name; relative to the robot's namespace, unless it begins with a slash.
-        likely_type: Its type, as far as is known from its name.
+        likely_type: Its type, if its name tells.
         strict: Whether an action of another type is a different action.
         configured: Whether the settings name it.
         robot: The only robot whose action it is, if the settings say that.
@@ -68,7 +68,7 @@ def adapter_for(verb: Verb, action_type: str) -> DockAdapter:
 
 
 class DockingCatalog:
-    """Which actions dock and undock robots, by name and type: those in the settings, and those of `ADAPTERS`.
+    """Knows the actions that dock and undock robots, by name and type: those in the settings, and those of `ADAPTERS`.
 
     `dock`, `undock` and the like are names that other actions may have, too: there the type has to match. Every
     action with one of our own names, and every configured one, is what its name says.
@@ -170,7 +170,7 @@ class DockingCatalog:
 
 
 def _likely_type(verb: Verb, name: str) -> str:
-    """Return the type of an action, as far as it is known from its name."""
+    """Return the type of an action, if its name tells."""
     ours = ADAPTERS[verb][0]
     return next((each for each in ADAPTERS[verb] if each.action_name == name.rpartition("/")[2]), ours).action_type
 

@@ -67,7 +67,7 @@ async def stop(request: Request, parts: AllParts, robot: RobotsQuery = None) -> 
 
 
 async def _read_body(request: Request, parts: Parts) -> Any:
-    """Return the decoded body. If it is late, stop the robots meanwhile, without latching: the body may name others.
+    """Return the decoded body. If it is late, stop the robots first, without latching: the body may name others.
 
     The audit log has that as a stop of its own, as the body may never come, or be about another robot.
     """

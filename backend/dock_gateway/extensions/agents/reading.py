@@ -1,4 +1,4 @@
-"""What agents read: robots, actions, goals and alerts, and the progress of a goal. Each is a declared operation."""
+"""The operations by which agents read robots, actions, goals and alerts, and the progress of a goal."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -8,7 +8,7 @@ from dock_gateway.settings import ExtensionSettings
 
 
 class AgentSettings(ExtensionSettings):
-    """Whether agents are let in, and who allows their goals."""
+    """The settings of agents: whether they are let in, and who allows their goals."""
 
     mcp: bool = Field(
         False,

@@ -50,7 +50,7 @@ class AuditLog:
     Args:
         record: The record of requests.
         store: Stores its entries.
-        spool: Keeps them on disk meanwhile; None: nowhere.
+        spool: Keeps them on disk until they are stored; None: nowhere.
         limits: How much it takes.
     """
 
@@ -143,7 +143,7 @@ class AuditLog:
             self._urgent.clear()
             batch = list(islice(self._waiting.values(), BATCH))
             try:
-                # What no answer waits for needs no disk that goals wait for, too.
+                # Entries that no answer waits for are written without a sync to the disk, which goals wait for, too.
                 durable = not self._tickets.keys().isdisjoint(entry.entry_id for entry in batch)
                 rows = await self._store.append(batch, durable=durable)
             except Exception as error:

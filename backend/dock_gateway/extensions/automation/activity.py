@@ -70,7 +70,7 @@ class Activity:
         note(robot.namespace)
 
     def still_since(self, robot: str) -> float | None:
-        """Return since when a robot has been still, as far as seen.
+        """Return since when a robot has been seen to be still.
 
         None if its velocity is not heard in full, which counts as motion.
         """

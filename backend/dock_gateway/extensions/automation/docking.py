@@ -258,7 +258,7 @@ class AutomaticDocking:
         try:
             await self._rules.sync()
             if self._rules.get(decision.rule_id) != rule:
-                return  # another gateway has changed it meanwhile, and the earlier decisions no longer count
+                return  # another gateway has changed it, and the earlier decisions no longer count
             await self.decisions.claim(identity, decision)
             if decision.outcome is DecisionOutcome.SENDING:
                 decision = await self._send(identity, decision)
@@ -305,7 +305,7 @@ class AutomaticDocking:
         return self._policy.obstacle(decision.rule_id, rule, robot, time.monotonic())
 
     async def _resolve(self, identity: str, decision: Decision) -> None:
-        """Find out what came of a decision whose gateway ended meanwhile."""
+        """Find out what came of a decision whose gateway has ended."""
         try:
             goal = await self._history.by_key(_key(identity))
             if goal is not None and not goal.unsent:

@@ -29,7 +29,7 @@ WATCHED_BEFORE = timedelta(seconds=30)
 
 @dataclass(frozen=True)
 class RobotFacts:
-    """What is known about a robot.
+    """The facts about a robot.
 
     Attributes:
         name: Its namespace.
@@ -43,7 +43,7 @@ class RobotFacts:
         goal_running: Whether a goal runs on one of its actions.
         goal_lost: Whether contact was lost during a goal, so that it may run.
         stopped: Which stop is latched for it, in words; None if none is.
-        still_since: Since when it has not moved and has run no goal, as far as seen, in seconds on a monotonic clock;
+        still_since: Since when it was not seen to move or to run a goal, in seconds on a monotonic clock;
             None if its velocity is not heard.
         person_at: When a person last canceled, stopped or released it, on the same clock; None if never.
         failed_at: When its last docking goal ended, if it did not succeed.
@@ -67,7 +67,7 @@ class RobotFacts:
 
 @dataclass
 class Verdict:
-    """What to do now.
+    """The decision about a robot now.
 
     Attributes:
         decisions: New decisions, at most one for each robot. The robot of each that is `sending` is to be docked.

@@ -76,7 +76,7 @@ class Schedule(Schema):
 
 
 class RuleFields(Schema):
-    """What makes a rule. Either `battery` or `schedule` is null."""
+    """The fields of a rule. Either `battery` or `schedule` is null."""
 
     name: Name60
     mode: Mode = Mode.OFF

@@ -1,4 +1,4 @@
-"""Which cameras a robot has, by the topics on the graph. Pure."""
+"""Finds a robot's cameras among the topics on the graph. Pure."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable

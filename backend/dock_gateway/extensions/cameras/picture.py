@@ -42,7 +42,7 @@ class Picture:
 
     @property
     def timestamp(self) -> str:
-        """When the gateway received it, in seconds since 1970."""
+        """The time when the gateway received it, in seconds since 1970."""
         return f"{self.received_ns / 1e9:.6f}"
 
     @cached_property

@@ -45,7 +45,7 @@ class Shot:
         return time.time() - self._message.received_ns / 1e9 > STALE
 
     async def picture(self, max_width: int) -> Picture:
-        """Return the picture, at most so wide as far as eighths of its size allow.
+        """Return the picture, scaled by eighths of its size to be at most so wide.
 
         Raises:
             Unreadable: It cannot be shown.

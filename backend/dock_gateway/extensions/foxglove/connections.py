@@ -1,4 +1,4 @@
-"""Who publishes and subscribes to what, and who serves what: the connection graph that a viewer draws."""
+"""The connection graph that a viewer draws: publishers, subscribers and servers."""
 
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,4 +1,4 @@
-"""How requests and responses of services are read and written: in CDR, and in JSON."""
+"""Reads and writes requests and responses of services, in CDR and in JSON."""
 
 import struct
 from collections.abc import Mapping

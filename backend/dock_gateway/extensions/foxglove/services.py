@@ -40,7 +40,7 @@ Carry = Callable[[Any], Awaitable[Any]]
 
 @dataclass(frozen=True)
 class Draft:
-    """What a service does; it is not offered yet.
+    """A service that is not offered yet.
 
     Attributes:
         forms: Finds the forms of requests and responses, which may take long.

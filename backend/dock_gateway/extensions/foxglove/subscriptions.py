@@ -1,4 +1,4 @@
-"""What one client has subscribed to, and what waits for it if it reads slowly."""
+"""The subscriptions of one client, and its queue of messages if it reads slowly."""
 
 import asyncio
 from collections import Counter, deque
@@ -54,7 +54,7 @@ class Waiting(NamedTuple):
 
 
 class Queue:
-    """What waits for one client: the newest message of each topic, and earlier ones as far as there is room.
+    """The queue of one client: the newest message of each topic, and earlier ones while there is room.
 
     Args:
         most: Maximum number of messages.

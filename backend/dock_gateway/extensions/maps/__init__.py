@@ -1,1 +1,1 @@
-"""What is around a robot: the map, the laser scan and the planned path, in frames that `tf` relates."""
+"""A robot's surroundings: the map, the laser scan and the planned path, in frames that `tf` relates."""

@@ -46,7 +46,7 @@ class MapFeed:
 
     @property
     def hint(self) -> str | None:
-        """Why there is no map, or none that is newer; None if all is well."""
+        """The reason why there is no map, or no newer one; None if all is well."""
         none_yet = f"No map has come on {self.topic} yet." if self.grid is None else None
         return self._problem or self._whole.hint or none_yet
 

@@ -1,11 +1,11 @@
-"""What several robots share, such as the map of a hall: made when the first needs it, closed when none does."""
+"""Things that several robots share, such as the map of a hall: made for the first, closed after the last."""
 
 from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
 
 class Closable(Protocol):
-    """What a pool holds."""
+    """Something that a pool holds."""
 
     async def close(self) -> None:
         """End it."""

@@ -1,4 +1,4 @@
-"""What is around one robot: its map, what its laser sees, and its path."""
+"""The surroundings of one robot: its map, its laser scan and its path."""
 
 import logging
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What the replay of a goal shows of its recording: laser scans, commanded velocities and the battery, thinned."""
+"""Thins a recording for the replay of its goal: laser scans, commanded velocities and the battery."""
 
 import math
 from collections.abc import Callable, Sequence

@@ -10,7 +10,7 @@ from dock_gateway.settings import ExtensionSettings
 
 
 class RecordingSettings(ExtensionSettings):
-    """What is recorded, and how much of it is kept."""
+    """The settings of recordings: what is recorded, and how much of it is kept."""
 
     record: Literal["all", "failed", "none"] = Field(
         "failed",

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 RESERVE = 200_000_000
 # Seconds between two log lines about the same trouble.
 QUIET = 600.0
-# Goals of which is known why they have no recording.
+# Goals for which the reason why they have no recording is remembered.
 MAX_REASONS = 1000
 # Messages that are copied at once.
 BATCH = 500

@@ -1,4 +1,4 @@
-"""Which topics of a robot are recorded. Pure."""
+"""Chooses the topics of a robot that are recorded. Pure."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
@@ -72,7 +72,7 @@ def recorded_topics(
     further = resolved(more)
     found = {}
     for name, types in topics.items():
-        if len(types) != 1:  # a mistake, of which we shall be no part
+        if len(types) != 1:  # a mistake: nothing is subscribed to, which would add to it
             continue
         kind = types[0]
         by_type = kind in TYPES and (name in named or owner(name) == robot)

@@ -36,7 +36,7 @@ ARGUMENTS = {
 
 
 async def answer(parts: Parts, grant: Grant, service: str, args: Any) -> Json:
-    """Return the answer of a service of `/rosapi`, as far as the user's grant reaches.
+    """Return the answer of a service of `/rosapi`, without what the user's grant does not include.
 
     Raises:
         InvalidField: An argument is missing or no text.

@@ -61,7 +61,7 @@ class TopicOutlet:
 
     @property
     def due(self) -> float:
-        """When the next message may be sent, by the clock of the loop; never without one."""
+        """The time when the next message may be sent, by the clock of the loop; never without one."""
         return self._due if self._queue else NEVER
 
     async def offer(self, received: Received) -> None:

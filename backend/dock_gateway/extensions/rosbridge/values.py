@@ -23,7 +23,7 @@ FEW = 32
 
 
 class Style(NamedTuple):
-    """How arrays are written: those of bytes, and those of other numbers, with their type code."""
+    """The way in which arrays are written: those of bytes, and those of other numbers, with their type code."""
 
     octets: Callable[[bytes], Any]
     numbers: Callable[[Any, str], Any]

@@ -1,4 +1,4 @@
-"""Who makes a request of the hub, and what they may do at this site."""
+"""Identifies who makes a request of the hub, with what they may do at this site."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""What is measured of the connection to the hub."""
+"""The metrics of the connection to the hub."""
 
 from collections.abc import Iterator
 

@@ -10,7 +10,7 @@ from dock_gateway.sites.settings import BrokerSettings, find_broker_fault
 
 
 class SiteSettings(BrokerSettings, ExtensionSettings):
-    """How a hub reaches this gateway, and what it may do."""
+    """The settings of a site: how its hub reaches this gateway, and what the hub may do."""
 
     hub: Brokers = Field(
         (),

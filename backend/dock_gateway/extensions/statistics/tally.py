@@ -1,4 +1,4 @@
-"""How goals ended: counts, success rate, durations and error codes.
+"""Counts ends of goals: success rate, durations and error codes.
 
 One query reads the goals once and returns a row for each action, status and error code, with the durations of all its
 goals in one text. So little is transferred, and goals can be put into any groups afterwards, with exact percentiles.

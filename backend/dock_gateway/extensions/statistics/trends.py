@@ -1,4 +1,4 @@
-"""How long docking takes each robot: the last seven days, compared with the seven before."""
+"""Compares how long docking takes each robot in the last seven days and in the seven before."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

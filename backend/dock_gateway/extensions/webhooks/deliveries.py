@@ -15,7 +15,7 @@ GONE = 410
 
 @dataclass(frozen=True)
 class ReceiverAnswer:
-    """What came of one attempt: the HTTP status, if there was an answer, and the error, if it failed."""
+    """The outcome of one attempt: the HTTP status, if there was an answer, and the error, if it failed."""
 
     status_code: int | None
     error: str | None

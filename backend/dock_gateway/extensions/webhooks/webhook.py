@@ -49,7 +49,7 @@ SEVERITIES: tuple[Severity, ...] = get_args(Severity)
 
 
 class WebhookFields(Schema):
-    """What makes a webhook."""
+    """The fields of a webhook."""
 
     name: Name60
     url: Url

@@ -1,4 +1,4 @@
-"""How much one message of a client may hold as a whole: it is read, and given to ROS, while others wait."""
+"""Limits the size of one message of a client: it is read, and given to ROS, while others wait."""
 
 from functools import cache
 

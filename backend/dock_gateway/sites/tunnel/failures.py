@@ -1,4 +1,4 @@
-"""What keeps the hub from getting an answer of a site."""
+"""The failures that keep the hub from getting an answer of a site."""
 
 from http import HTTPStatus
 

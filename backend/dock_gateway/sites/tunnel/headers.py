@@ -1,4 +1,4 @@
-"""Which headers travel through the tunnel, and how. Each end decides for itself, whatever the other one sends."""
+"""Chooses the headers that travel through the tunnel. Each end decides for itself, whatever the other one sends."""
 
 from collections.abc import Iterable
 
