@@ -39,7 +39,7 @@ export interface EventQuery {
 
 /** Events that a stream recognizes if they come again. */
 const REMEMBERED = 1000;
-/** Attempts in a row after which a stream that never began is given up: a handshake's answer is not told. */
+/** Attempts in a row after which a stream that never began is given up: a page does not see the answer to a handshake. */
 const MAX_REFUSED = 3;
 const RETRY_MS = 500;
 /** An agent's goal waits that long for a person. */

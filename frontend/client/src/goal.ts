@@ -10,7 +10,7 @@ export function isFinal(status: GoalStatus): boolean {
   return FINAL.has(status);
 }
 
-/** The goal has ended as far as is known. */
+/** The goal has ended, by what is known. */
 export function isTerminal(status: GoalStatus): boolean {
   return status === "lost" || isFinal(status);
 }

@@ -11,7 +11,7 @@ const INVALID_TOKEN = 4401;
 export type ConnectionInput =
   | { kind: "snapshot" }
   | { kind: "closing"; reason: string }
-  /** `refused`: it was not opened, or its login has ended. A page is not told which, or why. */
+  /** `refused`: it was not opened, or its login has ended. A page does not see which, or why. */
   | { kind: "closed"; refused?: boolean }
   | { kind: "tick" };
 
@@ -85,7 +85,7 @@ export class EventStream {
     return this.#socket.readyState === this.#socket.OPEN;
   }
 
-  /** Connects anew, at once. */
+  /** Connects again, at once. */
   reconnect(): void {
     this.#socket.reconnect();
   }

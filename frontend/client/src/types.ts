@@ -6,7 +6,7 @@ export type Goal = Schemas["Goal"];
 /** A goal on any action: its messages have whatever fields the action's type has. */
 export type AnyGoal = Schemas["ActionGoal"];
 export type AnyGoalPage = Schemas["TaggedGoalPage"];
-/** A goal of a list; what only the stream has told of has no tags yet. */
+/** A goal of a list; one that only the stream has sent has no tags yet. */
 export type ListedGoal = AnyGoal & Partial<Pick<Schemas["TaggedGoal"], "tags">>;
 export type ActionInfo = Schemas["ActionInfo"];
 export type GoalHistory = Schemas["GoalHistory"];

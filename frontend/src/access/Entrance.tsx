@@ -17,7 +17,7 @@ export function Entrance({ children }: { children: ReactNode }) {
   const [entered, setEntered] = useState(false);
   if (principal !== null && !entered) setEntered(true);
 
-  // In another tab somebody may have logged in or out meanwhile.
+  // Someone may have logged in or out in another tab.
   useEffect(() => {
     if (!required) return;
     window.addEventListener("focus", session.ask);

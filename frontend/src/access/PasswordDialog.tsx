@@ -32,7 +32,7 @@ function PasswordForm({ onDone }: { onDone: () => void }) {
       { old, new: password },
       {
         onSuccess: () => {
-          // The stream may have ended, and the page been told so, before its new login was there.
+          // The page may have seen the end of the stream before its new login was there.
           void session.askAgain();
           notifications.show({ message: "Your password is changed. Other browsers are logged out." });
           onDone();

@@ -23,7 +23,7 @@ export function setOwnName(name: string): void {
   if (loginName() === null) keep(KEY, name.slice(0, MAX_NAME));
 }
 
-/** Who stops the robot, as others are told. */
+/** The name of who stops the robot, which others see. */
 export function whoStops(): string {
   return ownName().trim() || DASHBOARD;
 }

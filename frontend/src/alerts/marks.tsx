@@ -12,7 +12,7 @@ const SHAPES: Record<Mark, string> = {
     "M12 2a10 10 0 1 1 0 20 10 10 0 0 1 0-20Zm-1.2 14.6 6.5-6.5-1.4-1.4-5.1 5.1-2.4-2.4L7 12.8l3.8 3.8Z",
 };
 
-/** An octagon, a triangle or a tick: told apart without colour, too. What it means is said beside it. */
+/** An octagon, a triangle or a tick: distinct without color, too. The text next to it says what it means. */
 export function SeverityMark({ mark }: { mark: Mark }) {
   return (
     <svg

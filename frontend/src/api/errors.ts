@@ -18,7 +18,7 @@ const WORDS: Record<string, ErrorWords> = {
   },
   alert_not_found: {
     title: "The alert is over",
-    advice: "What it was about has ended meanwhile; the list shows what is left.",
+    advice: "Its cause has ended; the list shows what is left.",
   },
   body_too_large: { title: "The request is too large", advice: null },
   calibration_refused: {

@@ -129,7 +129,7 @@ interface Statuses {
   complete: boolean;
 }
 
-/** Every status that a goal was in, as far as the history goes back. */
+/** Every status of a goal that the history has. */
 export async function statusesOf(http: Http, goalId: string): Promise<Statuses> {
   const events: StatusEvent[] = [];
   let [complete, pages] = [true, 0];

@@ -1,4 +1,4 @@
-/** What the gateway's JSON Schemas (draft 2020-12) say of a ROS message, as far as this page reads it. */
+/** What the gateway's JSON Schemas (draft 2020-12) say of a ROS message: the part that this page reads. */
 export interface JsonSchema {
   $ref?: string;
   $defs?: Record<string, JsonSchema>;
@@ -53,7 +53,7 @@ export function itemNode(node: SchemaNode | undefined): SchemaNode | undefined {
   return unit === undefined ? item : { ...item, schema: { "x-unit": unit, ...item.schema } };
 }
 
-/** What stands beside a reference (a description) goes before what it points to. */
+/** Fields next to a reference (a description) override those that it points to. */
 function resolve(schema: JsonSchema, root: JsonSchema): SchemaNode {
   const { $ref, ...beside } = schema;
   if ($ref === undefined) return { schema, root };

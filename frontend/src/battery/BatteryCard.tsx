@@ -263,7 +263,7 @@ interface ChargeBarProps {
   old?: boolean;
 }
 
-/** How full a battery is. Its words are beside it. */
+/** A picture of how full a battery is; the text next to it says the same. */
 export function ChargeBar({ filled, charge, old = false }: ChargeBarProps) {
   return (
     <span className={classes.bar} data-charge={charge} data-old={old || undefined} aria-hidden="true">

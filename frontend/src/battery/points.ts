@@ -114,7 +114,7 @@ export function describe(points: Points, quantity: Quantity, index: number | nul
 const POINTS = 600;
 /** A hand that turns the wheel asks once. */
 const CALM_MS = 150;
-/** The shortest and the longest time until a view that follows now is read again (s); what comes meanwhile is live. */
+/** The shortest and the longest time until a view that follows now is read again (s); later points are live. */
 const RENEW_S = { least: 10, most: 240 };
 
 interface Past {

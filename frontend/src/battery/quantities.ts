@@ -4,7 +4,7 @@ import { fixed } from "../ui/numbers";
 interface Shape {
   name: string;
   unit: string;
-  /** Of the marks beside the plot. */
+  /** Of the numbers next to the plot. */
   decimals: number;
   /** Every mark is a multiple of this. */
   tidy: number;

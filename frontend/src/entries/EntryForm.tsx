@@ -20,7 +20,7 @@ interface EntryFormProps<Draft extends { name: string }, Errors extends { name?:
   maxName: number;
   /** What is wrong with each field. */
   errorsOf: (draft: Draft) => Errors;
-  /** The request that stores it; `by` is null where nobody is named. */
+  /** The request that stores it; `by` is null where no name is given. */
   bodyOf: (draft: Draft, by: string | null) => Body;
   save: UseMutationResult<Stored, ClientError, { id: string; body: Body }>;
   onSaved: (stored: Stored) => void;

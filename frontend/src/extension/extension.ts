@@ -121,7 +121,7 @@ export interface Places {
   replay: OfGoal & { onLayer: (layer: ReplayLayer | null) => void };
   /** Shows nothing itself: calls `onPlacing` with how the page's robot is placed by dragging it, null where it is not. */
   placing: { onPlacing: (placing: Placing | null) => void };
-  /** On the page about who is told of alerts. */
+  /** On the page about notifications of alerts. */
   notifications: object;
 }
 

@@ -10,7 +10,7 @@ const LOOKS: Record<Exclude<Freshness, "live">, { words: string; color: string }
   offline: { words: "Not live", color: "gray.7" },
 };
 
-/** How current what is beside it is. That it is live, as it should be, is said to screen readers alone. */
+/** How current the values next to it are. If they are live, only screen readers say so. */
 export function FreshnessBadge({ freshness }: { freshness: Freshness }) {
   if (freshness === "live") return <VisuallyHidden>Live</VisuallyHidden>;
   const { words, color } = LOOKS[freshness];

@@ -23,13 +23,13 @@ export interface Entry {
   lasted: number | null;
 }
 
-/** Stages that say no more than the status beside them. */
+/** Stages that say no more than the status next to them. */
 const SAID_BY_STATUS = new Set(["IDLE", "SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"]);
 
 /** How far a goal has come. */
 const STEPS: readonly GoalStatus[] = ["pending", "accepted", "executing", "canceling"];
 
-/** Events are in the order of their stamps, which are of two clocks: what is told late is no step back. */
+/** Events are in the order of their stamps, which are of two clocks: one that arrives late is no step back. */
 function laterOf(before: GoalStatus | null, now: GoalStatus): GoalStatus {
   return before !== null && STEPS.includes(now) && STEPS.indexOf(now) < STEPS.indexOf(before) ? before : now;
 }

@@ -17,7 +17,7 @@ import { sentence } from "../ui/text";
 import { goalsPath } from "./filter";
 import classes from "./goals.module.css";
 
-/** A goal as far as it is listed. */
+/** The fields of a goal that the list has. */
 type RowGoal = Omit<ListedGoal, "goal" | "feedback" | "result" | "feedback_count" | "last_event_id">;
 
 interface GoalsTableProps {

@@ -46,7 +46,7 @@ function useKnownGoals(group: string | null): readonly AnyGoal[] {
   }, [goals, naming, group]);
 }
 
-/** What was missed while the gateway was away is not all told by the stream. */
+/** The stream does not repeat everything that was missed while the gateway was away. */
 function useAgainWhenBack(refetch: () => void): void {
   const live = useFleetLive();
   const wasLive = useRef(live);

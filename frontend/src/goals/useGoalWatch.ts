@@ -78,7 +78,7 @@ export function useTimeline(goal: AnyGoal): { entries: readonly Entry[]; past: P
   const past = useWatchTopic("past");
   const complete = past.complete === true;
   const { status, stage, retries, stalled, finished_at, error } = goal;
-  // biome-ignore lint/correctness/useExhaustiveDependencies: what of the goal is told
+  // biome-ignore lint/correctness/useExhaustiveDependencies: only these fields of the goal count
   const entries = useMemo(
     () => timelineOf(goal, statuses, complete),
     [status, stage, retries, stalled, finished_at, error, statuses, complete],

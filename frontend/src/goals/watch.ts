@@ -53,7 +53,7 @@ export class GoalWatch {
   #statuses: readonly StatusEvent[] = [];
   #past: Past = { loading: true, complete: null, error: null };
   #connection: Connection | null = null;
-  /** The last event that the history told of. */
+  /** The last event that came from the history. */
   #reached: string | null = null;
   #again = false;
   #asking = false;
@@ -195,7 +195,7 @@ export class GoalWatch {
       const goal = (await this.api.goal(this.goalId)) as Goal;
       if (isFinal(goal.status)) this.#goals = { ...EMPTY, goals: new Map([[goal.goal_id, goal]]) };
     } catch {
-      // What the stream told is shown.
+      // The events of the stream are shown.
     }
     this.#shown.schedule();
   }

@@ -20,7 +20,7 @@ interface DetailsPaneProps {
   change: ChangeView;
 }
 
-/** All about the selected thing: beside the graph, and over it where there is no room. */
+/** All about the selected thing: next to the graph, or over it where there is no room. */
 export function DetailsPane({ graph, view, change }: DetailsPaneProps) {
   const { selected, echo } = view;
   const beside = useMediaQuery("(min-width: 75em)", true, { getInitialValueInEffect: false });

@@ -153,7 +153,7 @@ function graphOf({ graph }: TaggedGraph): Graph {
   return graph;
 }
 
-/** The gateway's node: the name that it has by default until it has told. */
+/** The gateway's node: its default name until the gateway has answered. */
 function useGatewayNode(): string {
   const { http } = useFleet();
   const { data } = useQuery({

@@ -63,7 +63,7 @@ export function layOut({ vertices, links }: Elements): Layout {
 /** Between what is there and what comes (px). */
 const GAP = 18;
 
-/** Places where everything that had one stays; what is new comes beside what it is connected with. */
+/** Places where everything that had one stays; new ones come next to what they are connected with. */
 export function layOutNew(elements: Elements, kept: Places): Places {
   const { vertices, links } = elements;
   const known = new Set(vertices.map(({ id }) => id));
@@ -179,7 +179,7 @@ export function directionOf(key: string): Direction | null {
   return WAYS[key] ?? null;
 }
 
-/** The id of the nearest in a direction: what is straight ahead is nearer than what is beside. Null where nothing is. */
+/** The id of the nearest in a direction: things straight ahead are nearer than those to the side. Null where nothing is. */
 export function stepFrom(places: Places, from: string, direction: Direction): string | null {
   const start = places.get(from);
   if (start === undefined) return null;

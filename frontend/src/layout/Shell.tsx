@@ -66,7 +66,7 @@ function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>, pathname: 
     if (shown.current === pathname) return;
     shown.current = pathname;
     window.scrollTo(0, 0);
-    // The page may come later than a dialog that was opened meanwhile.
+    // The page may come later than a dialog that was opened while it loaded.
     if (document.querySelector("[aria-modal=true]") === null) main.current?.focus({ preventScroll: true });
   }, [main, pathname]);
 }

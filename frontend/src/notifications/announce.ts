@@ -2,7 +2,7 @@ import { siteKey } from "../api/site";
 import { ALL_ROBOTS, type RobotChoice } from "../fleet/robotChoice";
 import { Kept, useKept } from "../ui/kept";
 
-/** Sounds and notifications of the operating system, as far as the browser allows them. */
+/** Sounds and notifications of the operating system, where the browser allows them. */
 
 interface Announcement {
   /** One with the same tag replaces an earlier one, also from another tab. */

@@ -45,7 +45,7 @@ export class Ground {
     drawLine(ctx, surface, [...surface.trail.slice(-1), surface.robot]);
   }
 
-  /** The ground as far as it can stay, or a new one with nothing but the grid. */
+  /** The same ground where it can stay, or a new one with nothing but the grid. */
   #context(ctx: CanvasRenderingContext2D, surface: Surface): CanvasRenderingContext2D | null {
     const { width, height } = ctx.canvas;
     const ground = this.#canvas.getContext("2d");

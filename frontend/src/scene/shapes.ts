@@ -61,7 +61,7 @@ interface Known {
   staging: Pose | null;
 }
 
-/** Where the dock and the poses around it are, as far as that is known. */
+/** The known poses of the dock and around it. */
 export function shapesOf(scene: Known): Shapes {
   const docked = scene.docked ?? (scene.dock === null ? null : compose(scene.dock, DOCKED_IN_MARKER));
   return { dock: scene.dock, docked, staging: scene.staging };

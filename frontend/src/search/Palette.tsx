@@ -25,7 +25,7 @@ interface PaletteProps {
   onClose: () => void;
 }
 
-/** Finds pages, robots, actions and goals, and commands for robots. Below the header, so that Stop can be pressed beside it. */
+/** Finds pages, robots, actions and goals, and commands for robots. Below the header, so that Stop can still be pressed. */
 export default function Palette({ opened, onClose }: PaletteProps) {
   const [query, setQuery] = useState("");
   useEffect(() => (opened ? spotlight.open() : spotlight.close()), [opened]);

@@ -105,7 +105,7 @@ interface Sent {
   implausible?: readonly Implausible[];
 }
 
-/** A battery state as far as the gateway believes it: what cannot be right is as if it were not measured. */
+/** A battery state without the values that the gateway does not believe: they count as not measured. */
 export function believed({ state, percentage, implausible = [] }: Sent): BatteryState {
   const known = { ...state, percentage: percentage === undefined ? state.percentage : percentage };
   for (const { field } of implausible) {

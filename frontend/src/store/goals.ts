@@ -89,7 +89,7 @@ export function applyResult<S extends GoalsState>(state: S, event: EventOf<"resu
   });
 }
 
-/** Takes up goals that came as an answer over HTTP, unless events have told something newer. */
+/** Takes up goals that came as an answer over HTTP, unless events have brought something newer. */
 export function mergeGoals<S extends GoalsState>(state: S, goals: readonly Goal[]): S {
   let next = state;
   for (const goal of goals) {

@@ -6,7 +6,7 @@ import { takeUp } from "./streamStore";
 
 /**
  * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
- * does not touch. The page is about one docking action and the undocking action beside it, those that the snapshot or a later event
+ * does not touch. The page is about one docking action and its undocking action, those that the snapshot or a later event
  * names: events of the other actions on the graph, whose messages have other fields, change nothing.
  *
  * @param now This computer's time when the event came (ms).

@@ -24,7 +24,7 @@ export const MAX_ARRIVALS = 32;
 export const MAX_FEEDBACK = 12;
 
 interface Battery {
-  /** As far as it is believed; null until a first message has come. */
+  /** Without values that are not believed; null until a first message has come. */
   state: BatteryState | null;
   /** What of the last message cannot be right. */
   implausible: readonly Implausible[];
@@ -70,7 +70,7 @@ export interface State extends StreamState {
   actionServer: ActionServer | null;
   undockServer: ActionServer | null;
   stop: StopState;
-  /** Null where no simulator is on the graph, as far as is known. */
+  /** Null where no simulator is known to be on the graph. */
   simulator: Simulator | null;
   /** Feedback messages that the gateway did not send because this page was too slow. */
   dropped: number;

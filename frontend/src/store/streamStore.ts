@@ -88,7 +88,7 @@ export abstract class StreamStore<State extends StreamState, Topics extends obje
   }
 }
 
-/** Subscribers are told at most this often, whatever the message rate. */
+/** Subscribers are called at most this often, whatever the message rate. */
 export const RENDER_INTERVAL_MS = 200;
 
 /**

@@ -18,7 +18,7 @@ export interface PlotStackProps {
   lines: readonly PlotLine[];
   /** What each plot shows, to a screen reader. */
   labels: readonly string[];
-  /** Beside the name of each line. */
+  /** Next to the name of each line. */
   tools: readonly ReactNode[];
   bands: readonly PlotBand[];
   /** How far the x axis goes at least. */

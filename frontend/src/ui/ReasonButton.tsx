@@ -8,7 +8,7 @@ interface ReasonButtonProps extends Omit<ButtonProps, "disabled">, NativeProps {
   reason: string | null;
 }
 
-/** How a button beside an entry of a list looks. */
+/** The look of a button next to an entry of a list. */
 export const ENTRY_BUTTON = { variant: "default", size: "compact-sm" } as const;
 
 /**

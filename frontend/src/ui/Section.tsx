@@ -4,7 +4,7 @@ import { pageSite } from "../api/site";
 
 interface SectionProps {
   title: string;
-  /** Beside the title, at the right. */
+  /** Next to the title, at the right. */
   aside?: ReactNode;
   children: ReactNode;
 }

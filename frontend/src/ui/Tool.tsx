@@ -28,7 +28,7 @@ export function Tool({ name, path, pixels, pressed, title = name, ...button }: T
   );
 }
 
-/** A picture on 24 by 24, in the color of the text; what it means is said beside it. */
+/** A picture on 24 by 24, in the color of the text; the text next to it says what it means. */
 export function Icon({ path, pixels = 18 }: { path: string; pixels?: number | undefined }) {
   return (
     <svg width={pixels} height={pixels} viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">

@@ -4,7 +4,7 @@ import { alike, type Digits, NO_DIGITS, withNumber } from "./numbers";
 /** What a page says where a number is NaN. */
 export const NOT_MEASURED = "not measured";
 
-/** Items of an array that are told; JSON has them all. */
+/** The number of items of an array that are listed; JSON has them all. */
 export const MAX_ITEMS = 60;
 
 const MAX_TEXT = 2000;

@@ -49,7 +49,7 @@ export function decimalsOf(value: number): number {
 /** Enough to compare values at a glance; a message has all of them. */
 export const COMPARED = 6;
 
-/** A number of a message like those that are read with it: `9.00` beside `8.95`. As ROS tools write it: a point, no groups. */
+/** A number of a message like those that are read with it: `9.00` next to `8.95`. As ROS tools write it: a point, no groups. */
 export function alike(value: number, { decimals, magnitude }: Digits, significant = SIGNIFICANT): string {
   if (magnitude < -4 && value !== 0) return minusSign(value.toExponential(3)).replace("e-", "e−");
   const whole = Math.max(0, magnitude) + 1;

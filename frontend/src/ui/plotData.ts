@@ -45,7 +45,7 @@ export function roomyRange(min: number | null, max: number | null): [number, num
   return [min - room, max + room];
 }
 
-/** The numbers beside an axis, with as many decimals as the step from one to the next has. */
+/** The numbers at an axis, with as many decimals as the step from one to the next has. */
 export function axisNumbers(splits: readonly number[], step: number): string[] {
   const { magnitude } = splits.reduce(withNumber, NO_DIGITS);
   return splits.map((split) => alike(split, { decimals: decimalsOf(step), magnitude }));

@@ -58,7 +58,7 @@ interface FieldInputProps {
   path: Path;
   value: Value;
   sent: Json | undefined;
-  /** Whether there is nothing else to fill in beside it. */
+  /** Whether it is the only field. */
   alone?: boolean;
 }
 

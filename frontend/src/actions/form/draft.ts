@@ -24,7 +24,7 @@ interface Outgoing {
   message: JsonObject | null;
   /** Whether it may be sent: what the gateway refused before is for the gateway to judge again. */
   ready: boolean;
-  /** What is wrong, as far as is known here, and what the gateway refused. */
+  /** Errors that this page finds, and those that the gateway answered. */
   errors: readonly FieldError[];
 }
 

@@ -61,7 +61,7 @@ function signed(number: bigint): string {
   return number < 0n ? `−${-number}` : String(number);
 }
 
-/** How many bytes there are; null where that cannot be told. */
+/** The number of bytes; null where the text is not valid. */
 export function countBytes({ encoding, text }: Bytes): number | null {
   return encoding === "numbers" ? splitNumbers(text).length : base64Length(withoutSpaces(text));
 }

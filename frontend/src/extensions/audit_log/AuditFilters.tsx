@@ -107,7 +107,7 @@ function LateField({ label, value, onValue, isValid = () => true, invalid }: Lat
   );
 }
 
-/** By their words; several operations may have the same ones, and are told apart by their names. */
+/** Sorted by their words; operations with the same words are distinguished by their names. */
 function whatOptions(chosen: string): { value: string; label: string }[] {
   const names = [...new Set([...Object.keys(WHAT_WORDS), ...(chosen === "" ? [] : [chosen])])];
   const words = names.map(whatWords);

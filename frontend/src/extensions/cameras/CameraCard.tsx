@@ -11,7 +11,7 @@ import { type Camera, listCameras } from "./requests";
 
 const REFETCH_MS = 5000;
 const LiveCamera = lazyPart(() => import("./LiveCamera"));
-/** Whether this browser shows cameras: their pictures load the robot's network, so nobody watches by accident. */
+/** Whether this browser shows cameras: their pictures load the robot's network, so each is opened on purpose. */
 const WATCHING = new Kept<boolean>(
   "dock-gateway.camera",
   (text) => text === "on",

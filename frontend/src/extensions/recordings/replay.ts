@@ -82,7 +82,7 @@ export function at<Each extends { at: number }>(
   return found === null || (moment !== null && moment - found.at > OLD_S) ? null : found;
 }
 
-/** What the robot was told at a moment, and what its battery said. */
+/** The velocity that was commanded at a moment, and the state of the battery. */
 export function readingsAt({ velocity, battery }: GoalReplay, moment: number | null): string[] {
   const told = at(velocity, moment);
   const said = at(battery, moment);

@@ -56,7 +56,7 @@ interface StopAnswer {
   sites: SiteStops;
 }
 
-/** What only a hub has, beside what the OpenAPI document of a gateway says. */
+/** The routes that only a hub has: they are not in the OpenAPI document of a gateway. */
 interface HubPaths {
   "/sites": { get: { responses: { 200: { content: { "application/json": { sites: Site[] } } } } } };
   "/sites/{site}": { delete: OneSite };

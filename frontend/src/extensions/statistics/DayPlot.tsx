@@ -24,7 +24,7 @@ export interface Geometry {
 
 interface DayPlotProps {
   title: string;
-  /** What the plot says as a whole, beside the title while no day is pointed at. */
+  /** A summary of the plot, next to the title while no day is pointed at. */
   summary: ReactNode;
   days: readonly string[];
   marks: readonly Mark[];

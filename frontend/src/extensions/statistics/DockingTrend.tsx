@@ -112,7 +112,7 @@ function Week({ week: { median_s, succeeded, goals_path } }: { week: DockingTren
   );
 }
 
-/** The median of each day. What is beside it says the same in words. */
+/** The median of each day. The text next to it says the same. */
 function Sparkline({ days }: { days: readonly (number | null)[] }) {
   return (
     <svg width={BOX.width} height={BOX.height} className={classes.sparkline} aria-hidden="true">

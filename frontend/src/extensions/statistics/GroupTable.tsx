@@ -130,7 +130,7 @@ const GroupRow = memo(function GroupRow({ by, group, displayName }: GroupRowProp
   );
 });
 
-/** The share of succeeded goals, and of those that failed. The number beside it says the same. */
+/** The share of succeeded goals, and of those that failed. The number next to it says the same. */
 function RateBar({ rate }: { rate: number }) {
   return (
     <div className={classes.bar} aria-hidden="true">
