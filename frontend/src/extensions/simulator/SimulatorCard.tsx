@@ -9,13 +9,14 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useCommand } from "../../ui/requests";
 import { Section } from "../../ui/Section";
-import { type Fault, useSimulatorApi } from "./requests";
+import { type Fault, useSimulatorApi, useSimulatorAsked } from "./requests";
 
 const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";
 const NOT_ANSWERED = "The simulator has not answered yet.";
 
 /** What can be done to a simulated robot; nothing where there is none. */
 export default function SimulatorCard() {
+  useSimulatorAsked();
   const simulator = useTopic("simulator");
   return simulator === null ? null : <Controls simulator={simulator} />;
 }

@@ -1,13 +1,13 @@
 import { useEffect } from "react";
 import { useForbidden } from "../../api/session";
 import type { Places } from "../../extension/extension";
-import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
-import { useSimulatorApi } from "./requests";
+import { useTopicPart } from "../../store/context";
+import { useSimulatorApi, useSimulatorAsked } from "./requests";
 
 /** Places a simulated robot. */
 export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
   const { place } = useSimulatorApi();
-  useAsked();
+  useSimulatorAsked();
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
   const forbidden = useForbidden("POST /simulator/place");
   useEffect(() => {
@@ -16,26 +16,4 @@ export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
     return () => onPlacing(null);
   }, [simulated, place, forbidden, onPlacing]);
   return null;
-}
-
-/**
- * Asks for the simulator whenever the page reconnects or the scene stops or goes on; events tell of what changes later.
- * It is asked for where there is a true pose, which has no other source.
- */
-function useAsked(): void {
-  const { get } = useSimulatorApi();
-  const { store } = useServices();
-  const freshness = useFreshness("scene");
-  const simulated = useScene((scene) => scene?.frame === "world");
-  useEffect(() => {
-    if (!simulated || freshness === "offline") return;
-    let wanted = true;
-    // Without an answer it is as before; what is wrong with the connection is said at the top.
-    get()
-      .then((simulator) => wanted && store.setSimulator(simulator))
-      .catch(() => {});
-    return () => {
-      wanted = false;
-    };
-  }, [get, store, freshness, simulated]);
 }
