@@ -161,13 +161,15 @@ class Installed:
             if each.open is None or each.name in self.failed:
                 continue
             try:
-                part = await stack.enter_async_context(_within_deadlines(each.name, each.open(parts)))
+                async with AsyncExitStack() as opened:
+                    part = await opened.enter_async_context(_within_deadlines(each.name, each.open(parts)))
+                    if part is not None:
+                        parts.add(type(part), part)
+                    stack.push_async_exit(opened.pop_all())
             except Exception as error:  # noqa: BLE001 - logged by `_fail`
                 self._fail(each.name, error)
                 parts.mark_failed(each.name, each.open.__module__.rpartition(".")[0] or each.open.__module__)
             else:
-                if part is not None:
-                    parts.add(type(part), part)
                 self.metrics.append(partial(each.metrics, part))
 
     def alerts(self) -> list[Alert]:

@@ -15,7 +15,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter, is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.listeners import Listeners
+from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
 from dock_gateway.core.tasks import Tasks
@@ -92,7 +92,7 @@ class Overview:
         self._ids: set[str] = set()
         self._published: dict[str, bytes] = {}
         self.on_change = Listeners[[]]("an alert begins or ends")
-        self.sources: list[Callable[[], Iterable[Alert]]] = []
+        self.sources = Hooks[Callable[[], Iterable[Alert]]]()
         self._tasks = Tasks("updating the overview of sites")
         self._tasks.spawn(self._run())
         self._tasks.spawn(self._sync())

@@ -100,6 +100,24 @@ async def test_one_that_fails_is_an_alert_and_the_others_are_open() -> None:
     assert "the folder is not there" in alert.detail
 
 
+async def test_one_whose_part_is_there_already_is_an_alert_and_is_closed() -> None:
+    closed: list[str] = []
+
+    @asynccontextmanager
+    async def opens_another(_: Parts) -> AsyncIterator[Part]:
+        try:
+            yield Part()
+        finally:
+            closed.append("bad")
+
+    parts = Parts({})
+    async with AsyncExitStack() as stack:
+        installed = Installed([Extension("good", works), Extension("bad", opens_another)])
+        await installed.open(parts, stack)
+        assert closed == ["bad"]
+    assert [alert.title for alert in installed.alerts()] == ["No bad"]
+
+
 @asynccontextmanager
 async def hangs(_: Parts) -> AsyncIterator[object]:
     await asyncio.Event().wait()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.listeners import Listeners
+from dock_gateway.core.listeners import Hooks, Listeners
 
 # All clients without a valid login.
 UNKNOWN = ""
@@ -40,13 +40,13 @@ class RequestRecord:
 
     Attributes:
         on_entry: Called with each entry.
-        until_stored: Waits until an entry is stored; None if entries are not stored.
+        until_stored: Each waits until an entry is stored; none if entries are not stored.
     """
 
     def __init__(self, limits: RecordLimits = RECORD_LIMITS) -> None:
         self._limits = limits
         self.on_entry = Listeners[[AuditEntry]]("an entry is recorded")
-        self.until_stored: Callable[[AuditEntry], Awaitable[None]] | None = None
+        self.until_stored = Hooks[Callable[[AuditEntry], Awaitable[None]]]()
         self._requests: Counter[str | None] = Counter()  # in this period, by user
         self._period: asyncio.TimerHandle | None = None
 
@@ -65,8 +65,8 @@ class RequestRecord:
             self.record(entry)
         else:
             self.on_entry(entry)
-        if self.until_stored is not None:
-            await self.until_stored(entry)
+        for until_stored in self.until_stored:
+            await until_stored(entry)
 
     def end_period(self) -> None:
         """Record how many requests of each user have no entry of their own."""

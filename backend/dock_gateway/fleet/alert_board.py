@@ -12,7 +12,7 @@ from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.listeners import Listeners
+from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.narrowing import narrow_alerts
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
@@ -69,7 +69,7 @@ class AlertBoard:
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
         self.on_change = Listeners[[]]("an alert begins or ends")
-        self.sources: list[Source] = []  # return further alerts, which are active
+        self.sources = Hooks[Source]()  # return further alerts, which are active
         self._failing: list[Source] = []
         self.kinds: set[AlertKind] = {*CORE_KINDS}  # a source returns alerts of these
         self._task = asyncio.create_task(self._sync())

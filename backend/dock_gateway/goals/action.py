@@ -1,7 +1,7 @@
 """One action: its goals, the operations on them, and its server's state."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -61,7 +61,7 @@ class Action:
         pinned: bool = False,
         ping_idle: bool = False,
         limits: GoalLimits = LIMITS,
-        before_send: Sequence[BeforeSend] = (),
+        before_send: Iterable[BeforeSend] = (),
     ) -> None:
         self.port = port
         self.name = port.action_name

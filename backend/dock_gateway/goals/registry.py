@@ -14,7 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.listeners import Listeners
+from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
@@ -97,7 +97,7 @@ class ActionRegistry:
         self._share = share
         self._limits = limits
         self._forget_after = forget_after
-        self.before_send: list[BeforeSend] = []
+        self.before_send = Hooks[BeforeSend]()
         self.on_sent = Listeners[[Goal]]("a goal is sent")
         self.on_change = Listeners[[Goal]]("a goal has changed")
         self.on_end = Listeners[[Goal]]("a goal has ended")

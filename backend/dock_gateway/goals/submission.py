@@ -2,7 +2,7 @@
 
 import asyncio
 import uuid
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
@@ -66,7 +66,7 @@ class GoalDelivery:
         *,
         interlock: Interlock,
         canceler: Canceler,
-        before_send: Sequence[BeforeSend] = (),
+        before_send: Iterable[BeforeSend] = (),
     ) -> None:
         self._settings = settings
         self._history = history

@@ -5,6 +5,8 @@ from typing import Any, Protocol
 
 from starlette.types import ASGIApp
 
+from dock_gateway.core.listeners import Hooks
+
 
 class FurtherWay(Protocol):
     """A way to the application."""
@@ -27,5 +29,5 @@ class FurtherWay(Protocol):
         """Return its state, as `/healthz` shows it."""
 
 
-class FurtherWays(list[FurtherWay]):
+class FurtherWays(Hooks[FurtherWay]):
     """The ways, in the order in which they are opened."""

@@ -11,7 +11,7 @@ from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_hidden, is_under, prefix_of
-from dock_gateway.core.listeners import Listeners
+from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS, normalize_namespace, read_namespace
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.latch.interlock import Interlock
@@ -87,7 +87,7 @@ class RobotRegistry:
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
         self.default_namespace = normalize_namespace(settings.namespace)
         self.on_scan = Listeners[[Scan]]("the ROS graph was scanned")
-        self.before_removal: list[Callable[[str], Awaitable[None]]] = []  # called with the robot
+        self.before_removal = Hooks[Callable[[str], Awaitable[None]]]()  # called with the robot
 
     async def scanned(self, found: Scan) -> None:
         """Pass on a scan of the ROS graph."""

@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.http.parts import Parts
@@ -15,13 +16,10 @@ from dock_gateway_odometer.settings import OdometerSettings
 @asynccontextmanager
 async def open_odometers(parts: Parts) -> AsyncIterator[Odometers]:
     """Count until the gateway closes."""
-    odometers = Odometers(parts)
-    await odometers.open()
-    parts[AlertBoard].sources.append(odometers.alerts)
-    try:
-        yield odometers
-    finally:
-        await odometers.close()
+    async with closing(Odometers(parts)) as odometers:
+        await odometers.open()
+        with parts[AlertBoard].sources.adding(odometers.alerts):
+            yield odometers
 
 
 extension = Extension(

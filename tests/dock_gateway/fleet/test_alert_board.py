@@ -129,7 +129,8 @@ async def test_after_a_restart_it_holds_where_the_alert_does(scene: Scene) -> No
 async def test_a_source_that_fails_hides_no_other_alert(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
     board = scene.board()
     sources = [lambda: [Alert(alert_kinds.EXTENSION_FAILED, None, utc_now(), "No maps", "")], lambda: [1 / 0]]
-    board.sources += cast("Any", [*sources, sources[0]])
+    for source in (*sources, sources[0]):
+        board.sources.append(cast("Any", source))
     for _ in range(3):
         board.update(LOW, [])
     assert {document["kind"] for document in board.documents()} == {"low_battery", "extension_failed"}

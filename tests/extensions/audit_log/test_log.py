@@ -58,6 +58,7 @@ class Recorded:
     def __init__(self, store: Store, spool: AuditSpool | None = None, limits: AuditLimits = LIMITS) -> None:
         requests = RequestRecord()
         self.record, self.store = requests.record, requests.store
+        self.listening = requests.on_entry, requests.until_stored
         self.log = AuditLog(requests, store, spool, limits)
 
     def __len__(self) -> int:
@@ -82,6 +83,7 @@ async def test_entries_are_stored_in_their_order_soon(store: Store) -> None:
         await until(lambda: not len(audit))
     assert await store.stored() == entries
     assert store.batches == [500, 500, 200]
+    assert not any(audit.listening)
 
 
 async def test_an_answer_goes_out_after_its_entry_is_stored(store: Store) -> None:

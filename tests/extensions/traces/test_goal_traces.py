@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
@@ -14,6 +14,7 @@ from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanE
 from opentelemetry.trace import StatusCode
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.request import CURRENT, RequestContext
 from dock_gateway.extensions.traces.goal_traces import FLUSH_WITHIN, GoalTraces
 
@@ -33,13 +34,13 @@ class Scene:
             SimpleSpanProcessor(self.exporter) if exporter is None else BatchSpanProcessor(exporter)
         )
         robot = SimpleNamespace(namespace="/robot1")
-        self.actions = SimpleNamespace(on_sent=[], on_change=[], on_end=[])
+        self.actions = SimpleNamespace(**{name: Listeners[[Goal]](name) for name in ("on_sent", "on_change", "on_end")})
         robots = SimpleNamespace(owner=lambda name: robot if name.startswith("/robot1/") else None)
         self.traces = GoalTraces(provider, self.actions, robots)  # type: ignore[arg-type]
 
     def send(self, action: str = DOCK, origin: Origin = "gateway") -> Goal:
         goal = Goal("g-1", action, "pkg/action/Any", NOON, origin, "dock" if action == DOCK else None)
-        self._tell(self.actions.on_sent, goal)
+        self.actions.on_sent(goal)
         return goal
 
     def move(self, goal: Goal, *statuses: GoalStatus) -> None:
@@ -48,17 +49,12 @@ class Scene:
             self.changed(goal)
 
     def changed(self, goal: Goal) -> None:
-        self._tell(self.actions.on_change, goal)
+        self.actions.on_change(goal)
 
     def end(self, goal: Goal, status: GoalStatus, error: GoalError | None = None) -> None:
         goal.advance(status, NOON + timedelta(seconds=30))
         goal.error = error
-        self._tell(self.actions.on_end, goal)
-
-    @staticmethod
-    def _tell(listeners: list[Callable[[Goal], None]], goal: Goal) -> None:
-        for listener in listeners:
-            listener(goal)
+        self.actions.on_end(goal)
 
     def span(self, name: str) -> ReadableSpan:
         (span,) = (span for span in self.exporter.get_finished_spans() if span.name == name)

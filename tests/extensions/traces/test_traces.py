@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.core.listeners import Hooks
 from dock_gateway.extensions.traces.extension import open_traces
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
@@ -18,7 +19,7 @@ ENDPOINT = "OTEL_EXPORTER_OTLP_ENDPOINT"
 
 @pytest.fixture
 def parts() -> Parts:
-    actions = SimpleNamespace(on_sent=[], on_change=[], on_end=[])
+    actions = SimpleNamespace(**{name: Hooks[object]() for name in ("on_sent", "on_change", "on_end")})
     return Parts({ActionRegistry: actions, RobotRegistry: None})
 
 
@@ -51,6 +52,7 @@ async def test_with_an_endpoint(parts: Parts, monkeypatch: pytest.MonkeyPatch, v
     async with open_traces(parts) as traces:
         assert traces is not None
         assert parts[ActionRegistry].on_sent
+    assert not parts[ActionRegistry].on_sent
 
 
 async def test_a_package_that_is_missing(

@@ -10,6 +10,7 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.listeners import Hooks
 from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
@@ -69,7 +70,7 @@ class Site:
         webhooks = SharedBook(self.webhooks, "webhook", 2)
         deliveries = SharedEntries(self.deliveries)
         notifier = Notifier(
-            board or cast("AlertBoard", SimpleNamespace(documents=lambda: list(seen), on_change=[])),
+            board or cast("AlertBoard", SimpleNamespace(documents=lambda: list(seen), on_change=Hooks[object]())),
             cast("Labels", SimpleNamespace(of=lambda robot: LABELS.get(robot, RobotLabel(None, ())))),
             webhooks=webhooks,
             outbox=Outbox(webhooks, deliveries, retry_after=retry_after, overdue=timedelta(seconds=overdue)),

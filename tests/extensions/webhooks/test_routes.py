@@ -7,6 +7,7 @@ from typing import Any, cast
 
 import pytest
 
+from dock_gateway.core.listeners import Hooks
 from dock_gateway.extensions.webhooks.delivery import Delivery
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
@@ -32,7 +33,7 @@ class Client(RouteClient):
         async def opened(_: object) -> AsyncIterator[dict[str, Any]]:
             webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", 2)
             notifier = Notifier(
-                cast("Any", SimpleNamespace(documents=list, on_change=[])),
+                cast("Any", SimpleNamespace(documents=list, on_change=Hooks[object]())),
                 cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
                 webhooks=webhooks,
                 outbox=Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery))),

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from itertools import islice
 
@@ -76,6 +76,7 @@ class AuditLog:
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
         self._tasks = Tasks("writing the audit log")
+        self._listening = ExitStack()
 
     async def open(self) -> None:
         """Take over what earlier processes left in the spool, and start to write."""
@@ -90,8 +91,8 @@ class AuditLog:
             self._spooled.update(self._waiting)
             self._wake.set()
         self._tasks.spawn(self._write_on())
-        self._record.on_entry.append(self._put)
-        self._record.until_stored = self.until_stored
+        self._listening.enter_context(self._record.on_entry.adding(self._put))
+        self._listening.enter_context(self._record.until_stored.adding(self.until_stored))
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -213,15 +214,16 @@ class AuditLog:
 
     async def close(self) -> None:
         """Store the waiting entries, for one second at most; the rest goes to the spool."""
-        await self._tasks.close()
-        self._record.end_period()
-        with suppress(TimeoutError):
-            async with asyncio.timeout(CLOSE_TIMEOUT):
-                if await self._flush():
-                    await self._empty_spool()
-        with suppress(TimeoutError):
-            async with asyncio.timeout(CLOSE_TIMEOUT):
-                await self._save()
+        with self._listening:
+            await self._tasks.close()
+            self._record.end_period()
+            with suppress(TimeoutError):
+                async with asyncio.timeout(CLOSE_TIMEOUT):
+                    if await self._flush():
+                        await self._empty_spool()
+            with suppress(TimeoutError):
+                async with asyncio.timeout(CLOSE_TIMEOUT):
+                    await self._save()
         lost = len(self._waiting.keys() - self._spooled)
         if lost:
             log.error("%d entries are lost: the history does not answer", lost)

@@ -38,14 +38,14 @@ async def open_automation(parts: Parts) -> AsyncIterator[AutomaticDocking]:
     async with AsyncExitStack() as stack:
         robots, actions, history = parts[RobotRegistry], parts[ActionRegistry], parts[History]
         activity = Activity(robots)
-        actions.on_end.append(activity.on_end)
-        parts[Stopper].on_stop.append(activity.intervened)
-        parts[Interlock].on_release.append(activity.intervened)
+        stack.enter_context(actions.on_end.adding(activity.on_end))
+        stack.enter_context(parts[Stopper].on_stop.adding(activity.intervened))
+        stack.enter_context(parts[Interlock].on_release.adding(activity.intervened))
         closed_by(
             stack, OnDemand(robots.topics.bridge, activity, "motion", lambda robot: _follow(parts, activity, robot))
         )
         decisions = DecisionLog(parts[Fanout], history.documents("decision", Decision))
-        parts[AlertBoard].sources.append(lambda: gave_up(decisions, robots.namespaces()))
+        stack.enter_context(parts[AlertBoard].sources.adding(lambda: gave_up(decisions, robots.namespaces())))
         docking = closed_by(
             stack,
             AutomaticDocking(

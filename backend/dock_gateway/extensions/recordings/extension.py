@@ -1,7 +1,7 @@
 """The black box: what was said on the topics of a robot before and while a goal ran."""
 
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from contextlib import ExitStack, asynccontextmanager
 
 from dock_gateway.audit.record import RequestRecord
 from dock_gateway.core.tasks import closing
@@ -30,24 +30,26 @@ async def open_recordings(parts: Parts) -> AsyncIterator[Recordings]:
     settings = gateway.of(RecordingSettings)
     folder = settings.recordings_path or gateway.own_file("recordings")
     store = RecordingStore(folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
-    parts[AlertBoard].sources.append(lambda: _trouble(store))
-    if settings.record == "none":
-        yield Recordings(store, None)
-        return
-    async with closing(Recorder(gateway, robots.topics.bridge, parts[Relays], robots, store)) as recorder:
-        _follow(parts, recorder)
-        yield Recordings(store, recorder)
+    with parts[AlertBoard].sources.adding(lambda: _trouble(store)):
+        if settings.record == "none":
+            yield Recordings(store, None)
+            return
+        async with closing(Recorder(gateway, robots.topics.bridge, parts[Relays], robots, store)) as recorder:
+            with _following(parts, recorder):
+                yield Recordings(store, recorder)
 
 
-def _follow(parts: Parts, recorder: Recorder) -> None:
-    actions, robots = parts[ActionRegistry], parts[RobotRegistry]
-    actions.on_sent.append(recorder.follow)
-    actions.on_change.append(recorder.follow)
-    actions.on_end.append(recorder.end)
-    actions.on_lost.append(recorder.end)
-    parts[RequestRecord].on_entry.append(recorder.on_command)
-    robots.on_scan.append(recorder.update)
-    robots.before_removal.append(recorder.leave)
+def _following(parts: Parts, recorder: Recorder) -> ExitStack:
+    """Let a recorder know of goals, commands and robots until what is returned is closed."""
+    actions, robots, following = parts[ActionRegistry], parts[RobotRegistry], ExitStack()
+    following.enter_context(actions.on_sent.adding(recorder.follow))
+    following.enter_context(actions.on_change.adding(recorder.follow))
+    following.enter_context(actions.on_end.adding(recorder.end))
+    following.enter_context(actions.on_lost.adding(recorder.end))
+    following.enter_context(parts[RequestRecord].on_entry.adding(recorder.on_command))
+    following.enter_context(robots.on_scan.adding(recorder.update))
+    following.enter_context(robots.before_removal.adding(recorder.leave))
+    return following
 
 
 def _trouble(store: RecordingStore) -> Iterator[Alert]:

@@ -18,8 +18,8 @@ from dock_gateway.settings import Settings
 async def open_simulator(parts: Parts) -> AsyncIterator[SimulatorControls]:
     """Control simulators on request."""
     async with closing(SimulatorControls(parts[Settings], parts[Bridge], parts[Simulators])) as controls:
-        parts[RobotRegistry].before_removal.append(controls.leave)
-        yield controls
+        with parts[RobotRegistry].before_removal.adding(controls.leave):
+            yield controls
 
 
 extension = Extension("simulator", open_simulator, routes=lambda _: (router,))

@@ -23,8 +23,8 @@ async def open_sites(parts: Parts) -> AsyncIterator[HubLink | None]:
     from dock_gateway.extensions.sites.uplink import Uplink  # noqa: PLC0415 - NATS takes a tenth of a second
 
     link = HubLink(settings.site)
-    parts[FurtherWays].append(Uplink(settings, parts[History], link))
-    yield link
+    with parts[FurtherWays].adding(Uplink(settings, parts[History], link)):
+        yield link
 
 
 extension = Extension("sites", open_sites, settings=SiteSettings, metrics=hub_metrics)

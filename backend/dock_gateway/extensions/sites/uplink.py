@@ -83,8 +83,8 @@ class Uplink:
         self._served = app, state
         self._broker = broker = await self._stack.enter_async_context(open_broker(self._options))
         self._link.refused = broker.refused
-        broker.on_connect.append(self._awake.set)
-        broker.on_loss.append(self._awake.set)
+        self._stack.enter_context(broker.on_connect.adding(self._awake.set))
+        self._stack.enter_context(broker.on_loss.adding(self._awake.set))
         self._tasks.spawn(self._run(broker))
 
     async def leave(self) -> None:

@@ -5,6 +5,7 @@ Only `extension` imports this, and only if traces are exported.
 
 import asyncio
 import threading
+from contextlib import ExitStack
 
 from opentelemetry.context import Context
 from opentelemetry.exporter.otlp.proto.http.trace_exporter import OTLPSpanExporter
@@ -53,9 +54,10 @@ class GoalTraces:
         self._tracer = provider.get_tracer("dock_gateway", __version__)
         self._robots = robots
         self._traces: dict[str, GoalTrace] = {}
-        goals.on_sent.append(self._on_sent)
-        goals.on_change.append(self._on_change)
-        goals.on_end.append(self._on_end)
+        self._listening = ExitStack()
+        self._listening.enter_context(goals.on_sent.adding(self._on_sent))
+        self._listening.enter_context(goals.on_change.adding(self._on_change))
+        self._listening.enter_context(goals.on_end.adding(self._on_end))
 
     def _on_sent(self, goal: Goal) -> None:
         if goal.goal_id not in self._traces:  # otherwise it is sent again
@@ -72,6 +74,7 @@ class GoalTraces:
 
     async def close(self) -> None:
         """End all spans, and send what has not been sent yet, at most for `FLUSH_WITHIN` seconds."""
+        self._listening.close()
         for trace in self._traces.values():
             trace.leave()
         self._traces.clear()

@@ -5,6 +5,7 @@ import logging
 import time
 from collections import deque
 from collections.abc import Mapping
+from contextlib import ExitStack
 
 import orjson
 
@@ -76,7 +77,8 @@ class Notifier:
         self._testing: set[str] = set()
         self._tasks = Tasks("notifying webhooks")
         self._tasks.spawn(self._run())
-        alerts.on_change.append(self._compare)
+        self._listening = ExitStack()
+        self._listening.enter_context(alerts.on_change.adding(self._compare))
 
     @property
     def attempts(self) -> Mapping[DeliveryState, int]:
@@ -250,6 +252,7 @@ class Notifier:
 
     async def close(self) -> None:
         """Stop sending. Pending deliveries are sent after the next start."""
+        self._listening.close()
         await self._tasks.close()
         await self._outbox.close()
 

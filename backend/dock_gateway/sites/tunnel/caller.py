@@ -3,7 +3,7 @@
 import asyncio
 from collections import Counter, deque
 from collections.abc import AsyncIterator, Iterable
-from contextlib import asynccontextmanager
+from contextlib import ExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -73,6 +73,7 @@ class Caller:
         self._past = deque[tuple[str, str]](maxlen=REMEMBERED)
         self._of_site: Counter[str] = Counter()
         self._tasks = Tasks("ending streams of sites")
+        self._listening = ExitStack()
         self._subscriptions: dict[str, BrokerSubscription] = {}  # by site
         self._subscribing = asyncio.Lock()
 
@@ -83,11 +84,11 @@ class Caller:
 
     async def open(self) -> None:
         """Begin. A site is listened to from its first request on."""
-        self._broker.on_loss.append(self._lose_all)
+        self._listening.enter_context(self._broker.on_loss.adding(self._lose_all))
 
     async def close(self) -> None:
         """End all streams."""
-        self._broker.on_loss.remove(self._lose_all)
+        self._listening.close()
         while self._subscriptions:
             await self._subscriptions.popitem()[1].close()
         for channel in list(self._channels.values()):

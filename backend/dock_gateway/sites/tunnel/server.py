@@ -3,6 +3,7 @@
 import logging
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from functools import partial
 from http import HTTPStatus
 from typing import Any
@@ -74,6 +75,7 @@ class TunnelServer:
         self.key: bytes | None = None
         self.calls = 0
         self._tasks = Tasks("serving the hub")
+        self._listening = ExitStack()
         self._subscriptions: list[BrokerSubscription] = []
         self._unsealed: Unsealed | None = None
 
@@ -84,7 +86,7 @@ class TunnelServer:
 
     async def open(self) -> None:
         """Begin to serve."""
-        self._broker.on_loss.append(self._lose_all)
+        self._listening.enter_context(self._broker.on_loss.adding(self._lose_all))
         self._unsealed = Unsealed(lambda received: self._open(received, without_seal(received.data)), self._drop)
         site, instance = self._address.site, self._address.instance
         # Two, so that no frame waits for requests, nor is dropped with them.
@@ -100,7 +102,7 @@ class TunnelServer:
                 await self._subscriptions.pop().close()
             await self._unsealed.close()
             self._unsealed = None
-            self._broker.on_loss.remove(self._lose_all)
+            self._listening.close()
         for channel in list(self._channels.values()):
             await channel.abort("site_leaving", "the site is shutting down, or no longer connected to this hub")
         await self._tasks.drain()
