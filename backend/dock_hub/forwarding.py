@@ -40,8 +40,9 @@ from dock_hub.stop_requests import BODY_WITHIN, STOPS_UNSEEN
 router = APIRouter(route_class=ApiRoute, tags=["Sites"])
 
 METHODS = ["GET", "POST", "PUT", "PATCH", "DELETE"]
-# The WebSockets that take commands: the hub records that they were opened, and the site each command.
-COMMANDING = frozenset({"ws", "rosbridge", "foxglove"})
+# The WebSockets that only read. The hub records that any other was opened, as it may take commands, which the site
+# records.
+READING = frozenset({"ws/feedback", "ws/topics"})
 # The code with which a WebSocket is closed whose site was lost.
 SITE_LOST = 1014
 # The headers of a stop at a site, and the bytes of a value.
@@ -73,7 +74,7 @@ async def forward_websocket(site: str, path: str, websocket: WebSocket) -> None:
     parts, principal = parts_of(websocket), principal_of(websocket)
     client = parts[Sites].client(site, principal.grant)
     asked = _asked(client, f"/{path}", websocket)
-    if path in COMMANDING:
+    if path not in READING:
         trail = Trail(websocket.scope, "forward_websocket", {}, operation_of(forward_websocket))
         trail.fields |= {"robot": None, "subject": f"/sites/{site}/{path}"[:200]}
         await trail.record(HTTPStatus.SWITCHING_PROTOCOLS)

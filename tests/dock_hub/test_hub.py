@@ -187,16 +187,23 @@ async def test_a_stream_through_the_hub_ends_with_the_login(hub: Hub) -> None:
 
 
 @needs("audit_log")
-async def test_a_socket_for_commands_is_in_the_audit_log(hub: Hub) -> None:
+async def test_each_socket_that_does_not_only_read_is_in_the_audit_log(hub: Hub) -> None:
     _, header = await hub.token("ada", Role.ADMIN)
-    address = f"{hub.url.replace('http', 'ws')}/sites/berlin/ws"
-    async with websockets.asyncio.client.connect(address, additional_headers=header) as socket:
-        await socket.recv()
-        records: list[dict[str, Any]] = []
-        while not records:  # it is written a little later
-            answer = await hub.http.get("/audit?what=forward_websocket", headers=header)
-            records = answer.json()["records"]
-    assert [(each["subject"], each["principal"]) for each in records] == [("/sites/berlin/ws", "ada")]
+    for path in ("ws/feedback", "ws", "a_new_door"):
+        address = f"{hub.url.replace('http', 'ws')}/sites/berlin/{path}"
+        async with websockets.asyncio.client.connect(address, additional_headers=header) as socket:
+            await socket.recv()
+    records: list[dict[str, Any]] = []
+    while len(records) < 2:  # they are written a little later
+        answer = await hub.http.get("/audit?what=forward_websocket", headers=header)
+        records = answer.json()["records"]
+    recorded = sorted((each["subject"], each["principal"]) for each in records)
+    assert recorded == [("/sites/berlin/a_new_door", "ada"), ("/sites/berlin/ws", "ada")]
+
+
+def test_the_sockets_that_only_read_are_those_of_a_gateway() -> None:
+    lines = (Path(__file__).parents[1] / "dock_gateway/http/operations.txt").read_text().splitlines()
+    assert {f"WebSocket /{path}" for path in forwarding.READING} <= {" ".join(line.split()[:2]) for line in lines}
 
 
 async def test_robots_of_a_site_stay_as_they_were_when_it_leaves(hub: Hub, nats: NatsServer, tmp_path: Path) -> None:

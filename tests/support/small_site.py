@@ -180,5 +180,6 @@ APP = Starlette(
         Route("/alerts/{id}/acknowledgement", _echo, methods=["DELETE"]),
         WebSocketRoute("/ws", _feedback),
         WebSocketRoute("/ws/feedback", _feedback),
+        WebSocketRoute("/a_new_door", _feedback),
     ]
 )
