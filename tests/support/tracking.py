@@ -15,7 +15,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.limits import GoalLimits
-from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.goals.tracker import BeforeLost, GoalTracker
 from dock_gateway.ros.status import StatusReport
 from tests.support.action_port import FakeActionPort
 from tests.support.history import HistoryInMemory
@@ -35,7 +35,10 @@ class Scene:
         self.port = FakeActionPort()
         port: Any = self.port
         self.reasons: PendingFacts[GoalError] = reasons or PendingFacts(0.1)
-        self.tracker = GoalTracker(port, self.fanout, self.history, self.reasons, limits=limits)
+        self.before_lost: list[BeforeLost] = []
+        self.tracker = GoalTracker(
+            port, self.fanout, self.history, self.reasons, before_lost=self.before_lost, limits=limits
+        )
         self.tracker.on[News.RETURNED].append(self.returned.append)
         self.subscriber: Subscriber = self.fanout.subscribe(EventFilter())
         self.stamp = 0

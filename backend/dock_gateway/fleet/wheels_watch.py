@@ -67,7 +67,7 @@ class WheelsWatch:
             for listeners in (actions.on_end, actions.on_lost):
                 listeners.append(self._leave)
             self._tasks.spawn(self._run())
-        actions.halt = self.halt
+        actions.before_lost.append(self.halt)
 
     @property
     def findings(self) -> list[Finding]:

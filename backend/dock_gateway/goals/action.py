@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState
 from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
 from dock_gateway.core.event import loss_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import Goal, GoalError
+from dock_gateway.core.goal import GoalError
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.action_document import action_document
 from dock_gateway.goals.cancellation import Canceler
@@ -19,7 +19,7 @@ from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
 from dock_gateway.goals.submission import BeforeSend, GoalDelivery
 from dock_gateway.goals.submitter import Submitter
-from dock_gateway.goals.tracker import GoalTracker
+from dock_gateway.goals.tracker import BeforeLost, GoalTracker
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.listener import Unread
@@ -57,11 +57,11 @@ class Action:
         interlock: Interlock,
         adapter: DockAdapter | None = None,
         remark: Callable[[], str] = str,
-        halt: Callable[[Goal], str] = lambda _: "",
         pinned: bool = False,
         ping_idle: bool = False,
         limits: GoalLimits = LIMITS,
         before_send: Iterable[BeforeSend] = (),
+        before_lost: Iterable[BeforeLost] = (),
     ) -> None:
         self.port = port
         self.name = port.action_name
@@ -73,7 +73,9 @@ class Action:
         self.feedback_dropped = 0
         self._fanout = fanout
         self._default_dock = settings.default_dock
-        self.tracker = GoalTracker(port, fanout, history, reasons, adapter, remark=remark, halt=halt, limits=limits)
+        self.tracker = GoalTracker(
+            port, fanout, history, reasons, adapter, remark=remark, before_lost=before_lost, limits=limits
+        )
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, interlock, limits)
         self.delivery = GoalDelivery(

@@ -93,7 +93,6 @@ class GoalMachine:
         stamp: Returns the stamp of the next event's id from that of its source. Stamps rise.
         started: When the gateway started.
         adapter: What its messages say about a goal, if it docks or undocks robots.
-        halt: Stops the robot of a goal that is about to be lost; returns what was done, as a clause; empty: nothing.
         limits: How many goals to remember.
 
     Attributes:
@@ -113,10 +112,8 @@ class GoalMachine:
         started: Now,
         adapter: DockAdapter | None = None,
         *,
-        halt: Callable[[Goal], str] = lambda _: "",
         limits: GoalLimits = LIMITS,
     ) -> None:
-        self._halt = halt
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.unwanted: dict[str, GoalError] = {}
@@ -166,18 +163,19 @@ class GoalMachine:
             self.outputs.append(Store(goal))
 
     def answered(self, now: Now, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
-        """Handle the answer to a request for a goal's result; `stamp_ns` is when the server reported the goal's end."""
+        """Handle the answer to a request for a goal's result; `stamp_ns` is when the server reported the goal's end.
+
+        A goal that the server does not know is lost (`lose`).
+        """
         status = answer.status
-        if status is None:
-            self.lose(now, goal, GoalError("action_server_lost", "the action server does not know the goal"))
-        elif status.terminal:
+        if status is not None and status.terminal:
             status, error = self._judge(goal, status, answer)
             self.end(now, goal, status, result=answer.result, error=error, stamp_ns=stamp_ns)
         else:
             log.warning(
                 "goal %s: ignored a result with the status %s, which does not end a goal",
                 goal.goal_id,
-                status.value,
+                status and status.value,
                 extra=_about(goal),
             )
 
@@ -324,10 +322,6 @@ class GoalMachine:
 
     def lose(self, now: Now, goal: Goal, error: GoalError) -> None:
         """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
-        if goal.status.terminal:
-            return
-        if done := self._halt(goal):
-            error = replace(error, detail=f"{error.detail}; {done}")
         if not goal.lose(error, moment(now.ns)):
             return
         log.warning("goal %s is lost: %s", goal.goal_id, error.detail, extra=_about(goal))

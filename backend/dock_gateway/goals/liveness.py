@@ -172,10 +172,10 @@ class ServerWatch:
                 continue  # its sender waits with its own deadline
             if left:
                 detail = "the action server left the ROS graph"
-                self._tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", detail))
+                self._tracker.lose(goal, GoalError("action_server_lost", detail))
             elif silence > self._settings.lost_after:
                 detail = f"the action server has been silent for {silence:.0f} s and does not answer"
-                self._tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", detail))
+                self._tracker.lose(goal, GoalError("action_server_lost", detail))
             else:
                 self._tracker.apply(GoalMachine.stall, goal, stalled=silence > self._settings.stalled_after)
 

@@ -25,6 +25,7 @@ from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.submission import BeforeSend
+from dock_gateway.goals.tracker import BeforeLost, about_to_be_lost
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.action_port import ActionKind, ActionPort
@@ -62,8 +63,8 @@ class ActionRegistry:
     Attributes:
         robot_actions: The robots of the actions.
         remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
-        halt: Stops the robot of a goal that is about to be lost; returns what was done, as a clause; empty: nothing.
         before_send: Called and awaited before each goal is sent through the gateway; what it raises refuses the goal.
+        before_lost: Called with a goal of any action that is about to be lost; what was done is added to the reason.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.
@@ -88,7 +89,6 @@ class ActionRegistry:
         self._settings = settings
         self._bridge = bridge
         self.remark: Callable[[str], str] = lambda _: ""
-        self.halt: Callable[[Goal], str] = lambda _: ""
         self._parts = (settings, fanout, history, reasons)
         self._interlock = interlock
         self._robots = robots
@@ -98,6 +98,7 @@ class ActionRegistry:
         self._limits = limits
         self._forget_after = forget_after
         self.before_send = Hooks[BeforeSend]()
+        self.before_lost = Hooks[BeforeLost]()
         self.on_sent = Listeners[[Goal]]("a goal is sent")
         self.on_change = Listeners[[Goal]]("a goal has changed")
         self.on_end = Listeners[[Goal]]("a goal has ended")
@@ -168,11 +169,11 @@ class ActionRegistry:
             interlock=self._interlock,
             adapter=adapter,
             remark=lambda: self.remark(name),
-            halt=self._halt,
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or of_configured_robot,
             limits=self._limits,
             before_send=self.before_send,
+            before_lost=self.before_lost,
         )
         for news, listeners in (
             (News.SENT, self.on_sent),
@@ -232,16 +233,15 @@ class ActionRegistry:
             self._changed.set()
             self._changed.clear()
 
-    def _halt(self, goal: Goal) -> str:
-        return self.halt(goal)
-
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
-            detail = "; ".join(filter(None, ("the action has no server any more", self.halt(goal))))
-            if goal.lose(GoalError("action_server_lost", detail), utc_now()):
-                self._publisher.publish_now(status_event, goal)
-                self.on_lost(goal)
+            if goal.status.terminal:
+                continue
+            error = GoalError("action_server_lost", "the action has no server any more")
+            goal.lose(about_to_be_lost(goal, error, self.before_lost), utc_now())
+            self._publisher.publish_now(status_event, goal)
+            self.on_lost(goal)
 
     async def _take_up(self, name: str) -> None:
         types = self._types[name]

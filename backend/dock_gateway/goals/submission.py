@@ -221,7 +221,7 @@ class GoalDelivery:
         self._canceler.mark_unwanted(goal, TOO_LATE)
         self.unanswered[goal.goal_id] = call
         detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
-        self._tracker.apply(GoalMachine.lose, goal, GoalError("action_server_timeout", detail))
+        self._tracker.lose(goal, GoalError("action_server_timeout", detail))
 
         def answered(response: "asyncio.Future[Any]") -> None:
             self.unanswered.pop(goal.goal_id, None)

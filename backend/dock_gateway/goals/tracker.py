@@ -6,7 +6,8 @@ Runs on the event loop only, and waits for nothing but the action server and the
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from datetime import datetime
 from typing import Concatenate, ParamSpec
 from weakref import WeakValueDictionary
@@ -32,6 +33,9 @@ log = logging.getLogger(__name__)
 
 P = ParamSpec("P")
 
+# Takes a goal that is about to be lost, and returns what was done about it, as a clause; empty: nothing.
+BeforeLost = Callable[[Goal], str]
+
 
 class GoalTracker:
     """Every goal on one action, from its first message to its end.
@@ -43,7 +47,7 @@ class GoalTracker:
         reasons: Why goals were rejected or aborted.
         adapter: What the action's messages say about a goal, if it docks or undocks robots.
         remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
-        halt: Stops the robot of a goal that is about to be lost; returns what was done, as a clause; empty: nothing.
+        before_lost: Called with a goal that is about to be lost; what was done is added to the reason.
         limits: How long to wait, and how many goals to remember.
 
     Attributes:
@@ -65,11 +69,11 @@ class GoalTracker:
         adapter: DockAdapter | None = None,
         *,
         remark: Callable[[], str] = str,
-        halt: Callable[[Goal], str] = lambda _: "",
+        before_lost: Iterable[BeforeLost] = (),
         limits: GoalLimits = LIMITS,
     ) -> None:
         self._machine = GoalMachine(
-            port.action_name, port.action_type, fanout.clock.stamp, Now.read(), adapter, halt=halt, limits=limits
+            port.action_name, port.action_type, fanout.clock.stamp, Now.read(), adapter, limits=limits
         )
         self.known: KnownGoals = self._machine
         self.live = self._machine.live
@@ -82,6 +86,7 @@ class GoalTracker:
         self.on = {news: Listeners[[Goal]](f"{news.name.lower()}, of a goal") for news in News}
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)
+        self._before_lost = before_lost
         self._fanout = fanout
         self._history = history
         self._publisher = GoalPublisher(fanout, history)
@@ -115,7 +120,10 @@ class GoalTracker:
         self._results.request_again(goal)
 
     def _settle(self, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
-        self.apply(GoalMachine.answered, goal, answer, stamp_ns)
+        if answer.status is None:
+            self.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
+        else:
+            self.apply(GoalMachine.answered, goal, answer, stamp_ns)
 
     # ------------------------------------------------------------------ goals
 
@@ -132,6 +140,11 @@ class GoalTracker:
         self.on[News.RESUMED](goal)
         self._publisher.publish_first(goal)
         self.apply(GoalMachine.take_up, goal)
+
+    def lose(self, goal: Goal, error: GoalError) -> None:
+        """Mark a goal as lost because the action server is gone, after what is to be done before that."""
+        if not goal.status.terminal:
+            self.apply(GoalMachine.lose, goal, about_to_be_lost(goal, error, self._before_lost))
 
     # ------------------------------------------------------------------ what the machine wants done
 
@@ -218,3 +231,8 @@ class GoalTracker:
         await self._results.close()
         await self._publisher.drain()
         await self.tasks.close()
+
+
+def about_to_be_lost(goal: Goal, error: GoalError, before_lost: Iterable[BeforeLost]) -> GoalError:
+    """Do what is to be done before a goal is lost; return the error with what was done."""
+    return replace(error, detail="; ".join(filter(None, (error.detail, *(do(goal) for do in before_lost)))))

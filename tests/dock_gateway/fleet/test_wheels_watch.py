@@ -41,7 +41,7 @@ class Site:
         self.wheels = Wheels(self.port, period=60.0)
         robot = SimpleNamespace(namespace="/", velocity=self.wheels)
         self.actions: Any = SimpleNamespace(
-            on_sent=[], on_change=[], on_end=[], on_lost=[], verb_of={"/dock": "dock"}.get, halt=None
+            on_sent=[], on_change=[], on_end=[], on_lost=[], before_lost=[], verb_of={"/dock": "dock"}.get
         )
 
         class Robots(dict):  # type: ignore[type-arg]
@@ -167,11 +167,12 @@ async def test_it_tries_again_when_zero_cannot_be_published(site: Site) -> None:
 async def test_a_goal_that_is_lost_stops_its_robot_and_says_so(site: Site) -> None:
     goal = site.goal()
     await site.command(0.06)
-    assert site.actions.halt(goal) == "zero velocity was not sent, as /docking_server drives the robot"
+    assert site.actions.before_lost == [site.watch.halt]
+    assert site.watch.halt(goal) == "zero velocity was not sent, as /docking_server drives the robot"
     await asyncio.sleep(TIMEOUT)
-    assert site.actions.halt(goal) == "zero velocity was sent"
+    assert site.watch.halt(goal) == "zero velocity was sent"
     site.port.fails = True
-    assert site.actions.halt(goal) == "zero velocity could not be sent: is changing its type"
+    assert site.watch.halt(goal) == "zero velocity could not be sent: is changing its type"
     goal.lose(GoalError("action_server_lost", ""), utc_now())
     for heard in site.actions.on_lost:
         heard(goal)

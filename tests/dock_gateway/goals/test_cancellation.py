@@ -54,7 +54,7 @@ class Scene:
         self.tracker.apply(GoalMachine.add, goal)
         if status is S.LOST:
             self.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
-            self.tracker.apply(GoalMachine.lose, goal, LOST)
+            self.tracker.lose(goal, LOST)
         elif status is not S.PENDING:
             self.tracker.apply(GoalMachine.move, goal, status)
         return goal
@@ -169,7 +169,7 @@ async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, fail
 async def test_a_goal_that_was_given_up(scene: Scene) -> None:
     goal = scene.goal(S.PENDING)
     scene.canceler.mark_unwanted(goal, TOO_LATE)
-    scene.tracker.apply(GoalMachine.lose, goal, LOST)
+    scene.tracker.lose(goal, LOST)
     scene.port.cancel_answers = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)  # late
     await asyncio.sleep(0.1)
@@ -184,7 +184,7 @@ async def test_a_goal_that_was_given_up_and_is_canceled_before_its_answer_comes_
     """A server that wakes takes the goal, then the stop's request: its status overtakes the answer to the goal."""
     goal = scene.goal(S.PENDING)
     scene.canceler.stop()
-    scene.tracker.apply(GoalMachine.lose, goal, GoalError(TOO_LATE.code, "no answer"))
+    scene.tracker.lose(goal, GoalError(TOO_LATE.code, "no answer"))
     for status in reported:
         scene.tracker.on_status([StatusReport(A, status, 1)], 1)
     if S.CANCELED in reported:

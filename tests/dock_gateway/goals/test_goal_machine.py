@@ -152,20 +152,16 @@ def test_progress(bench: Bench) -> None:
     assert bench.done() == [], "a goal that has ended has no progress"
 
 
-def test_a_server_that_does_not_know_a_goal_has_lost_it(bench: Bench) -> None:
+def test_a_goal_is_lost_once_and_stays_tracked(bench: Bench) -> None:
     goal = bench.goal(S.EXECUTING)
-    bench.machine.answered(NOW, goal, ResultAnswer(), None)
+    bench.machine.lose(NOW, goal, WHY)
     assert bench.done() == [("status", "lost", NOW.ns), Store(goal), Notify(News.LOST, goal)]
-    assert (goal.error, goal.finished_at) == (
-        GoalError("action_server_lost", "the action server does not know the goal"),
-        moment(NOW.ns),
-    )
+    assert (goal.error, goal.finished_at) == (WHY, moment(NOW.ns))
     assert bench.machine.live == {A: goal}
     assert bench.machine.running() == []
-    bench.machine.answered(NOW, goal, ResultAnswer(), None)
-    bench.machine.lose(NOW, goal, WHY)
+    bench.machine.lose(NOW, goal, GoalError("why", "for another reason"))
     assert bench.done() == []
-    assert goal.error != WHY
+    assert goal.error == WHY
 
 
 def test_an_answer_ends_a_goal_with_all_that_it_says(bench: Bench) -> None:

@@ -148,7 +148,10 @@ class World(RuleBasedStateMachine):
             return
         goal = self.goals[goal_id]
         was_lost = goal.status is S.LOST
-        self.machine.answered(self.now, goal, ResultAnswer(status, result), None)
+        if status is None:
+            self.machine.lose(self.now, goal, GoalError("action_server_lost", "unknown"))
+        else:
+            self.machine.answered(self.now, goal, ResultAnswer(status, result), None)
         self.carry_out()
         if was_lost and status in (S.CANCELED, S.ABORTED):
             assert goal.error == self.machine.unwanted.get(goal_id), "what must not run says why, however it ended"

@@ -17,7 +17,6 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.goal_machine import GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import Action
 from dock_gateway.latch.interlock import Interlock
@@ -120,9 +119,7 @@ class Scene:
         goal = self.new()
         self.action.tracker.on_status([StatusReport(goal.goal_id, GoalStatus.EXECUTING, 1)], 1)
         await until(lambda: goal.goal_id in self.action.tracker.live)
-        self.action.tracker.apply(
-            GoalMachine.lose, self.action.tracker.live[goal.goal_id], GoalError("action_server_lost", "gone")
-        )
+        self.action.tracker.lose(self.action.tracker.live[goal.goal_id], GoalError("action_server_lost", "gone"))
 
     async def is_canceled_while_nobody_knows_it(self) -> None:
         for status in (GoalStatus.LOST, GoalStatus.EXECUTING):

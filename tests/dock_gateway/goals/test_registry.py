@@ -10,7 +10,7 @@ import pytest
 from dock_gateway.core.errors import NotFound, NotInstalled
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals import registry as actions
 from dock_gateway.goals.action_schema import ActionInfo
@@ -141,8 +141,16 @@ def test_goals_that_were_lost_long_ago_are_not_expected(registry: ActionRegistry
 async def test_who_wants_to_know_hears_of_goals_whose_action_does_not_come_back() -> None:
     registry = make_registry(forget_after=-1.0)
     lost: list[Goal] = []
+    stopped: list[Goal] = []
+
+    def stop(goal: Goal) -> str:
+        stopped.append(goal)
+        return "zero velocity was sent"
+
     registry.on_lost.append(lost.append)
+    registry.before_lost.append(stop)
     registry.expect([goal := make_goal(1, GoalStatus.EXECUTING, "/gone")])
     await registry.update(Scan())
     await registry.update(Scan())
-    assert (lost, goal.status) == ([goal], GoalStatus.LOST)
+    assert (lost, stopped, goal.status) == ([goal], [goal], GoalStatus.LOST)
+    assert goal.error == GoalError("action_server_lost", "the action has no server any more; zero velocity was sent")

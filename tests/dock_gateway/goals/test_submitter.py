@@ -263,9 +263,7 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_the_retry_under_it
     goal = await stored_before(scene, "key")
     if taken_up:
         scene.tracker.take_up(goal)
-        scene.tracker.apply(
-            GoalMachine.lose, goal, GoalError("action_server_lost", "the action server does not know the goal")
-        )
+        scene.tracker.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
         assert goal.unconfirmed
     submission = scene.submit("key")
     await until(lambda: bool(scene.port.sent))
@@ -280,7 +278,7 @@ async def test_a_goal_that_runs_is_not_ended_when_the_server_refuses_its_id_once
     scene.history.gate.set_result(None)
     goal = await stored_before(scene, "key")
     scene.tracker.take_up(goal)
-    scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
     submission = scene.submit("key")
     await until(lambda: bool(scene.port.sent))
     scene.tracker.apply(GoalMachine.move, goal, GoalStatus.EXECUTING)  # the first request was only slow

@@ -9,7 +9,7 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, restamped, status_event
-from dock_gateway.core.goal import Goal, GoalError
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.goals.goal_machine import GoalMachine
 from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, limits, scene
@@ -89,12 +89,30 @@ async def test_a_goal_of_someone_else(scene: Scene) -> None:
 async def test_lost_and_back(scene: Scene) -> None:
     goal = scene.send()
     scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
-    scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
     assert scene.tracker.running() == []
     scene.feedback(1)
     assert goal.status is S.EXECUTING
     assert goal.error is None
     assert scene.returned == [goal]
+
+
+async def test_before_a_goal_is_lost_its_robot_is_stopped_once_and_the_reason_says_so(scene: Scene) -> None:
+    statuses: list[GoalStatus] = []
+
+    def stop(goal: Goal) -> str:
+        statuses.append(goal.status)
+        return "zero velocity was sent"
+
+    scene.before_lost += [stop, lambda _: ""]
+    goal = scene.send()
+    scene.status((A, S.EXECUTING))
+    scene.port.answer_result(A, None)
+    await until(lambda: goal.status is S.LOST)
+    detail = "the action server does not know the goal; zero velocity was sent"
+    assert goal.error == GoalError("action_server_lost", detail)
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    assert statuses == [S.EXECUTING]
 
 
 async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(scene: Scene) -> None:
@@ -132,7 +150,7 @@ async def test_who_waits_goes_on_when_the_goal_is_lost(scene: Scene) -> None:
     goal = scene.send()
     waiting = [asyncio.create_task(scene.tracker.wait_terminal(goal, 60)) for _ in range(2)]
     await asyncio.sleep(0)
-    scene.tracker.apply(GoalMachine.lose, goal, GoalError("action_server_lost", "silent"))
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
     await asyncio.wait_for(asyncio.gather(*waiting), 50)
     await asyncio.wait_for(scene.tracker.wait_terminal(goal, 60), 50)
     scene.fanout.close()

@@ -80,7 +80,7 @@ class World:
         elif name == "feedback":
             self.tracker.on_feedback(goal_id, b"{}", 3)
         elif name == "lose" and live is not None:
-            self.tracker.apply(GoalMachine.lose, live, GoalError("action_server_lost", "silent"))
+            self.tracker.lose(live, GoalError("action_server_lost", "silent"))
         elif name == "answer":
             calls = self.port.results.get(goal_id, [])
             if calls and not calls[-1].response.done():
