@@ -17,7 +17,7 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.request import PERMIT
+from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.http.operation import READS, Audit, Operation, Scope, find_operation
 from dock_gateway.http.parts import parts_of
 from dock_gateway.http.principal import address_of
@@ -57,6 +57,7 @@ class Trail:
         self._what = what
         self.at = utc_now()
         self._recorded = False
+        self._earlier: Final = PERMIT.get()
 
     def leave_to_commands(self) -> None:
         """Do not record the request, which only carries commands: each of those is recorded."""
@@ -80,7 +81,9 @@ class Trail:
             said = subjects.of_request(self._scope)
         else:
             said = subjects.of_names(self._command, Scope.ANY if self._operation is None else self._operation.scope)
-        fields = subjects.completed({**said, **self.fields})
+        permit = self._permit()
+        picked = {} if permit is None or permit.action is None else {"action_name": permit.action}
+        fields = subjects.completed({**said, **picked, **self.fields})
         if what == STOP and status < 400:
             fields["robot"] = subjects.stopped(fields["robot"])
         entry = self._entry(what, status, code, fields)
@@ -90,9 +93,14 @@ class Trail:
         else:
             requests.record(entry)
 
+    def _permit(self) -> Permit | None:
+        """Return the authorization, if there is one: an earlier command on the connection may have left its own."""
+        permit = PERMIT.get()
+        return None if permit is self._earlier else permit
+
     def _entry(self, what: str, status: int, code: str | None, fields: dict[str, Any]) -> AuditEntry:
         principal: Principal | None = self._scope.get("principal")
-        permit = PERMIT.get()
+        permit = self._permit()
         return AuditEntry(
             entry_id=uuid.uuid4().hex,
             at=self.at if permit is None else permit.acted_at,

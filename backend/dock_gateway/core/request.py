@@ -31,6 +31,7 @@ class Permit:
         hold: Takes a place of the user while a block runs (`Quotas.hold`).
         turn: Waits for the user's turn (`Quotas.turn`).
         acted_at: When the request acted last.
+        action: Absolute name of the action that it has picked or was given; None: not known yet.
     """
 
     require: Callable[[], None]
@@ -38,6 +39,7 @@ class Permit:
     hold: Callable[[str, Hashable, str], AbstractContextManager[None]]
     turn: Callable[[str], AbstractAsyncContextManager[None]]
     acted_at: datetime = field(default_factory=utc_now)
+    action: str | None = None
 
 
 # A task that is started while a request is handled inherits both.
@@ -57,6 +59,16 @@ def act() -> None:
     if permit is not None:
         permit.require()
         permit.acted_at = utc_now()
+
+
+def acts_on(action: str) -> None:
+    """Note the action that the request sends a goal to: the audit log has it even if the goal is refused.
+
+    Args:
+        action: Its absolute name.
+    """
+    if (permit := PERMIT.get()) is not None:
+        permit.action = action
 
 
 def hold(what: str, key: Hashable = None, of: str = "") -> AbstractContextManager[None]:

@@ -8,6 +8,7 @@ from geometry_msgs.msg import PoseStamped
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
+from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import loss_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import GoalError
@@ -123,11 +124,6 @@ class Action:
         """Whether a goal is running on it."""
         return bool(self.tracker.running())
 
-    @property
-    def default_request(self) -> Any:
-        """The request that an empty body stands for; None if a body is required."""
-        return None if self.adapter is None else self.adapter.default
-
     def document(self) -> dict[str, Any]:
         """Return the action as JSON."""
         return action_document(
@@ -139,33 +135,42 @@ class Action:
             unknown_goals_ignored=self.unknown_goals_ignored,
         )
 
-    async def read_goal(self, value: object, path: str = "") -> Any:
-        """Return the goal message with these fields. Others have their turn while a large one is read.
+    async def read_goal(self, request: object, path: str = "", *, simple: bool = False) -> Any:
+        """Return the goal message for a request. Others have their turn while a large one is read.
 
         Args:
-            value: Decoded JSON.
+            request: Decoded JSON, or the message; None: the client gave none.
             path: Where it was, for errors.
+            simple: Whether it may be a simple request to dock or undock a robot (`parse_request`). If not, it is the
+                message's fields.
 
         Raises:
-            InvalidField: It is not valid.
+            InvalidField: It is not valid, or is missing.
             Conflict: `stopped`: a stop was requested in the meantime.
         """
+        if simple:
+            return self.parse_request(request, path)
+        # To use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
+        if request is None:
+            raise _missing(path)
         stops = self.delivery.stops
-        message = await self.port.goal_codec.read(value, path)
+        message = await self.port.goal_codec.read(request, path)
         if self.delivery.stops != stops:
             self.delivery.require_no_stop_since(stops)
         return message
 
-    def parse_request(self, request: object, path: str = "") -> Any:
+    def parse_request(self, request: object = None, path: str = "") -> Any:
         """Return the goal message for a request: for docking and undocking a simple request, or the message's fields.
 
         Args:
-            request: Decoded JSON.
+            request: Decoded JSON, or the message; None: the default, which not every action has.
             path: Where it was, for errors.
 
         Raises:
-            InvalidField: It is not valid, or the action cannot take it.
+            InvalidField: It is not valid, is missing, or the action cannot take it.
         """
+        if request is None and (request := None if self.adapter is None else self.adapter.default) is None:
+            raise _missing(path)
         if self.adapter is None or not isinstance(request, dict):
             return self.port.goal_codec.parse(request, path)
         if DESIRED in request and self.adapter.reads_battery_goal:
@@ -191,3 +196,7 @@ class Action:
         """Stop all background work."""
         await self._tasks.close()
         await self.tracker.close()
+
+
+def _missing(path: str) -> InvalidField:
+    return InvalidField([FieldError(path, "an object, {} for the defaults", "got none")])

@@ -1,13 +1,12 @@
 """Goals of any action: they are sent and canceled."""
 
-from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Any
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.grant import Role
+from dock_gateway.core.request import acts_on
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.cancellation import require_unfinished
 from dock_gateway.goals.docking_hints import DockingHints
@@ -22,18 +21,21 @@ class SendGoal:
     """A goal to send.
 
     Attributes:
-        read: Returns the goal message for the action.
+        request: Decoded JSON, or the goal message: the fields of the message or, to dock or undock a robot, a simple
+            request. None: the client gave none.
         action: Absolute name of the action; None: the one that docks or undocks the robot.
         verb: Which of them.
         robot: The robot; None: the configured one.
         key: The idempotency key as it is stored for who sends the goal; None: each goal is another one.
+        path: Where the request was, for errors; empty: it is the whole body.
     """
 
-    read: Callable[[Action], Awaitable[Any]]
+    request: object
     action: str | None = None
     verb: Verb = "dock"
     robot: str | None = None
     key: str | None = None
+    path: str = ""
 
 
 @operation(Role.AGENT, Scope.NEW_GOAL, errors=(409, 504), sends_goal=True)
@@ -69,7 +71,8 @@ async def _send_docking_goal(actions: ActionRegistry, principal: Principal, orde
 
 
 async def _submit(action: Action, principal: Principal, order: SendGoal) -> Goal:
-    message = await order.read(action)
+    acts_on(action.name)
+    message = await action.read_goal(order.request, order.path, simple=order.action is None)
     return await action.submitter.submit(message, order.key, sender=principal)
 
 

@@ -1,14 +1,11 @@
 """The commands that every door but REST has: decoded fields in, the fields of the answer out. `/ws` has them all."""
 
-from typing import Any
-
 from dock_gateway.access.carry_out import Command, Fields
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
-from dock_gateway.goals.action import Action
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import Parts
@@ -58,18 +55,13 @@ async def send_goal(parts: Parts, principal: Principal, fields: Fields) -> Field
     command = read_fields(SendGoalCommand, fields)
     if command.action is not None and command.verb is not None:
         raise InvalidField([FieldError("verb", "either an action or a verb", "got both")])
-    name, robot, goal = command.action, command.robot, command.goal
+    name, robot = command.action, command.robot
     key = check_key(command.idempotency_key, "idempotency_key")
     if name is not None:
         namespace = None if robot is None else parts[RobotRegistry].get(robot).namespace
         name = parts[Settings].resolve(name, namespace)
-
-    async def read(action: Action) -> Any:
-        if name is not None:
-            return await action.read_goal(goal, "goal")
-        return action.parse_request(action.default_request if goal is None else goal, "goal")
-
-    order = goals.SendGoal(read, name, command.verb or "dock", robot, key=None if key is None else principal.own(key))
+    own_key = None if key is None else principal.own(key)
+    order = goals.SendGoal(command.goal, name, command.verb or "dock", robot, own_key, path="goal")
     _, sent = await goals.send_goal(parts, principal, order)
     return {"goal": sent.document()}
 

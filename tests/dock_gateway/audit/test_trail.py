@@ -15,8 +15,9 @@ from dock_gateway.audit.record import RequestRecord
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.audit.trail import AuditTrail, audited_command
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.errors import Conflict, NotFound
+from dock_gateway.core.errors import Conflict, NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.request import PERMIT, acts_on
 from dock_gateway.extension import Installed, extensions
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.operation import operation_of
@@ -32,6 +33,7 @@ from dock_gateway.storage import History
 from dock_gateway.streams.socket import OPERATIONS
 from tests.support.audit import AuditList
 from tests.support.history import HistoryInMemory
+from tests.support.permits import permit
 
 GOAL = "7d9c1c9e-0000-4000-8000-00000000000a"
 
@@ -226,6 +228,28 @@ def test_a_request_that_cannot_be_recorded_is_answered(site: Site, caplog: pytes
     with site.client(Role.SUPERVISOR) as http:
         assert http.delete("/stop").status_code == 200
     assert "release_stop could not be recorded" in caplog.text
+
+
+async def test_a_goal_that_is_refused_is_recorded_with_the_action_that_was_picked() -> None:
+    site = await asyncio.to_thread(Site)
+    scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"parts": site.parts}, "request_id": "r1"}
+
+    async def picks() -> None:
+        PERMIT.set(permit())
+        acts_on("/robot7/dock")
+        raise Conflict("busy", code="dock_busy")
+
+    async def is_not_allowed() -> None:
+        raise NotAllowed("no", code="role_required")
+
+    with pytest.raises(Conflict):
+        await audited_command(scope, "send_goal", OPERATIONS["send_goal"], {}, picks)
+    entry = site.one()
+    assert (entry.robot, entry.action_name, entry.code) == ("/robot7", "/robot7/dock", "dock_busy")
+    with pytest.raises(NotAllowed):  # the next one on the same connection
+        await audited_command(scope, "send_goal", OPERATIONS["send_goal"], {}, is_not_allowed)
+    entry = site.one()
+    assert (entry.robot, entry.action_name, entry.code) == ("/", None, "role_required")
 
 
 COMMAND = [

@@ -1,11 +1,12 @@
 """An action reads the goals that clients send it."""
 
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from dock_gateway.core.errors import Conflict
+from dock_gateway.core.errors import Conflict, InvalidField
 from dock_gateway.goals.action import Action
 
 
@@ -33,3 +34,19 @@ async def test_a_stop_while_a_long_goal_is_read_keeps_it_from_being_sent() -> No
 
 async def test_a_goal_that_no_stop_precedes_is_read() -> None:
     assert await Action.read_goal(action_with(lambda _: None), {"order": 3}, "goal") == ({"order": 3}, "goal")
+
+
+async def test_a_goal_that_is_not_given_is_the_default_only_where_a_robot_docks() -> None:
+    def docking(default: object) -> Any:
+        adapter = SimpleNamespace(default=default, reads_battery_goal=False, reads_dock_pose=False)
+        adapter.goal = lambda request, dock, path: {**request, "dock_id": dock}
+        codec = SimpleNamespace(parse=lambda value, path: (value, path))
+        action: Any = SimpleNamespace(adapter=adapter, port=SimpleNamespace(goal_codec=codec), _default_dock="home")
+        action.parse_request = partial(Action.parse_request, action)
+        return action
+
+    assert await Action.read_goal(docking({}), None, "goal", simple=True) == ({"dock_id": "home"}, "goal")
+    for action, simple in ((docking(None), True), (action_with(lambda _: None), False)):
+        with pytest.raises(InvalidField) as refused:
+            await Action.read_goal(action, None, "goal", simple=simple)
+        assert refused.value.extra["errors"][0]["expected"] == "an object, {} for the defaults"

@@ -84,7 +84,7 @@ class Robot:
 
     def get(self, name: str) -> Any:
         assert name == f"{ROBOT}/dock"
-        return SimpleNamespace(default_request={}, parse_request=lambda request: request, submitter=self)
+        return SimpleNamespace(parse_request=dict, submitter=self)
 
 
 class Site:

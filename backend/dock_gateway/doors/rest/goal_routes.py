@@ -11,13 +11,11 @@ from fastapi import APIRouter, Depends, Request
 from pydantic import BaseModel
 from starlette.responses import Response
 
-from dock_gateway.audit.trail import audited
-from dock_gateway.core.filters import parent_of
+from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import GoalStatus, Verb
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.doors.rest.answers import HEADERS, answer_page, answer_sent
-from dock_gateway.goals.action import Action
 from dock_gateway.goals.goal_path import GoalPath
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -35,6 +33,7 @@ from dock_gateway.http.requests import (
     RobotQuery,
     StatusQuery,
     goal_response,
+    read_body,
     read_json,
     read_wait,
 )
@@ -79,17 +78,6 @@ class Place(GoalPath):
         await parts[ActionRegistry].find_docking(verb, self.robot)
         names = parts[RobotActions].docking_names(parts[RobotRegistry].get(self.robot).namespace, verb)
         return GoalFilter(names, statuses=wanted, among=frozenset(filter(grant.covers_action, names)))
-
-    async def read(self, request: Request, action: Action) -> Any:
-        """Return the goal message of a request.
-
-        Raises:
-            GatewayError: The body is none.
-        """
-        if self.action is None:
-            return action.parse_request(await read_json(request, empty=action.default_request))
-        # Not empty: to use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
-        return await action.read_goal(await read_json(request))
 
     def answer(self, goal: GoalRecord, status: int = 200) -> Response:
         """Answer with a goal."""
@@ -147,12 +135,7 @@ def goal_routes(goals: GoalCollection) -> APIRouter:
         request: Request, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(goals.sends)]
     ) -> Response:
         wait, key = read_wait(request), read_own_key(request)
-
-        async def read(action: Action) -> Any:
-            audited(request, action_name=action.name, robot=parent_of(action.name))
-            return await place.read(request, action)
-
-        order = SendGoal(read, place.action, place.verb or "dock", place.robot, key)
+        order = SendGoal(await _read_goal(request), place.action, place.verb or "dock", place.robot, key)
         action, goal = await send_goal(parts, principal, order)
         return await answer_sent(request, action, goal, place.path, wait)
 
@@ -178,6 +161,20 @@ def goal_routes(goals: GoalCollection) -> APIRouter:
 
     _add_cancel(router, cancel, goals.goal, goals.place)
     return router
+
+
+async def _read_goal(request: Request) -> object:
+    """Return the decoded body of a request; None if there is none.
+
+    Raises:
+        InvalidField: It is `null`.
+        MalformedRequest: It is not JSON, or has another content type.
+    """
+    if not await read_body(request):
+        return None
+    if (goal := await read_json(request)) is None:
+        raise InvalidField([FieldError("", "an object", got(goal))])
+    return goal
 
 
 def _add_cancel(router: APIRouter, name: str, model: type[BaseModel], place: Find) -> None:

@@ -8,12 +8,14 @@ import pytest
 from fastapi import Request
 
 from dock_gateway.core.access import ANYBODY
-from dock_gateway.core.errors import InvalidField
+from dock_gateway.core.errors import InvalidField, MalformedRequest
 from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.request import PERMIT
 from dock_gateway.doors.rest.goal_routes import ACTION, Place, goal_routes
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from tests.support.history import make_goal
+from tests.support.permits import permit
 from tests.support.requests import request
 
 
@@ -34,10 +36,20 @@ def having(action: Any) -> Parts:
     return Parts({ActionRegistry: actions})
 
 
-async def test_no_goal_is_sent_for_an_empty_body() -> None:
-    action: Any = SimpleNamespace(name="/fibonacci", read_goal=AsyncMock(side_effect=lambda value: value))
-    with pytest.raises(InvalidField):
-        await send("fibonacci", request(b""), having(action))
+@pytest.mark.parametrize(
+    ("body", "read"), [(b"", [None]), (b"{}", [{}]), (b'{"order": 3}', [{"order": 3}]), (b"null", []), (b"{", [])]
+)
+async def test_what_the_action_is_given_to_read(body: bytes, read: list[Any]) -> None:
+    given: list[Any] = []
+
+    async def read_goal(goal: object, path: str, *, simple: bool) -> None:
+        assert (path, simple) == ("", False)
+        given.append(goal)
+        raise InvalidField([])
+
+    with pytest.raises((InvalidField, MalformedRequest)):
+        await send("fibonacci", request(body), having(SimpleNamespace(name="/fibonacci", read_goal=read_goal)))
+    assert given == read
 
 
 async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted() -> None:
@@ -56,16 +68,14 @@ async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted()
 
     action: Any = SimpleNamespace(
         name="/robot1/spin",
-        read_goal=AsyncMock(side_effect=lambda value: value),
+        read_goal=AsyncMock(),
         submitter=SimpleNamespace(submit=submit),
         tracker=SimpleNamespace(wait_terminal=wait_terminal),
     )
     asked = request(b"{}", [(b"prefer", b"wait=30")])
     asked.scope["audit"].record = record
+    PERMIT.set(request_permit := permit())
     await send("robot1/spin", asked, having(action))
     assert recorded == [202, 0]
-    assert asked.scope["audit"].fields == {
-        "robot": "/robot1",
-        "action_name": "/robot1/spin",
-        "goal_id": "goal-0001",
-    }
+    assert asked.scope["audit"].fields == {"goal_id": "goal-0001"}
+    assert request_permit.action == "/robot1/spin"

@@ -8,6 +8,7 @@ import pytest
 
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.core.request import PERMIT
 from dock_gateway.doors.rest.goal_routes import DOCK, Place, goal_routes
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goal_machine import News
@@ -16,6 +17,7 @@ from dock_gateway.goals.submission import GoalDelivery
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from tests.support.history import make_goal
+from tests.support.permits import permit
 from tests.support.requests import request
 
 
@@ -26,7 +28,6 @@ class FakeAction:
 
     def __init__(self, name: str, *, server: bool, stopped: bool = False) -> None:
         self.name = name
-        self.default_request: Any = {}
         nothing: Any = None
         tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
         interlock: Any = SimpleNamespace(holds=lambda _: False)
@@ -39,8 +40,9 @@ class FakeAction:
         self.stopped = stopped
         self.sent: list[Any] = []
 
-    def parse_request(self, body: object) -> object:
-        return body
+    async def read_goal(self, request: object, path: str, *, simple: bool) -> object:
+        assert simple
+        return request, path
 
     async def submit(self, message: object, key: str | None, *, sender: Principal) -> Any:
         if self.stopped:
@@ -52,7 +54,7 @@ class FakeAction:
 
 
 async def send(*found: Any) -> Any:
-    """Send a goal to the first action, while the second one is picked. Return what the audit log would have."""
+    """Send a goal to the first action, while the second one is picked. Return the action that the audit log has."""
     picked = iter(found)
 
     async def find(*_: object) -> Any:
@@ -62,14 +64,17 @@ async def send(*found: Any) -> Any:
     actions: Any = SimpleNamespace(find_docking=find)
     hints: Any = SimpleNamespace(hinting=lambda *_: nullcontext())
     (endpoint,) = (route.endpoint for route in goal_routes(DOCK).routes if route.name == "dock")
-    await endpoint(asked, Parts({ActionRegistry: actions, DockingHints: hints}), ANYBODY, Place("/dock", "dock"))
-    return asked.scope["audit"].fields
+    parts = Parts({ActionRegistry: actions, DockingHints: hints})
+    request_permit = permit()
+    PERMIT.set(request_permit)
+    await endpoint(asked, parts, ANYBODY, Place("/dock", "dock"))
+    return request_permit.action
 
 
 async def test_another_action_gets_the_goal_of_one_without_a_server() -> None:
     first, other = FakeAction("/dock", server=False), FakeAction("/dock_robot", server=True)
-    assert await send(first, other) == {"robot": "/", "action_name": "/dock_robot", "goal_id": "goal-0001"}
-    assert other.sent == [({}, "key")]
+    assert await send(first, other) == "/dock_robot"
+    assert other.sent == [((None, ""), "key")]
 
 
 async def test_a_stop_that_comes_meanwhile_keeps_it_from_being_sent() -> None:
