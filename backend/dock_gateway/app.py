@@ -14,16 +14,15 @@ from dock_gateway.doors.rest import (
     battery_routes,
     dock_routes,
     fleet_routes,
-    goal_routes,
     parameter_routes,
     publish_routes,
+    sent_goals,
     service_routes,
     stop_routes,
 )
 from dock_gateway.extension import Installed, extensions
 from dock_gateway.gateways import routes as gateway_routes
-from dock_gateway.goals import approval_routes, export_routes, note_routes
-from dock_gateway.goals import routes as history_routes
+from dock_gateway.goals import approval_routes, export_routes, history_routes, note_routes
 from dock_gateway.goals.schema import ACTION_EVENTS
 from dock_gateway.graph import interface_routes
 from dock_gateway.graph import routes as graph_routes
@@ -69,8 +68,8 @@ def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
         installed: The extensions.
     """
     return [
-        goal_routes.dock,
-        goal_routes.undock,
+        sent_goals.dock,
+        sent_goals.undock,
         dock_routes.router,
         stop_routes.router,
         events.router,
@@ -78,8 +77,8 @@ def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
         export_routes.router,  # before goals: `export` and `tags` are not goal ids
         note_routes.router,
         history_routes.router,
-        goal_routes.anywhere,
-        goal_routes.of_action,
+        sent_goals.anywhere,
+        sent_goals.of_action,
         action_routes.router,
         approval_routes.router,
         interface_routes.router,

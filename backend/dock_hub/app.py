@@ -8,8 +8,7 @@ from fastapi import APIRouter, FastAPI
 from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.extension import Installed
-from dock_gateway.goals import export_routes
-from dock_gateway.goals import routes as goal_routes
+from dock_gateway.goals import export_routes, history_routes
 from dock_gateway.http.dashboard import page_of
 from dock_gateway.http.openapi import Union
 from dock_gateway.http.operation import public_operation
@@ -67,7 +66,7 @@ ROUTERS = tuple(
         routes,
         events,
         export_routes,  # before goals: `export` is not a goal id
-        goal_routes,
+        history_routes,
         session_routes,
         provider_routes,
         user_routes,

@@ -20,7 +20,7 @@ from tests.support.audit import AuditList, audit_parts
 from tests.support.parts import FakeParts
 
 
-class FakeVelocity:
+class FakeWheels:
     """`cmd_vel` of a robot."""
 
     subscribers = 1
@@ -90,7 +90,7 @@ class FakeFleet:
     """Robots of some namespaces, each with an action, and what stops them.
 
     Attributes:
-        robots: Their `velocity` and `topic`, by namespace.
+        robots: Their `wheels` and `topic`, by namespace.
         goals: What runs on the action of each.
         actions: Their actions.
         parts: What the API calls.
@@ -101,9 +101,7 @@ class FakeFleet:
         self.fanout = Fanout(queue_limit=10)
         self.file = LatchFile(path)
         self.interlock = Interlock(self.fanout, self.file, echo_after=0.02, retry_after=0.02)
-        self.robots = {
-            name: SimpleNamespace(namespace=name, velocity=FakeVelocity(), topic=FakeTopic()) for name in names
-        }
+        self.robots = {name: SimpleNamespace(namespace=name, wheels=FakeWheels(), topic=FakeTopic()) for name in names}
         for name, robot in self.robots.items():
             self.interlock.join(name, robot.topic)
         self.goals = {name: FakeGoals() for name in names}
@@ -130,7 +128,7 @@ class FakeFleet:
 
     def zeros(self) -> list[int]:
         """How often each robot was told to stand still."""
-        return [robot.velocity.zeros for robot in self.robots.values()]
+        return [robot.wheels.zeros for robot in self.robots.values()]
 
     def said(self) -> list[list[bool | None]]:
         """What was said on each `stop_latched`."""

@@ -24,7 +24,7 @@ _ON_GRAPH: dict[Scope, tuple[Callable[[Grant, str], bool], str]] = {
     Scope.PUBLISHING: (Grant.covers_publishing, "publishing on the topic"),
     Scope.SERVICE: (Grant.covers_service, "calls of the service"),
     Scope.NODE: (Grant.covers_parameters, "setting parameters of the node"),
-    Scope.PLACE: (Grant.covers_place, "the"),
+    Scope.LOOKED_AT: (Grant.covers_place, "the"),
 }
 
 
@@ -55,7 +55,7 @@ async def _require_granted(parts: Parts, grant: Grant, subject: Subject, what: s
             parts[Approvals].get(subject.identity, grant)
         case scope if scope in _ON_GRAPH:
             covers, about = _ON_GRAPH[scope]
-            noun = f"{about} {subject.kind}" if scope is Scope.PLACE else about
+            noun = f"{about} {subject.kind}" if scope is Scope.LOOKED_AT else about
             _require(covers(grant, subject.name), f"{noun} {subject.name[:100]}")
         case Scope.ROBOTS if _robot(parts, subject) == ALL_ROBOTS:  # a limit to `/` is one robot: that without a name
             _require(grant.covers_every_robot, "every robot; name one of yours with `robot`")

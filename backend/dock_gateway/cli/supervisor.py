@@ -16,11 +16,11 @@ import httpx2
 from dock_gateway.client.connection import tls_context
 from robot_io.children import end_with_parent
 
-# Seconds that the parts have to end by themselves. A docking server stays for up to 2 s, until its robot stands.
+# Seconds that the programs have to end by themselves. A docking server stays for up to 2 s, until its robot stands.
 END_TIMEOUT = 3.0
 
 
-class Part:
+class Program:
     """One supervised process, restarted when it dies.
 
     Args:
@@ -42,7 +42,7 @@ class Part:
         self.start()
 
     def start(self) -> None:
-        """Start the process in its own session: Ctrl-C reaches only the supervisor, which ends the parts in order."""
+        """Start the process in its own session: Ctrl-C reaches only the supervisor, which ends all in order."""
         self._restart_at = None
         self.started_at = time.monotonic()
         self.process = subprocess.Popen(
@@ -64,19 +64,19 @@ class Part:
             self._restart_at = now + self._backoff
 
 
-def _end(parts: Sequence[Part], timeout: float) -> None:
+def _end(programs: Sequence[Program], timeout: float) -> None:
     deadline = time.monotonic() + timeout
-    for part in parts:
-        if part.process.poll() is None:
-            part.process.terminate()
-            part.process.send_signal(signal.SIGCONT)  # a frozen process could not end
-    for part in parts:
+    for program in programs:
+        if program.process.poll() is None:
+            program.process.terminate()
+            program.process.send_signal(signal.SIGCONT)  # a frozen process could not end
+    for program in programs:
         try:
-            part.process.wait(max(0.0, deadline - time.monotonic()))
+            program.process.wait(max(0.0, deadline - time.monotonic()))
         except subprocess.TimeoutExpired:
-            click.echo(f"dock-gateway: {part.name} does not exit and is killed", err=True)
-            part.process.kill()
-            part.process.wait()
+            click.echo(f"dock-gateway: {program.name} does not exit and is killed", err=True)
+            program.process.kill()
+            program.process.wait()
 
 
 class ReadinessProbe(NamedTuple):
@@ -120,33 +120,33 @@ async def supervise(
     longest_delay: float = 10.0,
     end_timeout: float = END_TIMEOUT,
 ) -> bool:
-    """Run the parts until a signal arrives. Return False if the gateway, the first part, could not be started.
+    """Run the programs until a signal arrives. Return False if the gateway, the first program, could not be started.
 
     Args:
-        commands: Start the parts.
+        commands: Start the programs.
         url: Where the gateway will be.
-        environments: The variables of parts that have their own, by the part's name.
+        environments: The variables of programs that have their own, by the program's name.
         readiness: When everything is up.
         start_window: Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings
             are wrong.
-        longest_delay: Maximum seconds before a part that has died is started again.
-        end_timeout: Seconds that the parts have to end by themselves.
+        longest_delay: Maximum seconds before a program that has died is started again.
+        end_timeout: Seconds that the programs have to end by themselves.
     """
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             asyncio.get_running_loop().add_signal_handler(number, ended.set)
-    parts = [Part(name, command, longest_delay, environments.get(name)) for name, command in commands.items()]
+    programs = [Program(name, command, longest_delay, environments.get(name)) for name, command in commands.items()]
     started_by = time.monotonic() + start_window
     announcing = asyncio.create_task(_announce(url, readiness))
     try:
         while not ended.is_set():
-            if time.monotonic() < started_by and parts[0].process.poll() is not None:
+            if time.monotonic() < started_by and programs[0].process.poll() is not None:
                 return False  # starting it again would not help
-            for part in parts:
-                part.restart_if_dead()
+            for program in programs:
+                program.restart_if_dead()
             await asyncio.sleep(0.1)
     finally:
         announcing.cancel()
-        _end(parts, end_timeout)
+        _end(programs, end_timeout)
     return True

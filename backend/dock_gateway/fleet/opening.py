@@ -69,7 +69,7 @@ def _watch_wheels(parts: Parts, stack: AsyncExitStack) -> None:
         return next((each.node for each in found.publishers if each.gid == publisher), None)
 
     def listen(robot: str) -> ExitStack:
-        wheels = robots.get(robot).velocity
+        wheels = robots.get(robot).wheels
         wheels.listen()
         listener = robots.velocities.watch(settings.resolve(settings.cmd_vel_topic, robot), wheels.hear)
         wheels.catch_up = listener.catch_up

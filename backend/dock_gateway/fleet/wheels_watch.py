@@ -88,7 +88,7 @@ class WheelsWatch:
         if goal.goal_id not in goals:
             goals.add(goal.goal_id)
             self._ended_at.pop(robot, None)
-            self._robots.get(robot).velocity.leave()
+            self._robots.get(robot).wheels.leave()
             self._changed()
 
     def _leave(self, goal: Goal) -> None:
@@ -137,7 +137,7 @@ class WheelsWatch:
     def _heard(self, now: float) -> Iterator[tuple[str, VelocityCommand]]:
         """Yield the robots whose commands are heard: with a goal, and a moment longer."""
         for robot in [*self._goals, *self._ended_at]:
-            wheels = self._robots.get(robot).velocity if robot in self._robots else None
+            wheels = self._robots.get(robot).wheels if robot in self._robots else None
             if wheels is None or wheels.last is None:
                 self._ended_at.pop(robot, None)
                 self._silent.pop(robot, None)
@@ -164,10 +164,10 @@ class WheelsWatch:
 
     def _allowed(self, robot: str) -> float:
         """Return the seconds without a command that do not stop a robot."""
-        return max(self._timeout, min(LONGEST, MISSED * self._robots.get(robot).velocity.interval))
+        return max(self._timeout, min(LONGEST, MISSED * self._robots.get(robot).wheels.interval))
 
     def _stop(self, robot: str, last: VelocityCommand, allowed: float) -> None:
-        wheels = self._robots.get(robot).velocity
+        wheels = self._robots.get(robot).wheels
         wheels.last = VelocityCommand(time.monotonic(), motion=False)
         try:
             wheels.publish_zero()
@@ -191,7 +191,7 @@ class WheelsWatch:
         """Stop the robot of a docking goal that is about to be lost; return what was done, as a clause."""
         if (robot := self._robot_of(goal)) is None:
             return ""
-        wheels = self._robots.get(robot).velocity
+        wheels = self._robots.get(robot).wheels
         wheels.catch_up()
         last = wheels.last
         if last is not None and last.motion and last.publisher and time.monotonic() - last.at <= self._allowed(robot):

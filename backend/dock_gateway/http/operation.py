@@ -30,7 +30,7 @@ class Scope(Enum):
     ALERT = auto()  # the robot of the alert in `alert_id`
     APPROVAL = auto()  # the action of the goal that waits for approval, in `approval_id`
     TOPIC = auto()  # the topic in `name` or `topic`
-    PLACE = auto()  # the node in `node` or the service in `service`, which are only looked at
+    LOOKED_AT = auto()  # the node in `node` or the service in `service`, which are only looked at
     SERVICE = auto()  # the service in `service`, which is called
     NODE = auto()  # the node in `node`, whose parameters are set
     PUBLISHING = auto()  # the topic in `topic`, on which something is published
@@ -64,7 +64,7 @@ NAMED = frozenset(
         Scope.ALERT,
         Scope.APPROVAL,
         Scope.TOPIC,
-        Scope.PLACE,
+        Scope.LOOKED_AT,
         Scope.SERVICE,
         Scope.NODE,
         Scope.PUBLISHING,
@@ -80,7 +80,7 @@ TYPED = frozenset(
         Scope.ACTION,
         Scope.NEW_GOAL,
         Scope.TOPIC,
-        Scope.PLACE,
+        Scope.LOOKED_AT,
         Scope.SERVICE,
         Scope.PUBLISHING,
     }

@@ -57,7 +57,7 @@ def read_subject(scope: Scope, names: Names, settings: Settings) -> Subject:
             about |= {"action": named, "identity": names.get("goal_id")}
         case Scope.ALERT:
             about["identity"] = names.get("alert_id")
-        case Scope.TOPIC | Scope.PUBLISHING | Scope.SERVICE | Scope.NODE | Scope.PLACE:
+        case Scope.TOPIC | Scope.PUBLISHING | Scope.SERVICE | Scope.NODE | Scope.LOOKED_AT:
             kind = ON_GRAPH.get(scope) or ("node" if "node" in names else "service")
             in_path = named if kind == "topic" else None
             about |= {"kind": kind, "name": in_path or settings.resolve(str(names.get(kind, "")), "")}

@@ -15,7 +15,7 @@ from dock_gateway.ros.parameter_values import Parameter
 MAX_NODES = 50
 
 
-@operation(Role.VIEWER, Scope.PLACE, errors=(429, 504))
+@operation(Role.VIEWER, Scope.LOOKED_AT, errors=(429, 504))
 async def get_parameters(parts: Parts, principal: Principal, node: str) -> list[Parameter]:
     """Return all parameters of a node, sorted by name.
 

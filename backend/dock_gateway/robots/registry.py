@@ -46,7 +46,7 @@ class Robot:
     namespace: str
     battery: LatestBattery
     publisher: BatteryPublisher
-    velocity: Wheels
+    wheels: Wheels
     ports: Ports
 
 
@@ -259,7 +259,7 @@ class RobotRegistry:
     def forget(self, namespace: str) -> None:
         """Leave the topics of a robot that is gone. If it appears again, its past is restored."""
         robot = self._robots.pop(namespace)
-        robot.velocity.leave()
+        robot.wheels.leave()
         self._forgotten.add(namespace)
         self._interlock.leave(namespace)
         self._bridge.to_ros(lambda: _leave(robot.ports))

@@ -39,7 +39,7 @@ class RunningStop:
         self.unreached = {}
         for robot in self.robots:
             try:
-                robot.velocity.publish_zero()
+                robot.wheels.publish_zero()
             except Exception as error:
                 log.exception("zero velocity could not be published to %s", robot.namespace)
                 self.unreached[robot.namespace] = error

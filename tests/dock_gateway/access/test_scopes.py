@@ -101,7 +101,7 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
             scope, what = operation.scope, (method, template)
             if operation.role in (None, Role.ADMIN) or scope in (Scope.ANY, Scope.LISTED):
                 continue
-            if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC, Scope.PLACE) and "actions" in limits:
+            if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC, Scope.LOOKED_AT) and "actions" in limits:
                 continue  # they are about a robot, not about one of its actions
             answer = client.request(method, path_of(template))
             if scope is Scope.GOAL and "{name" not in template:
@@ -125,7 +125,7 @@ NAMES: dict[Scope, dict[str, Any]] = {
     Scope.ACTION: {"name": "robot1/fibonacci"},
     Scope.NEW_GOAL: {"action": "fibonacci", "robot": "/robot1"},
     Scope.TOPIC: {"topic": "/robot1/odom"},
-    Scope.PLACE: {"node": "robot1/base"},
+    Scope.LOOKED_AT: {"node": "robot1/base"},
     Scope.SERVICE: {"service": "robot1/reset"},
     Scope.NODE: {"node": "/robot1/base"},
     Scope.PUBLISHING: {"topic": "robot1/odom"},
@@ -145,7 +145,7 @@ OTHERS: dict[Scope, list[dict[str, Any]]] = {
         {"action": "robot2/fibonacci"},
     ],
     Scope.TOPIC: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}, {"name": "rosout"}],
-    Scope.PLACE: [{"node": "robot2/base"}, {"service": "robot10/reset"}, {"service": "reset"}, {}],
+    Scope.LOOKED_AT: [{"node": "robot2/base"}, {"service": "robot10/reset"}, {"service": "reset"}, {}],
     Scope.SERVICE: [{"service": "robot2/reset"}, {"service": "/reset"}, {}],
     Scope.NODE: [{"node": "robot2/base"}, {"node": "base"}, {}],
     Scope.PUBLISHING: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}],
@@ -243,7 +243,7 @@ def test_every_scope_is_used_and_known() -> None:
         (Scope.PUBLISHING, {"topic": "/cmd_vel"}, True),
         (Scope.PUBLISHING, {"topic": "/robot1/cmd_vel"}, False),
         (Scope.TOPIC, {"topic": "/robot2/odom"}, False),
-        (Scope.PLACE, {"node": "/robot2/controller"}, False),
+        (Scope.LOOKED_AT, {"node": "/robot2/controller"}, False),
         (Scope.EVERY, {}, False),
         (Scope.LISTED, {}, False),
         (Scope.ANY, {}, False),

@@ -39,7 +39,7 @@ class Site:
     def __init__(self, timeout: float = TIMEOUT) -> None:
         self.port = Port()
         self.wheels = Wheels(self.port, period=60.0)
-        robot = SimpleNamespace(namespace="/", velocity=self.wheels)
+        robot = SimpleNamespace(namespace="/", wheels=self.wheels)
         self.actions: Any = SimpleNamespace(
             on_sent=[], on_change=[], on_end=[], on_lost=[], before_lost=[], verb_of={"/dock": "dock"}.get
         )

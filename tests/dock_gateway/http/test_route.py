@@ -141,7 +141,7 @@ def test_what_is_named_may_not_be_there_and_a_robot_may_be_served_elsewhere(scop
     errors = documented_errors(Operation(Role.AGENT, scope, sends_goal=True), has_body=False)
     everywhere = {Scope.ANY, Scope.LISTED, Scope.EVERY}
     assert (404 in errors) == (scope not in {*everywhere, Scope.ROBOT, Scope.ROBOTS})
-    assert (421 in errors) == (scope not in {*everywhere, Scope.ALERT, Scope.APPROVAL, Scope.TOPIC, Scope.PLACE})
+    assert (421 in errors) == (scope not in {*everywhere, Scope.ALERT, Scope.APPROVAL, Scope.TOPIC, Scope.LOOKED_AT})
     assert errors >= {401, 403, 422, 429, 503}
 
 

@@ -20,7 +20,10 @@ DECLARED = {
     "Role.OPERATOR, Scope.SERVICE": ["operations/services.py call_service"],
     "Role.OPERATOR, Scope.PUBLISHING": ["operations/topics.py advertise", "operations/topics.py publish"],
     "Role.SUPERVISOR, Scope.NODE": ["operations/parameters.py set_parameters"],
-    "Role.VIEWER, Scope.PLACE": ["doors/rest/service_routes.py get_service", "operations/parameters.py get_parameters"],
+    "Role.VIEWER, Scope.LOOKED_AT": [
+        "doors/rest/service_routes.py get_service",
+        "operations/parameters.py get_parameters",
+    ],
     "Role.VIEWER, Scope.TOPIC": [
         "doors/rest/publish_routes.py get_topic_message",
         "graph/routes.py get_topic",

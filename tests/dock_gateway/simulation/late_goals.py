@@ -30,7 +30,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_robot_actions
-from tests.support.stopping import FakeTopic, FakeVelocity
+from tests.support.stopping import FakeTopic, FakeWheels
 
 S = GoalStatus
 NAME = "/dock"
@@ -281,7 +281,7 @@ class LateGoals:
             self.interlock = interlock = latching.Interlock(fanout, file)
         interlock.join("/", FakeTopic())
         bridge: Any = None
-        robot: Any = SimpleNamespace(namespace="/", velocity=FakeVelocity())
+        robot: Any = SimpleNamespace(namespace="/", wheels=FakeWheels())
         robots: Any = SimpleNamespace(place=lambda _=None: "/", under=lambda _: [robot])
         actions = ActionRegistry(
             settings,

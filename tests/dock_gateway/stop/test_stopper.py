@@ -73,18 +73,18 @@ async def test_several_robots_are_stopped_by_one_request(fleet: FakeFleet) -> No
 
 
 async def test_several_robots_of_which_one_cannot_be_reached(fleet: FakeFleet) -> None:
-    fleet.robots["/robot1"].velocity.failures = 1
+    fleet.robots["/robot1"].wheels.failures = 1
     assert failed(await fleet.stopper.stop("/robot1", "/robot2")) == [("/robot1", "publish_failed")]
     await until(lambda: fleet.zeros()[1:] == [1, 2])
     for name in ("/robot1", "/robot2"):
-        fleet.robots[name].velocity.failures = 1
+        fleet.robots[name].wheels.failures = 1
     with pytest.raises(Unavailable) as refused:
         await fleet.stopper.stop("/robot1", "/robot2")
     assert [failure["robot"] for failure in refused.value.problem()["failed"]] == ["/robot1", "/robot2"]
 
 
 async def test_a_robot_that_cannot_be_reached_keeps_none_of_the_others_from_being_stopped(fleet: FakeFleet) -> None:
-    fleet.robots["/"].velocity.failures = 1
+    fleet.robots["/"].wheels.failures = 1
     fleet.robots["/"].topic.failures = 1000
     report = await fleet.stopper.stop()
     fleet.robots["/"].topic.failures = 0
@@ -99,7 +99,7 @@ async def test_a_robot_that_cannot_be_reached_keeps_none_of_the_others_from_bein
 
 async def test_a_stop_that_reaches_no_robot_says_so_and_does_all_else(fleet: FakeFleet) -> None:
     for robot in fleet.robots.values():
-        robot.velocity.failures = 1
+        robot.wheels.failures = 1
     fleet.goals["/"].running = ["a"]
     with pytest.raises(Unavailable) as refused:
         await fleet.stopper.stop()
@@ -123,8 +123,8 @@ async def test_stops_that_come_together_are_one_with_the_first_name_and_the_latc
 async def test_robots_that_take_long_to_tell_are_not_told_for_each_who_joins(
     fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    zero = fleet.robots["/robot2"].velocity.publish_zero
-    monkeypatch.setattr(fleet.robots["/robot2"].velocity, "publish_zero", lambda: (time.sleep(0.2), zero()))
+    zero = fleet.robots["/robot2"].wheels.publish_zero
+    monkeypatch.setattr(fleet.robots["/robot2"].wheels, "publish_zero", lambda: (time.sleep(0.2), zero()))
     await asyncio.gather(*(fleet.stopper.stop() for _ in range(100)))
     assert fleet.zeros() == [1, 1, 1]
     await until(lambda: fleet.zeros() == [2, 2, 2])  # for all who joined
@@ -151,7 +151,7 @@ async def test_a_stop_that_joins_one_stops_what_has_appeared_since(fleet: FakeFl
     fleet.goals["/robot2"].running = ["late"]
     report = await fleet.stopper.stop(latch=False)
     assert report.canceling == ["late"]
-    assert robot.velocity.zeros == 1
+    assert robot.wheels.zeros == 1
     assert stopped == ["/", "/robot1", "/", "/robot1", "/robot2"]
     first.cancel()
 
@@ -275,7 +275,7 @@ async def test_why_an_action_server_did_not_cancel_is_reported_and_what_the_othe
 
 
 async def test_why_a_robot_could_not_be_reached_is_reported(fleet: FakeFleet) -> None:
-    fleet.robots["/robot1"].velocity.failures = 1
+    fleet.robots["/robot1"].wheels.failures = 1
     (failure,) = (await fleet.stopper.stop()).failed
     assert failure == {
         "action_name": None,

@@ -1,4 +1,4 @@
-"""`/actions`: the actions on the graph. Their goals are in `goal_routes`."""
+"""`/actions`: the actions on the graph. Their goals are in `sent_goals`."""
 
 from typing import Annotated
 

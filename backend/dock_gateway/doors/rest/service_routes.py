@@ -44,7 +44,7 @@ def message_schema(message_class: MessageClass, *, complete: bool) -> dict[str, 
 
 
 @router.get("/{service:graph_name}")
-@operation(Role.VIEWER, Scope.PLACE)
+@operation(Role.VIEWER, Scope.LOOKED_AT)
 async def get_service(
     service: GraphName, calls: Part[ServiceCalls], grant: TheGrant, *, type_name: TypeQuery = None
 ) -> Answer[ServiceInfo]:

@@ -12,10 +12,10 @@ from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.history_routes import list_all_goals
 from dock_gateway.goals.queries import read_goal_filter
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.goals.routes import list_all_goals
 from dock_gateway.graph.interface_routes import interface_document
 from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import Parts

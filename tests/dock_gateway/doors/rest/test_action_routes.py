@@ -11,7 +11,7 @@ from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import InvalidField, MalformedRequest
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.request import PERMIT
-from dock_gateway.doors.rest.goal_routes import ACTION, Place, goal_routes
+from dock_gateway.doors.rest.sent_goals import ACTION, GoalsAt, routes_of
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from tests.support.history import make_goal
@@ -21,8 +21,8 @@ from tests.support.requests import request
 
 async def send(name: str, asked: Request, parts: Parts) -> None:
     """Send a goal to an action."""
-    (endpoint,) = (route.endpoint for route in goal_routes(ACTION).routes if route.name == "send_action_goal")
-    await endpoint(asked, parts, ANYBODY, Place(f"/actions/{name}/goals", action=f"/{name}"))
+    (endpoint,) = (route.endpoint for route in routes_of(ACTION).routes if route.name == "send_action_goal")
+    await endpoint(asked, parts, ANYBODY, GoalsAt(f"/actions/{name}/goals", action=f"/{name}"))
 
 
 def having(action: Any) -> Parts:

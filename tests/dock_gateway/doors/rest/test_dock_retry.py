@@ -9,7 +9,7 @@ import pytest
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.request import PERMIT
-from dock_gateway.doors.rest.goal_routes import DOCK, Place, goal_routes
+from dock_gateway.doors.rest.sent_goals import DOCK, GoalsAt, routes_of
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
@@ -63,11 +63,11 @@ async def send(*found: Any) -> Any:
     asked = request(b"", [(b"idempotency-key", b"key")])
     actions: Any = SimpleNamespace(find_docking=find)
     hints: Any = SimpleNamespace(hinting=lambda *_: nullcontext())
-    (endpoint,) = (route.endpoint for route in goal_routes(DOCK).routes if route.name == "dock")
+    (endpoint,) = (route.endpoint for route in routes_of(DOCK).routes if route.name == "dock")
     parts = Parts({ActionRegistry: actions, DockingHints: hints})
     request_permit = permit()
     PERMIT.set(request_permit)
-    await endpoint(asked, parts, ANYBODY, Place("/dock", "dock"))
+    await endpoint(asked, parts, ANYBODY, GoalsAt("/dock", "dock"))
     return request_permit.action
 
 

@@ -44,7 +44,7 @@ from dock_gateway.storage import GoalFilter
 
 
 @dataclass(frozen=True)
-class Place(GoalPath):
+class GoalsAt(GoalPath):
     """A path where goals are sent, listed, read and canceled.
 
     Attributes:
@@ -84,7 +84,7 @@ class Place(GoalPath):
         return goal_response(goal, f"{self.path}/{goal.goal_id}", status)
 
 
-Find = Callable[..., Awaitable[Place]]
+Find = Callable[..., Awaitable[GoalsAt]]
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ class GoalCollection:
     sends: Find
 
 
-def goal_routes(goals: GoalCollection) -> APIRouter:
+def routes_of(goals: GoalCollection) -> APIRouter:
     """Return the routes of one of these paths."""
     router = APIRouter(route_class=ApiRoute, tags=[goals.tag], prefix=goals.path)
     send, listing, get, cancel = goals.names
@@ -132,7 +132,7 @@ def goal_routes(goals: GoalCollection) -> APIRouter:
     )
     @carries_out(send_goal, goals.scope)
     async def send_one(
-        request: Request, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(goals.sends)]
+        request: Request, parts: AllParts, principal: ThePrincipal, place: Annotated[GoalsAt, Depends(goals.sends)]
     ) -> Response:
         wait, key = read_wait(request), read_own_key(request)
         order = SendGoal(await _read_goal(request), place.action, place.verb or "dock", place.robot, key)
@@ -144,7 +144,7 @@ def goal_routes(goals: GoalCollection) -> APIRouter:
     async def list_goals(
         parts: AllParts,
         grant: TheGrant,
-        place: Annotated[Place, Depends(goals.sends)],
+        place: Annotated[GoalsAt, Depends(goals.sends)],
         *,
         status: StatusQuery = None,
         limit: LimitQuery = 50,
@@ -155,7 +155,7 @@ def goal_routes(goals: GoalCollection) -> APIRouter:
 
     @router.get("/{goal_id}", name=get, response_model=goals.goal)
     @operation(Role.VIEWER, Scope.GOAL)
-    async def get_goal(goal_id: GoalId, parts: AllParts, place: Annotated[Place, Depends(goals.place)]) -> Response:
+    async def get_goal(goal_id: GoalId, parts: AllParts, place: Annotated[GoalsAt, Depends(goals.place)]) -> Response:
         """Return one goal."""
         return place.answer(await place.goal(parts, goal_id))
 
@@ -183,7 +183,7 @@ def _add_cancel(router: APIRouter, name: str, model: type[BaseModel], place: Fin
     @router.post("/{goal_id}/cancel", name=name, status_code=202, response_model=model)
     @carries_out(cancel_goal)
     async def cancel(
-        goal_id: GoalId, parts: AllParts, principal: ThePrincipal, place: Annotated[Place, Depends(place)]
+        goal_id: GoalId, parts: AllParts, principal: ThePrincipal, place: Annotated[GoalsAt, Depends(place)]
     ) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
         await place.goal(parts, goal_id)
@@ -194,22 +194,22 @@ def _docks(verb: Verb, description: str, body: dict[str, Any], scope: Scope, pre
     """Return the goals of `/dock` or `/undock`, whose operations have names with a prefix."""
     path = f"/{verb}"
 
-    async def here() -> Place:
-        return Place.of_verb(verb)
+    async def here() -> GoalsAt:
+        return GoalsAt.of_verb(verb)
 
-    async def of_robot(robot: RobotQuery = None) -> Place:
-        return Place(path, verb, robot=robot)
+    async def of_robot(robot: RobotQuery = None) -> GoalsAt:
+        return GoalsAt(path, verb, robot=robot)
 
     names = (verb, f"list_{prefix}goals", f"get_{prefix}goal", f"cancel_{prefix}goal")
     return GoalCollection(path, verb.capitalize(), names, description, body, scope, Goal, GoalPage, here, of_robot)
 
 
-async def _of_action(name: GraphName) -> Place:
-    return Place.of_action(name)
+async def _of_action(name: GraphName) -> GoalsAt:
+    return GoalsAt.of_action(name)
 
 
-async def _anywhere() -> Place:
-    return Place.of_all()
+async def _anywhere() -> GoalsAt:
+    return GoalsAt.of_all()
 
 
 WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
@@ -243,6 +243,6 @@ ACTION = GoalCollection(
     _of_action,
     _of_action,
 )
-dock, undock, of_action = goal_routes(DOCK), goal_routes(UNDOCK), goal_routes(ACTION)
+dock, undock, of_action = routes_of(DOCK), routes_of(UNDOCK), routes_of(ACTION)
 anywhere = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 _add_cancel(anywhere, "cancel_any_goal", ActionGoal, _anywhere)

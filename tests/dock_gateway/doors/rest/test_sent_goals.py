@@ -8,8 +8,8 @@ import pytest
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.doors.rest import goal_routes
-from dock_gateway.doors.rest.goal_routes import Place
+from dock_gateway.doors.rest import sent_goals
+from dock_gateway.doors.rest.sent_goals import GoalsAt
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
@@ -21,13 +21,13 @@ GOALS = {
     "spin": make_goal(3, GoalStatus.EXECUTING, action="/robot1/spin", verb=None),
 }
 PLACES = {
-    Place("/dock", "dock"): {"dock"},
-    Place("/undock", "undock"): {"undock"},
-    Place("/actions/robot1/spin/goals", action="/robot1/spin"): {"spin"},
-    Place("/actions/robot1/dock/goals", action="/robot1/dock"): {"dock"},
-    Place("/goals"): {"dock", "undock", "spin"},
+    GoalsAt("/dock", "dock"): {"dock"},
+    GoalsAt("/undock", "undock"): {"undock"},
+    GoalsAt("/actions/robot1/spin/goals", action="/robot1/spin"): {"spin"},
+    GoalsAt("/actions/robot1/dock/goals", action="/robot1/dock"): {"dock"},
+    GoalsAt("/goals"): {"dock", "undock", "spin"},
 }
-ROUTERS = {"/dock": goal_routes.dock, "/undock": goal_routes.undock, "/goals": goal_routes.anywhere}
+ROUTERS = {"/dock": sent_goals.dock, "/undock": sent_goals.undock, "/goals": sent_goals.anywhere}
 
 
 def having(goal: Goal, canceled: list[str]) -> Parts:
@@ -47,16 +47,16 @@ def having(goal: Goal, canceled: list[str]) -> Parts:
     return Parts({Goals: goals, ActionRegistry: actions})
 
 
-def endpoint(place: Place, ending: str) -> Any:
+def endpoint(place: GoalsAt, ending: str) -> Any:
     """The function of the route at a place whose path ends like that."""
-    router = ROUTERS.get(place.path, goal_routes.of_action)
+    router = ROUTERS.get(place.path, sent_goals.of_action)
     (found,) = (route.endpoint for route in router.routes if route.path.endswith(ending))  # type: ignore[attr-defined]
     return found
 
 
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: place.path)
 @pytest.mark.parametrize("name", GOALS)
-async def test_a_goal_is_canceled_only_where_its_path_names_it(place: Place, name: str) -> None:
+async def test_a_goal_is_canceled_only_where_its_path_names_it(place: GoalsAt, name: str) -> None:
     canceled: list[str] = []
     goal, cancel = GOALS[name], endpoint(place, "/cancel")
     asked = cancel(goal.goal_id, having(goal, canceled), ANYBODY, place)
@@ -72,7 +72,7 @@ async def test_a_goal_is_canceled_only_where_its_path_names_it(place: Place, nam
 
 @pytest.mark.parametrize("place", [each for each in PLACES if each.path != "/goals"], ids=lambda place: place.path)
 @pytest.mark.parametrize("name", GOALS)
-async def test_a_goal_is_read_only_where_its_path_names_it(place: Place, name: str) -> None:
+async def test_a_goal_is_read_only_where_its_path_names_it(place: GoalsAt, name: str) -> None:
     goal, get = GOALS[name], endpoint(place, "/{goal_id}")
     asked = get(goal.goal_id, having(goal, []), place)
     if name in PLACES[place]:
