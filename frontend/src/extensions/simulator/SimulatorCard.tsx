@@ -9,7 +9,8 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useCommand } from "../../ui/requests";
 import { Section } from "../../ui/Section";
-import { type Fault, useSimulatorApi, useSimulatorAsked } from "./requests";
+import { useSimulatorAsked } from "./placing";
+import { type Fault, useSimulatorApi } from "./requests";
 
 const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";
 const NOT_ANSWERED = "The simulator has not answered yet.";

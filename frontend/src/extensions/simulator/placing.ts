@@ -1,8 +1,8 @@
 import { useEffect } from "react";
 import { useForbidden } from "../../api/session";
 import type { Places } from "../../extension/extension";
-import { useTopicPart } from "../../store/context";
-import { useSimulatorApi, useSimulatorAsked } from "./requests";
+import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
+import { useSimulatorApi } from "./requests";
 
 /** Places a simulated robot. */
 export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
@@ -16,4 +16,26 @@ export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
     return () => onPlacing(null);
   }, [simulated, place, forbidden, onPlacing]);
   return null;
+}
+
+/**
+ * Asks for the simulator whenever the page reconnects or the scene stops or goes on; events tell of what changes later.
+ * It is asked for where there is a true pose, which has no other source.
+ */
+export function useSimulatorAsked(): void {
+  const { get } = useSimulatorApi();
+  const { store } = useServices();
+  const freshness = useFreshness("scene");
+  const simulated = useScene((scene) => scene?.frame === "world");
+  useEffect(() => {
+    if (!simulated || freshness === "offline") return;
+    let wanted = true;
+    // Without an answer it is as before; what is wrong with the connection is said at the top.
+    get()
+      .then((simulator) => wanted && store.setSimulator(simulator))
+      .catch(() => {});
+    return () => {
+      wanted = false;
+    };
+  }, [get, store, freshness, simulated]);
 }

@@ -7,9 +7,9 @@ import {
   type Simulator,
   settle,
 } from "@dock-gateway/client";
-import { useEffect, useMemo } from "react";
+import { useMemo } from "react";
 import { useFleet } from "../../fleet/context";
-import { useFreshness, useScene, useServices } from "../../store/context";
+import { useServices } from "../../store/context";
 
 export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
 
@@ -51,26 +51,4 @@ export function useSimulatorApi() {
   const { http } = useFleet();
   const { robot } = useServices();
   return useMemo(() => createSimulatorApi(http, robot), [http, robot]);
-}
-
-/**
- * Asks for the simulator whenever the page reconnects or the scene stops or goes on; events tell of what changes later.
- * It is asked for where there is a true pose, which has no other source.
- */
-export function useSimulatorAsked(): void {
-  const { get } = useSimulatorApi();
-  const { store } = useServices();
-  const freshness = useFreshness("scene");
-  const simulated = useScene((scene) => scene?.frame === "world");
-  useEffect(() => {
-    if (!simulated || freshness === "offline") return;
-    let wanted = true;
-    // Without an answer it is as before; what is wrong with the connection is said at the top.
-    get()
-      .then((simulator) => wanted && store.setSimulator(simulator))
-      .catch(() => {});
-    return () => {
-      wanted = false;
-    };
-  }, [get, store, freshness, simulated]);
 }
