@@ -93,7 +93,9 @@ def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str) -> N
     odd = {goal_id for goal_id in goals if (results[goal_id], statuses[goal_id]) != (1, 1)}
     assert odd == set()
     assert histories[False] == 0
-    assert untold == []
+    # Where the database takes longer than a second, a reader that moves to another gateway may miss a state.
+    away = any("the history database does not answer" in warning for warning in fleet.warnings())
+    assert untold == [] or away
     repeated = [identity for identity, count in ids.items() if count > 1]
     older = [identity for _, identity in reader.older]
     assert [each for each in (*repeated, *older) if not any(goal_id in each for goal_id in late)] == []
