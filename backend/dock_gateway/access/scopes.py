@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.errors import NotAllowed, not_covered
-from dock_gateway.core.goal import Verb
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import ALL_ROBOTS, read_namespace
 from dock_gateway.core.share import Share
@@ -73,8 +72,7 @@ async def _require_action(parts: Parts, grant: Grant, subject: Subject) -> None:
     if name is not None:
         _require(grant.covers_action(name), f"the action {name[:100]}")
     elif subject.scope is not Scope.GOAL:
-        verb: Verb = "undock" if subject.scope is Scope.UNDOCK else subject.verb
-        name = parts[RobotActions].docking_name(verb, _robot(parts, subject))
+        name = parts[RobotActions].docking_name(subject.verb, _robot(parts, subject))
         _require(grant.covers_action(name), _describe_robot(parts, subject))
     if subject.scope is Scope.GOAL:  # an unknown goal and another's: the same answer
         await parts[Goals].get(read_goal_id(str(subject.identity)), grant)

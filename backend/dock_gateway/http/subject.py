@@ -43,8 +43,10 @@ def read_subject(scope: Scope, names: Names, settings: Settings) -> Subject:
     robot, named = names.get("robot"), f"/{names['name']}" if "name" in names else None
     about: dict[str, Any] = {}
     match scope:
-        case Scope.ROBOT | Scope.DOCK | Scope.UNDOCK:
+        case Scope.ROBOT | Scope.DOCK:
             about["robot"] = robot
+        case Scope.UNDOCK:
+            about = {"robot": robot, "verb": "undock"}
         case Scope.NEW_GOAL | Scope.APPROVAL:  # what a program that asks its person says of the goal is recorded, too
             about = {"robot": robot, "identity": names.get("approval_id")}
             if names.get("verb") == "undock":
