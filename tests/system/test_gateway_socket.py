@@ -126,7 +126,7 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
 
 
 def test_each_event_says_to_which_subscription_it_belongs(socket: Socket) -> None:
-    first, second = socket.ask("subscribe")["id"], socket.ask("subscribe", feedback=False)["id"]
+    first, second = socket.ask("subscribe")["id"], socket.ask("subscribe", feedback=False, include=[])["id"]
     for identity in (first, second):
         socket.until(type="snapshot", subscription=identity)
     socket.ask("publish_battery", state=LOW, rate_hz=5)

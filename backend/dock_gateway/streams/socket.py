@@ -121,7 +121,8 @@ class CommandSession(SocketSession):
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise TooManyRequests(f"this socket already has {MAX_SUBSCRIPTIONS} subscriptions")
         query = {name: str(value) for name, value in fields.items() if value is not None}
-        query |= {"include": ",".join(fields["include"])} if fields.get("include") else {}
+        if "include" in query:
+            query["include"] = ",".join(fields["include"])
         after, max_rate = read_after(query), read_max_rate(query)
         if self.closed:
             raise Unavailable("the socket is closed", code="shutting_down")
