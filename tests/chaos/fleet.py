@@ -5,6 +5,7 @@ import random
 import re
 import signal
 from collections import Counter
+from datetime import datetime
 from typing import Self
 
 from tests.support.gateway import RunningGateway, running_gateway
@@ -12,6 +13,8 @@ from tests.support.processes import Process, free_port
 from tests.support.waiting import wait_until
 
 UUID = r"[0-9a-f]{8}-[0-9a-f-]{27}"
+HISTORY = re.compile(r"\[(?P<time>[-\d]+ [:,\d]+)\].*the history database (?:answers|(?P<away>does not answer))")
+GIVES_UP = 5.0  # seconds: more than a gateway waits for the database before it says so
 
 
 class Fleet:
@@ -68,6 +71,24 @@ class Fleet:
         """Goals of which a gateway says that the database, or the result, took longer than what is promised."""
         lines = "\n".join(process.output for process in self.processes).splitlines()
         return {goal_id for line in lines if "before it" in line for goal_id in re.findall(UUID, line)}
+
+    def database_was_slow(self, at: float) -> bool:
+        """Whether the database did not answer a gateway at a time, in seconds since 1970, as that says."""
+        for process in self.processes:
+            began = None
+            for line in process.output.splitlines():
+                if (found := HISTORY.search(line)) is None:
+                    continue
+                when = datetime.strptime(found["time"], "%Y-%m-%d %H:%M:%S,%f").astimezone().timestamp()
+                if found["away"] and began is None:
+                    began = when - GIVES_UP
+                elif not found["away"] and began is not None:
+                    if began <= at <= when:
+                        return True
+                    began = None
+            if began is not None and began <= at:
+                return True
+        return False
 
     def any(self) -> RunningGateway:
         return next(iter(self.running.values()))
