@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -32,8 +33,41 @@ from dock_gateway.storage import History
 FORGET_AFTER = 10.0
 
 
+@dataclass(frozen=True)
+class Shared:
+    """What the actions of a gateway share.
+
+    Attributes:
+        settings: Names and deadlines.
+        fanout: Receives events.
+        history: Stores goals.
+        reasons: Why goals were rejected or aborted.
+        interlock: The latched stops.
+        limits: How long to wait for what is not yet known of goals.
+        before_send: Called and awaited before each goal is sent; what it raises refuses the goal.
+        before_lost: Called with a goal that is about to be lost.
+    """
+
+    settings: Settings
+    fanout: Fanout
+    history: History
+    reasons: PendingFacts[GoalError]
+    interlock: Interlock
+    limits: GoalLimits = LIMITS
+    before_send: Iterable[BeforeSend] = ()
+    before_lost: Iterable[BeforeLost] = ()
+
+
 class Action:
     """One action: its goals, the operations on them, and its server's state.
+
+    Args:
+        port: Its part of ROS.
+        shared: What all actions share.
+        adapter: How the gateway speaks to it, if it docks or undocks robots.
+        remark: Returns what is wrong around its robot: added to the reason of goals that are aborted.
+        pinned: Whether to keep it even without a server.
+        ping_idle: Whether to ask its server for a sign of life while no goal runs.
 
     Attributes:
         tracker: All goals on the action, regardless of their sender.
@@ -42,28 +76,20 @@ class Action:
         canceler: Cancels goals.
         watch: Monitors the action server.
         feedback_dropped: Number of feedback messages not read since the gateway started.
-        adapter: How the gateway speaks to it, if it docks or undocks robots.
-        pinned: Whether it is kept even without a server.
         last_seen: When it last had a server, on the monotonic clock.
     """
 
     def __init__(
         self,
         port: ActionPort,
-        settings: Settings,
-        fanout: Fanout,
-        history: History,
-        reasons: PendingFacts[GoalError],
+        shared: Shared,
         *,
-        interlock: Interlock,
         adapter: DockAdapter | None = None,
         remark: Callable[[], str] = str,
         pinned: bool = False,
         ping_idle: bool = False,
-        limits: GoalLimits = LIMITS,
-        before_send: Iterable[BeforeSend] = (),
-        before_lost: Iterable[BeforeLost] = (),
     ) -> None:
+        settings, fanout, history, limits = shared.settings, shared.fanout, shared.history, shared.limits
         self.port = port
         self.name = port.action_name
         self.type = port.action_type
@@ -75,19 +101,19 @@ class Action:
         self._fanout = fanout
         self._default_dock = settings.default_dock
         self.tracker = GoalTracker(
-            port, fanout, history, reasons, adapter, remark=remark, before_lost=before_lost, limits=limits
+            port, fanout, history, shared.reasons, adapter, remark=remark, before_lost=shared.before_lost, limits=limits
         )
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
-        self.canceler = Canceler(settings, self.tracker, interlock, limits)
+        self.canceler = Canceler(settings, self.tracker, shared.interlock, limits)
         self.delivery = GoalDelivery(
             settings,
             history,
             self.tracker,
             self.watch,
-            reasons,
-            interlock=interlock,
+            shared.reasons,
+            interlock=shared.interlock,
             canceler=self.canceler,
-            before_send=before_send,
+            before_send=shared.before_send,
         )
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"monitoring {self.name}")

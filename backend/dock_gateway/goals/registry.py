@@ -17,7 +17,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.action import FORGET_AFTER, Action
+from dock_gateway.goals.action import FORGET_AFTER, Action, Shared
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.goal_publisher import GoalPublisher
@@ -89,16 +89,14 @@ class ActionRegistry:
         self._settings = settings
         self._bridge = bridge
         self.remark: Callable[[str], str] = lambda _: ""
-        self._parts = (settings, fanout, history, reasons)
-        self._interlock = interlock
         self._robots = robots
         self.robot_actions = robot_actions
         self._catalog = robot_actions.catalog
         self._share = share
-        self._limits = limits
         self._forget_after = forget_after
         self.before_send = Hooks[BeforeSend]()
         self.before_lost = Hooks[BeforeLost]()
+        self._shared = Shared(settings, fanout, history, reasons, interlock, limits, self.before_send, self.before_lost)
         self.on_sent = Listeners[[Goal]]("a goal is sent")
         self.on_change = Listeners[[Goal]]("a goal has changed")
         self.on_end = Listeners[[Goal]]("a goal has ended")
@@ -165,15 +163,11 @@ class ActionRegistry:
         of_configured_robot = self._catalog.robot_of(name, [type_name]) == self._configured_namespace
         action = Action(
             port,
-            *self._parts,
-            interlock=self._interlock,
+            self._shared,
             adapter=adapter,
             remark=lambda: self.remark(name),
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or of_configured_robot,
-            limits=self._limits,
-            before_send=self.before_send,
-            before_lost=self.before_lost,
         )
         for news, listeners in (
             (News.SENT, self.on_sent),

@@ -17,8 +17,8 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.action import Action, Shared
 from dock_gateway.goals.limits import GoalLimits
-from dock_gateway.goals.registry import Action
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.action_port import CancelAnswer
@@ -75,9 +75,8 @@ class Scene:
         settings = Settings(accept_timeout=0.01, ping_interval=0.1, max_pending_goals=1000)
         interlock = Interlock(self.fanout, LatchFile(settings.stop_file))
         port: Any = self.port
-        self.action = Action(
-            port, settings, self.fanout, history, self.reasons, interlock=interlock, pinned=True, limits=LIMITS
-        )
+        shared = Shared(settings, self.fanout, history, self.reasons, interlock, LIMITS)
+        self.action = Action(port, shared, pinned=True)
 
     def new(self, status: GoalStatus = GoalStatus.PENDING) -> Goal:
         goal = Goal(str(uuid.uuid4()), "/dock", "pkg/action/Dock", utc_now())
