@@ -49,6 +49,11 @@ def reason(error: Exception) -> str:
     return str(error).partition("\n")[0].partition(", at ")[0]
 
 
+def exists(subscription: Subscription) -> bool:
+    """Return whether DDS has a subscription: also one that is destroyed as soon as no thread uses it."""
+    return bool(subscription.handle.pointer)
+
+
 def _library(name: str) -> ctypes.CDLL | None:
     try:
         return ctypes.CDLL(name)

@@ -29,7 +29,7 @@ from dock_gateway.ros.listening_node import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.robot_ports import OnMessage
 from robot_io.qos import LISTEN, TALK
-from robot_io.rclpy_private import Buffer, InvalidHandle, RCLError
+from robot_io.rclpy_private import Buffer, InvalidHandle, RCLError, exists
 from robot_io.reception import arrived_at
 from robot_io.velocity import CLASSES, is_motion, twist_of, velocity_message
 from robot_io.velocity_types import PLAIN
@@ -49,7 +49,8 @@ class VelocityTopic:
         types: The types that are published and listened to: none while others use it with other types only.
         stop_topics: The topics that tell who is a gateway.
         fault: Why zero velocity reaches no base, if that is known.
-        listeners: The subscriptions.
+        listeners: Those who listen through the gateway.
+        subscriptions: Theirs, until they are destroyed: later than they are closed, if a thread still uses them.
     """
 
     def __init__(self, bridge: Bridge, name: str) -> None:
@@ -57,6 +58,7 @@ class VelocityTopic:
         self.fault: str | None = None
         self.stop_topics: set[str] = set()
         self.listeners: list[VelocityListener] = []
+        self.subscriptions: list[Subscription] = []
         self._bridge = bridge
         self._name = name
         self._ports = 0
@@ -123,6 +125,14 @@ class VelocityTopic:
         for listener in tuple(self.listeners):
             listener.subscriptions.add(bridge, name)
 
+    def leave(self, listener: "VelocityListener") -> None:
+        """Listen no longer."""
+        self.listeners.remove(listener)
+        listener.subscriptions.close()
+        for each in tuple(self.subscriptions):
+            if not exists(each):
+                self.subscriptions.remove(each)
+
     def withdraw(self) -> None:
         """Publish no longer, unless another port does."""
         self._ports -= 1
@@ -137,10 +147,10 @@ class VelocityTopic:
     def subscribers(self) -> int:
         """The number of subscriptions that its publishers are matched with, without its own listeners."""
         count = 0
+        own = [each.msg_type for each in tuple(self.subscriptions) if exists(each)]
         for name, (_, publisher) in self._publishers.of.items():
             with suppress(InvalidHandle, RCLError):  # it was just destroyed
-                count += publisher.get_subscription_count()
-                count -= sum(name in listener.subscriptions.of for listener in self.listeners)
+                count += publisher.get_subscription_count() - own.count(CLASSES[name])
         return count
 
     def publish_zero(self) -> None:
@@ -180,7 +190,9 @@ class VelocityListener:
 
         def make(node: ListeningNode, kind: type) -> Subscription:
             overrides = QoSOverridingOptions.with_default_policies()
-            return node.subscribe(kind, name, self._hear, LISTEN, qos_overriding_options=overrides)
+            made = node.subscribe(kind, name, self._hear, LISTEN, qos_overriding_options=overrides)
+            self._topic.subscriptions.append(made)
+            return made
 
         self.subscriptions = Endpoints(bridge, make, ListeningNode.destroy_subscription)
         self._topic.listeners.append(self)
@@ -205,8 +217,7 @@ class VelocityListener:
 
     def close(self) -> None:
         """Leave the topic."""
-        self._topic.listeners.remove(self)
-        self.subscriptions.close()
+        self._topic.leave(self)
         self._topics.forget(self._name)
 
 

@@ -88,7 +88,8 @@ def is_about_data(error: Exception) -> bool:
 def brief(error: Exception) -> str:
     """Return the error in one line, without the statement and its data."""
     cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
-    return (str(cause).strip() or type(cause).__name__).splitlines()[0][:300]
+    unsaid = "no answer in time" if isinstance(cause, TimeoutError) else type(cause).__name__
+    return (str(cause).strip() or unsaid).splitlines()[0][:300]
 
 
 def display(url: str) -> str:

@@ -54,6 +54,8 @@ class PostgresqlDatabase(Database):
             )
         except (asyncpg.PostgresError, asyncpg.InterfaceError, ValueError) as error:
             raise ConnectionError(str(error)) from error
+        except TimeoutError as error:
+            raise TimeoutError(f"no connection within {CONNECT_TIMEOUT:g} s") from error
 
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
         """Run a write transaction; one that is not `durable` may be lost when the server loses power."""

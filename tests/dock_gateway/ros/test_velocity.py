@@ -126,6 +126,33 @@ async def test_who_watches_through_the_gateway_is_no_base_that_was_found(bridge:
 
 
 @pytest.mark.ros
+async def test_a_listener_whose_thread_is_busy_when_it_is_closed_is_no_base_either(
+    bridge: Bridge, observer: Observer
+) -> None:
+    hears, turn = threading.Event(), threading.Event()
+
+    def hear(*_: object) -> None:
+        hears.set()
+        turn.wait(30.0)
+
+    topics = VelocityTopics(bridge)
+    port = await bridge.call(lambda: VelocityPort(topics, "/cmd_vel", "/stop_latched"))
+    listener = await bridge.call(lambda: topics.watch("/cmd_vel", hear))
+    try:
+        while not hears.is_set():
+            observer.publish(Twist(), "/cmd_vel")
+            await asyncio.sleep(0.05)
+        await bridge.call(listener.close)
+        assert port.subscribers == 0
+    finally:
+        turn.set()
+    for _ in range(20):
+        await asyncio.sleep(0.01)
+        assert port.subscribers == 0
+    await bridge.call(port.close)
+
+
+@pytest.mark.ros
 async def test_a_stop_follows_the_base_from_type_to_type_and_all_drivers_are_heard(bridge: Bridge, domain: int) -> None:
     robot = Robot(bridge)
     await robot.join()

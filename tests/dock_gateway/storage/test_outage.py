@@ -18,6 +18,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import GoalFilter, History, queries, writer
+from dock_gateway.storage.database import brief
 from dock_gateway.storage.sqlite import SqliteDatabase
 from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, written
 from tests.support.postgresql import PostgreSQL
@@ -90,8 +91,13 @@ async def test_an_outage_has_a_reason_from_its_first_moment_on(outage: tuple[str
         await until(lambda: not look(history) and history.stats().spooled > 0)
         await adding
     assert None not in reasons
-    hangs = any("has been running for" in (reason or "") for reason in reasons)
-    assert hangs or "Connect call failed" in str(reasons)
+    said = ("has been running for", "Connect call failed", "no connection within", "no answer")
+    assert any(each in str(reasons) for each in said), reasons
+
+
+def test_a_timeout_is_a_sentence_and_no_name_of_an_error() -> None:
+    assert brief(TimeoutError()) == "no answer in time"
+    assert brief(TimeoutError("no connection within 2 s")) == "no connection within 2 s"
 
 
 async def test_a_history_that_is_slow_or_not_open_says_why(sqlite_url: str, tmp_path: Path) -> None:
