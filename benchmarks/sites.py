@@ -74,7 +74,7 @@ class Bench:
         settings = {
             "port": str(self.port),
             "nats": broker.url_for("hub"),
-            "hub_key_path": str(folder / "hub-key.json"),
+            "hub_private_key": str(folder / "hub-key.json"),
             "database_url": f"sqlite:///{folder}/hub.db",
             "spool_path": str(folder / "spool"),
             "log_level": "warning",

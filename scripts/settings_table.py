@@ -1,37 +1,52 @@
-"""Writes the table of settings in docs/configuration.md, from the settings and their descriptions: `make format`."""
+"""Writes the tables of settings in docs/configuration.md, from the settings and their descriptions: `make format`."""
 
+from itertools import starmap
 from pathlib import Path
 
-from dock_gateway.cli.options import FIELDS, ONLY_A_VARIABLE, option_name
+from pydantic.fields import FieldInfo
+
+from dock_gateway.cli.options import ONLY_A_VARIABLE, TYPE, describe_default, groups_of, is_tuning, option_name
+from dock_gateway.setting_groups.group import PREFIX
 
 PAGE = Path(__file__).parents[1] / "docs/configuration.md"
-ROW = "| `DOCK_GATEWAY_"
+BEGIN, END = "<!-- The tables are written by `make format`. -->", "<!-- The end of the tables. -->"
+TUNING = """\
+### Tuning
+
+Tests and experts change these. **They are not promised**: they may change or go with any version, and `--help` does
+not show them."""
 
 
-def rows() -> list[str]:
-    """Return the rows of the table: variable, option, default, description."""
-    return [
-        f"{ROW}{name.upper()}` | {_option(name)} | {_default(field.default)} | {field.description} |"
-        for name, field in FIELDS
-    ]
+def tables() -> str:
+    """Return the tables: one for each group, and one of the settings that no person needs."""
+    groups = {
+        f"### {heading}": [field for field in fields if not is_tuning(field[1])]
+        for heading, fields in groups_of(TYPE).items()
+    }
+    groups[TUNING] = [field for fields in groups_of(TYPE).values() for field in fields if is_tuning(field[1])]
+    return "\n\n".join(f"{text}\n\n{_table(fields)}" for text, fields in groups.items())
 
 
-def _option(name: str) -> str:
-    return "\N{EN DASH}" if name == ONLY_A_VARIABLE else f"`{option_name(name)}`"
+def _table(fields: list[tuple[str, FieldInfo]]) -> str:
+    return "\n".join(("| variable | option | default | meaning |", "|---|---|---|---|", *starmap(_row, fields)))
 
 
-def _default(default: object) -> str:
-    if isinstance(default, tuple):
-        default = ",".join(default)
-    return f"`{default}`" if default not in ("", None) else "empty"
+def _row(name: str, field: FieldInfo) -> str:
+    option = "\N{EN DASH}" if name == ONLY_A_VARIABLE else f"`{option_name(name)}`"
+    default = describe_default(field.default)
+    return f"| `{PREFIX}{name.upper()}` | {option} | {f'`{default}`' if default else 'empty'} | {field.description} |"
+
+
+def written() -> str:
+    """Return the tables that the page has."""
+    return PAGE.read_text().partition(BEGIN)[2].partition(END)[0].strip()
 
 
 def main() -> None:
-    """Replace the rows of the page."""
-    lines = PAGE.read_text().splitlines()
-    places = [number for number, line in enumerate(lines) if line.startswith(ROW)]
-    lines[places[0] : places[-1] + 1] = rows()
-    PAGE.write_text("\n".join(lines) + "\n")
+    """Replace the tables of the page."""
+    before, _, rest = PAGE.read_text().partition(BEGIN)
+    _, _, after = rest.partition(END)
+    PAGE.write_text(f"{before}{BEGIN}\n\n{tables()}\n\n{END}{after}")
 
 
 if __name__ == "__main__":

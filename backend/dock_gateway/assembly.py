@@ -76,7 +76,7 @@ async def open_gateway(settings: Settings, installed: Installed, limits: GoalLim
 
 async def _claim_robots(parts: Parts, stack: AsyncExitStack) -> None:
     settings, history = parts[Settings], parts[History]
-    share = parts.add(Share, Share(settings.robots, DockingCatalog(settings).homes))
+    share = parts.add(Share, Share(settings.serve_robots, DockingCatalog(settings).homes))
     address = own_address(settings, settings.port)
     gateways = Gateways(history.documents("gateway", Claim), share, address, shared=history.shared)
     await gateways.open()

@@ -12,7 +12,8 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 
-from dock_gateway.settings import PREFIX, ExtensionSettings, Settings
+from dock_gateway.setting_groups.group import PREFIX
+from dock_gateway.settings import ExtensionSettings, Settings
 
 OURS = (
     "audit_log",

@@ -50,6 +50,14 @@ class ListensOn:
     path: str | None = None
 
 
+@dataclass(frozen=True)
+class Tuning:
+    """Marks a setting that tests and experts change. It is in no help, and may change or go with any version."""
+
+
+TUNING = Tuning()
+
+
 def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
     """Return the names that single robots have, by namespace, from a setting such as `dock_actions`."""
     parts = (pair.partition("=") for pair in pairs)

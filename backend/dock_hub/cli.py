@@ -7,32 +7,26 @@ from typing import Any
 import click
 import orjson
 
-from dock_gateway.cli.options import read_settings_of, settings_options
+from dock_gateway.cli.options import SettingsCommand, read_settings_of, settings_options
 from dock_gateway.cli.start import check_exposure, check_port
 from dock_gateway.doctor.machine import find_database_fault
-from dock_gateway.settings import PREFIX, data_file
+from dock_gateway.setting_groups.group import PREFIX
+from dock_gateway.settings import data_file
 from dock_gateway.sites.settings import find_broker_fault
 from dock_hub.settings import HubSettings
 
 # What a hub reads of the settings besides those of the web server, by what their names begin with.
 OPTIONS = (
-    *("host", "port", "allowed_", "log_", "authentication", "insecure_open", "published_on", "tls_", "oidc_"),
-    *(
-        "trusted_proxies",
-        "dashboard_dir",
-        "database_url",
-        "spool_path",
-        "history_queue",
-        "retention_",
-        "goal_retention_",
-    ),
+    *("host", "port", "allowed_", "log_", "authentication", "allow_open", "published_on", "tls_", "oidc_"),
+    *("trusted_proxies", "dashboard_dir", "database_url", "spool_path", "history_queue"),
+    *("feedback_retention_", "goal_retention_"),
     *("audit_", "max_body_bytes", "body_timeout", "max_header_bytes", "header_timeout", "max_connections"),
     *("max_frame", "max_subscribers", "max_streams_per_user", "max_goals_per_minute", "max_exports_per_user"),
-    *("subscriber_", "heartbeat_interval", "nats", "hub_key_path"),
+    *("subscriber_", "heartbeat_interval", "nats", "allow_plain_nats", "hub_private_key"),
 )
 
 
-@click.command()
+@click.command(cls=SettingsCommand)
 @partial(
     settings_options,
     leave_out=[name for name in HubSettings.model_fields if not name.startswith(OPTIONS)],
@@ -43,8 +37,8 @@ def hub(**options: Any) -> None:
     settings = read_settings_of(HubSettings, options)
     if not settings.nats:
         raise click.UsageError("a hub needs --nats, the NATS servers over which it reaches its sites")
-    if os.environ.get(f"{PREFIX}HUB"):
-        raise click.UsageError("a hub is not a site of another hub: leave out --hub")
+    if os.environ.get(f"{PREFIX}SITE"):
+        raise click.UsageError("a hub is not a site of another hub: leave out DOCK_GATEWAY_SITE")
     if settings.database_url == "memory:":
         raise click.UsageError("a hub needs a database, to know what it has read of its sites: not memory:")
     if not settings.database_url:  # a gateway on this machine has its own
@@ -75,16 +69,16 @@ def hub(**options: Any) -> None:
 
 
 @click.command()
-@click.option("--hub-key-path", metavar="FILE", help="The private key.  [env: DOCK_GATEWAY_HUB_KEY_PATH]")
-def hub_key(hub_key_path: str | None) -> None:
-    """Print the hub's public keys, a JWK Set: what each of its sites needs as `--hub-key`.
+@click.option("--hub-private-key", metavar="FILE", help="The private key.  [env: DOCK_GATEWAY_HUB_PRIVATE_KEY]")
+def hub_key(hub_private_key: str | None) -> None:
+    """Print the hub's public keys, a JWK Set: what each of its sites needs as `--hub-public-keys`.
 
     Makes the private key if there is none yet.
     """
     from dock_gateway.sites.identity import KeyFault, Signer  # noqa: PLC0415 - takes long to import
 
     try:
-        signer = Signer.load_or_create(read_settings_of(HubSettings, {"hub_key_path": hub_key_path}).hub_key_file)
+        signer = Signer.load_or_create(read_settings_of(HubSettings, {"hub_private_key": hub_private_key}).hub_key_file)
     except KeyFault as error:
         raise click.ClickException(str(error)) from None
     click.echo(orjson.dumps(signer.public_keys(), option=orjson.OPT_INDENT_2).decode())

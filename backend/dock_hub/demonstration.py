@@ -101,7 +101,7 @@ def hub_environment(environment: Mapping[str, str], folder: Path, broker: str) -
         folder: Where the hub keeps its files.
         broker: The URL of the broker, with the hub's login.
     """
-    own = {"nats": broker, "hub_key_path": str(folder / "hub-key.json")}
+    own = {"nats": broker, "hub_private_key": str(folder / "hub-key.json")}
     stored = {"database_url": f"sqlite:///{folder}/hub.db", "spool_path": f"{folder}/spool"}
     return _variables(stored) | dict(environment) | _variables(own)
 
@@ -124,9 +124,9 @@ def site_environment(
         namespace: Of its default robot.
     """
     settings = {
-        "hub": broker,
+        "nats": broker,
         "site": NAMES[number],
-        "hub_key": str(folder.parent / "hub-keys.json"),
+        "hub_public_keys": str(folder.parent / "hub-keys.json"),
         "hub_role": "supervisor",  # who has stopped the simulated robots can release them
         "port": str(port),
         "namespace": namespace,

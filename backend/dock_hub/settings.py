@@ -1,6 +1,7 @@
 """The settings of a hub: those of a gateway that a hub reads, and its own."""
 
 from pathlib import Path
+from typing import ClassVar
 
 from pydantic import Field
 
@@ -12,8 +13,10 @@ from dock_gateway.sites.settings import BrokerSettings
 class HubSettings(BrokerSettings, Settings):
     """The settings of a hub, fixed once it runs. docs/extensions/sites.md lists its own."""
 
+    group: ClassVar[str] = "Sites"
+
     nats: Brokers = Field((), description="NATS servers, separated by commas, over which the hub reaches its sites.")
-    hub_key_path: Path | None = Field(
+    hub_private_key: Path | None = Field(
         None,
         description="File of the private key with which the hub signs who asks, made at the first start. Empty: "
         "`hub.key` in the user's data directory.",
@@ -27,4 +30,4 @@ class HubSettings(BrokerSettings, Settings):
     @property
     def hub_key_file(self) -> Path:
         """The file with the private key."""
-        return self.hub_key_path or data_file("hub.key")
+        return self.hub_private_key or data_file("hub.key")

@@ -197,16 +197,16 @@ class RecordingGateway(Gateway):
 
     Args:
         where: Where to start it.
-        record: What is recorded, as `--record`.
+        record: What is recorded, as `--recordings`.
     """
 
     def __init__(self, where: Site, record: str) -> None:
         super().__init__(where)
-        self.name = f"{OURS} --record {record}"
+        self.name = f"{OURS} --recordings {record}"
         self._record = record
 
     def _more_settings(self) -> dict[str, str]:
-        return {"DOCK_GATEWAY_RECORD": self._record}
+        return {"DOCK_GATEWAY_RECORDINGS": self._record}
 
     def dock(self, robot: str) -> None:
         """Let a robot dock."""

@@ -90,10 +90,10 @@ describe("a service", () => {
 
   it("that the settings do not name has no form, but the sentence why", async () => {
     const reason =
-      "the gateway does not call the service /robot1/echo: start it with --call-services '/robot1/echo'";
+      "the gateway does not call the service /robot1/echo: start it with --allow-services '/robot1/echo'";
     answering({ "GET /services/robot1/echo": { body: { ...SERVICE, call: { allowed: false, reason } } } });
     render(<ServiceCall service={service} />);
-    await screen.findByText(/^The gateway does not call .*--call-services/);
+    await screen.findByText(/^The gateway does not call .*--allow-services/);
     expect(screen.queryByRole("button")).toBeNull();
   });
 

@@ -61,5 +61,5 @@ def test_what_the_settings_allow_is_done_and_the_rest_says_why_not(
     assert 0.7 in [parameter["value"] for parameter in parameters if parameter["name"] == "speed"]
 
     details = select(page, gateway, "topic:/robot1/cmd_vel")
-    expect(details).to_contain_text("start it with --publish '/robot1/cmd_vel' to allow that")
+    expect(details).to_contain_text("start it with --allow-publish '/robot1/cmd_vel' to allow that")
     expect(details.get_by_role("button", name="Publish the message")).to_have_count(0)

@@ -88,7 +88,7 @@ class Sites:
             settings = {
                 "port": str(self._port),
                 "nats": url,
-                "hub_key_path": str(self.folder / "hub-key.json"),
+                "hub_private_key": str(self.folder / "hub-key.json"),
                 "database_url": f"sqlite:///{self.folder}/hub.db",
                 "spool_path": str(self.folder / "hub-spool"),
                 "max_subscribers": "100",

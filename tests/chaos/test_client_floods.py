@@ -22,7 +22,7 @@ def domain() -> Iterator[int]:
 @pytest.fixture(scope="module")
 def started(domain: int) -> Iterator[tuple[RunningGateway, int]]:
     """A gateway, and the number of lines that it logged while it started."""
-    with running_gateway(domain, mcp="true", publish="/flood/*") as gateway:
+    with running_gateway(domain, mcp="true", allow_publish="/flood/*") as gateway:
         gateway.wait_until_stored()
         gateway.http.get("/openapi.json").raise_for_status()  # it is made once, which takes memory that is kept
         yield gateway, len(gateway.process.output.splitlines())

@@ -54,7 +54,9 @@ def gateway() -> Iterator[RunningGateway]:
         topic = "scan:sensor_msgs/msg/LaserScan:20"
         stack.enter_context(running_talker(domain, "--long", "720", "--topic", topic))
         stack.enter_context(running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.3"))
-        gateway = stack.enter_context(running_gateway(domain, rosbridge_port=str(PORT), publish="/chatter,/points"))
+        gateway = stack.enter_context(
+            running_gateway(domain, rosbridge_port=str(PORT), allow_publish="/chatter,/points")
+        )
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         wait_until(lambda: gateway.http.get("/graph/topics/talker0/scan").status_code == 200, "the topic")
         yield gateway
@@ -123,7 +125,7 @@ def check(seen: dict[str, Any], *, actions: bool) -> None:
     assert seen["version"] == 2
     assert "/nobody" in seen["refused"]
     assert seen["chatter"] == {"data": "hello"}
-    assert "--publish '/cmd_vel'" in seen["statuses"][-1]
+    assert "--allow-publish '/cmd_vel'" in seen["statuses"][-1]
     if actions:
         assert seen["result"] == {"sequence": [0, 1, 1, 2, 3]}
         assert seen["feedback"] == {"partial_sequence": [0, 1, 1]}
@@ -161,13 +163,17 @@ def test_ros_mcp(gateway: RunningGateway) -> None:
     assert "/talker0/scan" in seen["get_topics"]["topics"]
     assert len(seen["subscribe_once"]["msg"]["ranges"]) == 720
     assert seen["send_action_goal"]["result"] == {"sequence": [0, 1, 1, 2, 3]}
-    assert "--publish '/cmd_vel'" in seen["publish_for_durations"]["errors"][0]
+    assert "--allow-publish '/cmd_vel'" in seen["publish_for_durations"]["errors"][0]
     assert gateway.http.get("/actions/fibonacci/goals").json()["goals"][0]["status"] == "succeeded"
 
 
 def test_foxglove_on_node() -> None:
     """Foxglove's client and decoders see a docking, send its goal, set parameters and publish, as far as allowed."""
-    allowed = {"publish": "/chatter", "call_services": "/dock_simulator/*", "set_parameters": "/dock_simulator"}
+    allowed = {
+        "allow_publish": "/chatter",
+        "allow_services": "/dock_simulator/*",
+        "allow_parameters": "/dock_simulator",
+    }
     own, other = "/dock_simulator.use_sim_time", "/docking_server.use_sim_time"
     with ros_domain() as domain, ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator"))

@@ -31,7 +31,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with ros_domain() as domain, ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator"))
         stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose"))
-        gateway = stack.enter_context(running_gateway(domain, record="all"))
+        gateway = stack.enter_context(running_gateway(domain, recordings="all"))
         wait_until(lambda: "/scan" in gateway.http.get("/graph").text, "the robot")
         gateway.wait_until_ready()
         goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]

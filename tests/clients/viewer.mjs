@@ -97,7 +97,7 @@ const [own, other] = process.argv.slice(4);
 client.setParameters([{ name: own, value: false }], "own");
 seen.parameters = await until(() => parameters.get("own"));
 client.setParameters([{ name: other, value: true }], "other");
-seen.refused = await status("--set-parameters");
+seen.refused = await status("--allow-parameters");
 
 const chatter = { topic: "/chatter", encoding: "cdr", schemaName: "std_msgs/msg/String" };
 const text = new MessageWriter(definitions("string data"));
@@ -109,7 +109,7 @@ const again = setInterval(() => publish(channel), 200); // until it is subscribe
 seen.chatter = await until(() => seen.decoded["/chatter"]?.data);
 clearInterval(again);
 client.advertise({ ...chatter, topic: "/cmd_vel" });
-seen.unpublished = await status("--publish '/cmd_vel'");
+seen.unpublished = await status("--allow-publish '/cmd_vel'");
 
 seen.topics = Object.keys(seen.decoded).sort();
 seen.decoded = undefined;

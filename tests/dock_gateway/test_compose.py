@@ -36,7 +36,7 @@ def test_the_gateway_is_told_where_its_port_is_published() -> None:
     assert address == "${DOCK_GATEWAY_PUBLISHED_ON:-127.0.0.1}"
     environment = DEFAULT["gateway"]["environment"]
     assert environment["DOCK_GATEWAY_PUBLISHED_ON"] == address
-    assert environment["DOCK_GATEWAY_INSECURE_OPEN"] == "${DOCK_GATEWAY_INSECURE_OPEN:-false}"
+    assert environment["DOCK_GATEWAY_ALLOW_OPEN"] == "${DOCK_GATEWAY_ALLOW_OPEN:-false}"
 
 
 def test_on_the_network_of_the_host_its_own_address_counts() -> None:
@@ -114,7 +114,7 @@ def test_sites_reach_their_broker_and_each_other_not() -> None:
         assert "ports" not in DEFAULT[site]
         environment = DEFAULT[f"{site}-gateway"]["environment"]
         assert environment["DOCK_GATEWAY_SITE"] == site
-        assert environment["DOCK_GATEWAY_HUB"].startswith(f"nats://{site}:")
+        assert environment["DOCK_GATEWAY_NATS"].startswith(f"nats://{site}:")
         assert f"{site}-gateway" in DEFAULT["hub"]["depends_on"]
     assert "ports" not in DEFAULT["nats"]
     assert DEFAULT["hub"]["ports"] == DEFAULT["network"]["ports"], "in place of the gateway"
@@ -138,6 +138,6 @@ def test_the_broker_gives_the_rights_that_the_demonstration_has_with_the_passwor
         permissions = user["permissions"]
         texts = [user["password"], *permissions["publish"], *permissions["subscribe"]]
         assert re.findall(r'"([^"]*)"', found) == texts
-        setting = ("hub", "NATS") if name == "hub" else (f"{name}-gateway", "HUB")
+        setting = ("hub", "NATS") if name == "hub" else (f"{name}-gateway", "NATS")
         url = DEFAULT[setting[0]]["environment"][f"DOCK_GATEWAY_{setting[1]}"]
         assert url == f"nats://{name}:{user['password']}@nats:4222"

@@ -11,11 +11,18 @@ from pydantic import ValidationError
 from scripts import settings_table
 
 from dock_gateway.cli import main
-from dock_gateway.cli.options import ONLY_A_VARIABLE, TYPE, option_name, read_settings
+from dock_gateway.cli.options import (
+    FIELDS,
+    ONLY_A_VARIABLE,
+    TYPE,
+    arguments_of,
+    groups_of,
+    is_tuning,
+    option_name,
+    read_settings,
+)
 from dock_gateway.setting_types import ListensOn
 from dock_gateway.settings import Settings, unknown_variables
-
-DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
 
 
 @pytest.fixture(autouse=True)
@@ -25,8 +32,10 @@ def clean_environment(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_every_setting_is_documented_as_it_is() -> None:
-    found = [line for line in DOCUMENT.read_text().splitlines() if line.startswith("| `DOCK_GATEWAY_")]
-    assert found == settings_table.rows(), "run `make format`"
+    assert settings_table.written() == settings_table.tables(), "run `make format`"
+    assert [
+        name for name in TYPE.model_fields if f"| `DOCK_GATEWAY_{name.upper()}` |" not in settings_table.written()
+    ] == []
 
 
 def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -94,7 +103,7 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("lost_after", "-1"),
         ("log_level", "loud"),
         ("lost_after", "2"),
-        ("max_goals", "0"),
+        ("memory_max_goals", "0"),
         ("ping_interval", "3"),
         ("node_name", "dock-gateway"),
         ("node_name", ""),
@@ -106,8 +115,8 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("battery_topic", ""),
         ("battery_topic", "battery status"),
         ("cmd_vel_topic", "cmd_vel/"),
-        ("stop_topic", "1stop"),
-        ("stop_topics", "e_stop, /hall//e_stop"),
+        ("stop_state_topic", "1stop"),
+        ("emergency_stop_topics", "e_stop, /hall//e_stop"),
         ("dock_actions", "/robot1"),
         ("dock_actions", "/robot1=dock"),
         ("dock_actions", "robot1=/dock"),
@@ -129,9 +138,9 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("tls_cert", "cert.pem"),
         ("tls_key", "key.pem"),
         ("tls_client_ca", "ca.pem"),
-        ("retention_hours", "1e12"),
-        ("retention_hours", "inf"),
-        ("retention_mb", "1000000001"),
+        ("feedback_retention_days", "1e12"),
+        ("feedback_retention_days", "inf"),
+        ("feedback_retention_mb", "1000000001"),
         ("goal_retention_days", "365001"),
         ("goal_retention_days", "nan"),
         ("goal_retention_mb", "1000000001"),
@@ -170,7 +179,7 @@ def test_host_names_are_read_in_lower_case() -> None:
 
 def test_topics_are_read_as_they_are_written() -> None:
     """ROS tells apart names that differ only in case: an emergency stop must not be listened for elsewhere."""
-    assert Settings(stop_topics="EStop, /hall/E_STOP, ").stop_topics == ("EStop", "/hall/E_STOP")  # type: ignore[arg-type]
+    assert Settings(emergency_stop_topics="EStop, /hall/E_STOP, ").emergency_stop_topics == ("EStop", "/hall/E_STOP")  # type: ignore[arg-type]
 
 
 def test_names_are_resolved_as_ros_does() -> None:
@@ -181,9 +190,27 @@ def test_names_are_resolved_as_ros_does() -> None:
     assert Settings(namespace="/robot1").resolve("dock", "/") == "/dock"
 
 
-def test_help_names_every_setting() -> None:
+def test_help_names_every_setting_but_those_for_tuning() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
-    assert [name for name in TYPE.model_fields if option_name(name) not in text] == [ONLY_A_VARIABLE]
+    tuning = {name for name, field in FIELDS if is_tuning(field)}
+    assert {name for name, _ in FIELDS if not re.search(rf"{option_name(name)}\b(?!-)", text)} == {
+        ONLY_A_VARIABLE,
+        *tuning,
+    }
+    assert len(tuning) == 27
+    assert [heading for heading in groups_of(TYPE) if f"\n{heading}:\n" not in text] == []
+    assert "](" not in text, "a terminal shows no Markdown links"
+
+
+def test_a_switch_is_a_flag(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DOCK_GATEWAY_AUTHENTICATION", "true")
+    assert arguments_of({"authentication": False, "store_poses": True, "host": None, "port": "1"}) == [
+        "--no-authentication",
+        "--store-poses",
+        "--port=1",
+    ]
+    refused = CliRunner().invoke(main, ["serve", "--no-authentication", "--host", "192.0.2.1"])
+    assert "--allow-open" in refused.output
 
 
 def test_what_is_kept_of_one_robot_is_kept_apart_from_another(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from dock_hub.settings import HubSettings
 
 def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
     private, public = tmp_path / "hub.key", tmp_path / "hub.json"
-    first, second = (CliRunner().invoke(main, ["hub-key", "--hub-key-path", str(private)]) for _ in range(2))
+    first, second = (CliRunner().invoke(main, ["hub-key", "--hub-private-key", str(private)]) for _ in range(2))
     assert first.exit_code == 0
     assert first.output == second.output
     assert Signer.load_or_create(private).public_keys()["keys"][0]["x"] in first.output
@@ -23,7 +23,7 @@ def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
 
 
 def test_a_hub_is_no_site(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("DOCK_GATEWAY_HUB", "nats://127.0.0.1")
+    monkeypatch.setenv("DOCK_GATEWAY_SITE", "berlin")
     result = CliRunner().invoke(main, ["hub", "--nats", "nats://127.0.0.1"])
     assert result.exit_code == 2
     assert "a hub is not a site of another hub" in result.output
@@ -48,7 +48,7 @@ def test_a_start_with_other_files(tmp_path: Path, setting: str, sentence: str) -
 
 def test_a_file_that_is_no_key(tmp_path: Path) -> None:
     (path := tmp_path / "hub.key").write_text("secret")
-    result = CliRunner().invoke(main, ["hub-key", "--hub-key-path", str(path)])
+    result = CliRunner().invoke(main, ["hub-key", "--hub-private-key", str(path)])
     assert (result.exit_code, result.output) == (
         1,
         f"Error: {path} is not the hub's key, which is a private Ed25519 key as a JWK\n",

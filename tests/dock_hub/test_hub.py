@@ -70,7 +70,7 @@ async def hub_at(nats: str, folder: Path, installed: Installed | None = None) ->
     settings = HubSettings(
         database_url=f"sqlite:///{folder}/hub.db",
         spool_path=folder / "spool",
-        hub_key_path=folder / "hub.key",
+        hub_private_key=folder / "hub.key",
         nats=(nats,),
         authentication=True,
     )

@@ -9,7 +9,7 @@ from dock_hub.settings import HubSettings
 
 
 def test_they_are_read_and_known() -> None:
-    settings = read_settings_of(HubSettings, {"nats": "nats://nats:4222", "nats_insecure": "true"})
+    settings = read_settings_of(HubSettings, {"nats": "nats://nats:4222", "allow_plain_nats": "true"})
     assert settings.nats == ("nats://nats:4222",)
     assert settings.hub_key_file.name == "hub.key"
     assert unknown_variables(["DOCK_GATEWAY_NATS"], HubSettings.model_fields) == []

@@ -145,7 +145,7 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
     with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
         stored = {"database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
         stored |= {"stop_path": f"{folder}/stops.json", "recordings_path": f"{folder}/recordings"}
-        settings = {"port": "0", "record": "none", **PATIENT, **stored, **settings}
+        settings = {"port": "0", "recordings": "none", **PATIENT, **stored, **settings}
         variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in settings.items()}
         environment = ros_environment(domain, **variables)
         start = Process if prefix else ForkedProcess

@@ -68,7 +68,7 @@ def until_event(connection: ClientConnection, **wanted: Any) -> dict[str, Any]:
 def running_hub(nats: str, folder: Path, **settings: str) -> Iterator[RunningHub]:
     """`dock-gateway hub` on a free port, with its key and its database in a folder."""
     kept = {"database_url": f"sqlite:///{folder}/hub.db", "spool_path": f"{folder}/hub-spool"}
-    kept |= {"hub_key_path": f"{folder}/hub.key", "nats": nats, "port": "0"}
+    kept |= {"hub_private_key": f"{folder}/hub.key", "nats": nats, "port": "0"}
     variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in (kept | settings).items()}
     with ForkedProcess("dock-gateway", "hub", env=ros_environment(0, **variables)) as process:
         url = re.sub(r'.*(https?://[^"]+).*', r"\1", process.wait_for("listening on "))
@@ -81,4 +81,4 @@ def site_settings(nats: str, folder: Path, name: str) -> dict[str, str]:
     keys = folder / "hub.json"
     keys.write_bytes(orjson.dumps(Signer.load_or_create(folder / "hub.key").public_keys()))
     kept = {"database_url": f"sqlite:///{folder}/{name}.db", "spool_path": f"{folder}/{name}-spool"}
-    return {"hub": nats, "site": name, "hub_key": str(keys), **kept}
+    return {"nats": nats, "site": name, "hub_public_keys": str(keys), **kept}

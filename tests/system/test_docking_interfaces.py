@@ -74,7 +74,7 @@ def test_emergency_stops_of_others_hold_the_robot(domain: int, observer: Observe
     with (
         dock_simulator(domain, *NEAR, "stop_topics:=e_stop"),
         docking_servers(domain, DRIVE, "stop_topics:=e_stop"),
-        running_gateway(domain, stop_topics="e_stop") as gateway,
+        running_gateway(domain, emergency_stop_topics="e_stop") as gateway,
         ros_observer(domain, "scanner") as scanner,
         scanner.publishing(GO, "stop_latched"),
     ):

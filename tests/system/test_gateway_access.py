@@ -97,9 +97,9 @@ def test_an_open_gateway_on_the_network_is_refused(shared_domain: int, site: Sit
     options = ("serve", "--port", "0", "--host", "0.0.0.0")
     refused = site.run(*options, **ros_environment(shared_domain))
     assert refused.returncode == 2
-    assert "--authentication true" in refused.output
-    with site.gateway(shared_domain, host="0.0.0.0", insecure_open="true", authentication="false") as gateway:
+    assert "--authentication" in refused.output
+    with site.gateway(shared_domain, host="0.0.0.0", allow_open="true", authentication="false") as gateway:
         assert gateway.http.get("/session").json()["open_to"] == "network"
         assert "OPEN TO THE NETWORK" in gateway.process.output
-    memory = site.run("serve", "--authentication", "true", "--database-url", "memory:")
+    memory = site.run("serve", "--authentication", "--database-url", "memory:")
     assert "authentication needs a database" in memory.output

@@ -135,7 +135,7 @@ def gateway(domain: int, tmp_path: Path) -> Iterator[RunningGateway]:
     with (
         running_program(domain, "dock_simulator"),
         running_dock_server(domain),
-        site.gateway(domain, set_parameters="/dock_simulator") as gateway,
+        site.gateway(domain, allow_parameters="/dock_simulator") as gateway,
     ):
         gateway.http.headers.update(admin)
         gateway.wait_until_ready()

@@ -34,7 +34,7 @@ def gateway(shared_domain: int, site: Site, tokens: dict[str, str]) -> Iterator[
     with (
         running_service_node(shared_domain),
         running_program(shared_domain, "fibonacci_action_server", "-p", "step_period:=0.5"),
-        site.gateway(shared_domain, call_services=SILENT) as gateway,
+        site.gateway(shared_domain, allow_services=SILENT) as gateway,
     ):
         gateway.http.headers["Authorization"] = f"Bearer {tokens['operator']}"
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")

@@ -58,7 +58,7 @@ class People:
 @pytest.fixture(scope="module")
 def people(shared_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[People]:
     site = Site(tmp_path_factory.mktemp("site"))
-    settings = {"call_services": "/robot1/*", "max_subscribers": "80", "max_streams_per_user": "40"}
+    settings = {"allow_services": "/robot1/*", "max_subscribers": "80", "max_streams_per_user": "40"}
     with running_service_node(shared_domain), site.gateway(shared_domain, **settings) as gateway:
         people = People(gateway, site)
         body = {"state": LOW, "rate_hz": 10}

@@ -17,9 +17,9 @@ from tests.support.waiting import wait_until
 pytestmark = pytest.mark.ros
 
 LISTS = {
-    "call_services": "/robot1/echo,/robot1/never,/robot1/huge,/robot1/leave,/*/_action/*,/*_parameters*",
-    "publish": "/robot1/*,/battery_status,/nobody,/no_one,/mixed,/stop_latched,*/_action/*",
-    "set_parameters": "/robot1/base",
+    "allow_services": "/robot1/echo,/robot1/never,/robot1/huge,/robot1/leave,/*/_action/*,/*_parameters*",
+    "allow_publish": "/robot1/*,/battery_status,/nobody,/no_one,/mixed,/stop_latched,*/_action/*",
+    "allow_parameters": "/robot1/base",
     "server_wait": "0.5",
 }
 TWIST = "geometry_msgs/msg/Twist"
@@ -243,7 +243,7 @@ async def test_the_python_clients_do_the_same(open_gateway: RunningGateway, node
         assert client.publish("/robot1/chatter", {"data": "from Python"}) == 1
         node.wait_for("heard from Python")
         assert client.set_parameters("/robot1/base", {"speed": 0.4}) == {"speed": 0.4}
-        with pytest.raises(GatewayRefused, match="--publish '/elsewhere'"):
+        with pytest.raises(GatewayRefused, match="--allow-publish '/elsewhere'"):
             client.publish("/elsewhere", {})
     async with AsyncClient(open_gateway.url) as aio:
         assert (await aio.call_service("robot1/echo"))["message"] == "echoed"
@@ -284,9 +284,9 @@ def test_by_default_there_is_only_reading(domain: int, node: Process) -> None:
     with running_gateway(domain) as gateway:
         wait_for_node(gateway)
         for method, path, option in (
-            ("POST", "/services/robot1/echo", "--call-services '/robot1/echo'"),
-            ("POST", "/topics/robot1/cmd_vel", "--publish '/robot1/cmd_vel'"),
-            ("PATCH", "/nodes/robot1/base/parameters", "--set-parameters '/robot1/base'"),
+            ("POST", "/services/robot1/echo", "--allow-services '/robot1/echo'"),
+            ("POST", "/topics/robot1/cmd_vel", "--allow-publish '/robot1/cmd_vel'"),
+            ("PATCH", "/nodes/robot1/base/parameters", "--allow-parameters '/robot1/base'"),
         ):
             status, problem = answered(gateway, method, path, {"data": True})
             assert (status, problem["code"]) == (403, "not_listed"), path

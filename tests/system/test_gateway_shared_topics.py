@@ -31,7 +31,7 @@ def gateway(shared_domain: int, site: Site, root: dict[str, str], everyone: dict
     with (
         running_program(shared_domain, "dock_simulator"),
         running_program(shared_domain, "dock_simulator", "-r", "__ns:=/robot1"),
-        site.gateway(shared_domain, publish="/*", record="all") as gateway,
+        site.gateway(shared_domain, allow_publish="/*", recordings="all") as gateway,
     ):
         for topic in (*SHARED, OWN):
             path = f"/graph/topics{topic}"

@@ -42,7 +42,7 @@ def knows(gateway: RunningGateway, other: dict[str, Any]) -> bool:
 @pytest.fixture(scope="module")
 def shares(database: str) -> Iterator[tuple[int, RunningGateway, RunningGateway]]:
     def settings(robots: str) -> dict[str, str]:
-        return {"database_url": database, "robots": robots, "publish": "/fleet_*"}
+        return {"database_url": database, "serve_robots": robots, "allow_publish": "/fleet_*"}
 
     with (
         ros_domain() as domain,
@@ -125,7 +125,7 @@ def test_robots_of_another_gateway_are_not_claimed_until_it_has_ended(
 ) -> None:
     domain, first, second = shares
     variables = {"DOCK_GATEWAY_PORT": "0", "DOCK_GATEWAY_DATABASE_URL": database}
-    environment = ros_environment(domain, **variables, DOCK_GATEWAY_ROBOTS="/fleet_c/*,/fleet_b/robot*")
+    environment = ros_environment(domain, **variables, DOCK_GATEWAY_SERVE_ROBOTS="/fleet_c/*,/fleet_b/robot*")
     with ForkedProcess("dock-gateway", "serve", env=environment) as process:
         line = process.wait_for("Error: ")
         assert process.wait() == 1

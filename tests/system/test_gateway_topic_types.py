@@ -28,7 +28,7 @@ def px4(domain: int) -> Iterator[Observer]:
 
 @pytest.fixture
 def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(domain, stop_topics=EMERGENCY) as gateway:
+    with running_gateway(domain, emergency_stop_topics=EMERGENCY) as gateway:
         yield gateway
 
 

@@ -79,7 +79,7 @@ async def identify(connection: HTTPConnection) -> Principal:
         Unavailable: It has one, and the provider has not answered yet (`provider_unavailable`).
     """
     principal = await _identify(connection)
-    if not parts_of(connection)[Settings].robots:
+    if not parts_of(connection)[Settings].serve_robots:
         return principal
     return replace(principal, grant=parts_of(connection)[Share].narrow(principal.grant))
 

@@ -65,7 +65,7 @@ def _session(request: Request, settings: Settings, logins: Logins, principal: Pr
         "open_to": None if FORWARDED in request.scope else settings.open_to,
         "principal": who,
         "hub": request.app.state.many_sites,
-        "share": [] if principal is None else settings.robots,
+        "share": [] if principal is None else settings.serve_robots,
         "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
     }
     response = json_response(document)

@@ -3,11 +3,12 @@
 import os
 import sys
 from collections.abc import Iterator
+from typing import Any
 
 import click
 import orjson
 
-from dock_gateway.cli.options import read_settings, settings_options
+from dock_gateway.cli.options import SettingsCommand, read_settings, settings_options
 from dock_gateway.core.log_config import printable
 from dock_gateway.doctor.check import Check, Level
 from dock_gateway.doctor.environment import check_environment
@@ -20,7 +21,7 @@ COLORS = {Level.OK: "green", Level.WARNING: "yellow", Level.ERROR: "red"}
 VITAL = ("ros", "domain")
 
 
-@click.command()
+@click.command(cls=SettingsCommand)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
 @click.option(
     "--wait",
@@ -31,7 +32,7 @@ VITAL = ("ros", "domain")
     help="Seconds to look at the ROS graph; 0: not at all.",
 )
 @settings_options
-def doctor(as_json: bool, seconds: float, **options: str | None) -> None:
+def doctor(as_json: bool, seconds: float, **options: Any) -> None:
     """Check the environment, this machine and the robots on the ROS graph, and say what to do.
 
     Nothing is published. It takes the settings of `serve`. The exit code is 1 if there is an error.

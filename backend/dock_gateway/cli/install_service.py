@@ -13,7 +13,7 @@ import platformdirs
 from dock_gateway.cli.serve import ROS_PREFIXES
 from dock_gateway.cli.service_unit import find_unreadable, paths, system_unit, user_unit
 from dock_gateway.cli.start import check_ros
-from dock_gateway.settings import PREFIX
+from dock_gateway.setting_groups.group import PREFIX
 from robot_io.installation import SOURCED, find_installation
 
 UNIT = "dock-gateway.service"

@@ -1,30 +1,54 @@
 """Command-line options for settings: one for each field of `Settings` and of the settings of extensions."""
 
-from collections.abc import Callable, Collection
-from typing import Any, TypeVar
+import posixpath
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, TypeVar, cast
 
 import click
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from dock_gateway.extension_list import settings_type
+from dock_gateway.setting_groups.group import PREFIX, SettingsGroup
+from dock_gateway.setting_types import Tuning
 from dock_gateway.settings import Settings
 
 TYPE = settings_type()
 # It says which options there are.
 ONLY_A_VARIABLE = "extensions"
 S = TypeVar("S", bound=Settings)
+Command = Callable[..., Any]
+# A link of Markdown.
+LINK = re.compile(r"\[([^]]+)\]\(([^)#]+)[^)]*\)")
+
+
+def groups_of(settings: type[Settings]) -> dict[str, list[tuple[str, FieldInfo]]]:
+    """Return the settings with their fields, by the heading of their group; the gateway's own groups come first."""
+    groups: dict[str, list[tuple[str, FieldInfo]]] = {}
+    own = [kind for kind in reversed(Settings.__mro__) if issubclass(kind, SettingsGroup)]
+    others = [kind for kind in reversed(settings.__mro__) if issubclass(kind, SettingsGroup) and kind not in own]
+    placed: set[str] = set()
+    for kind in (*own, *others):
+        names = [name for name in kind.model_fields if name not in placed]
+        if names:
+            groups.setdefault(kind.group or "Further", []).extend((name, kind.model_fields[name]) for name in names)
+            placed.update(names)
+    return groups
 
 
 def fields_of(settings: type[Settings]) -> list[tuple[str, FieldInfo]]:
-    """Return all settings, in the order of the documentation: the gateway's own come first."""
-    return sorted(settings.model_fields.items(), key=lambda field: field[0] not in Settings.model_fields)
+    """Return all settings, in the order of the documentation."""
+    return [field for group in groups_of(settings).values() for field in group]
 
 
 # All settings of a gateway.
 FIELDS = fields_of(TYPE)
 
-Command = Callable[..., Any]
+
+def is_tuning(field: FieldInfo) -> bool:
+    """Return whether a setting is one that no person needs."""
+    return any(isinstance(mark, Tuning) for mark in field.metadata)
 
 
 def option_name(field: str) -> str:
@@ -32,29 +56,91 @@ def option_name(field: str) -> str:
     return f"--{field.replace('_', '-')}"
 
 
+class SettingOption(click.Option):
+    """The option of a setting.
+
+    Attributes:
+        group: The heading under which the help has it.
+    """
+
+    def __init__(self, names: Sequence[str], *, group: str, **attributes: Any) -> None:
+        super().__init__(names, **attributes)
+        self.group = group
+
+
+class SettingsCommand(click.Command):
+    """A command with settings, whose help has them in groups."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, each group with its heading."""
+        sections: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for parameter in self.get_params(ctx):
+            group = parameter.group if isinstance(parameter, SettingOption) else "Options"
+            if (record := parameter.get_help_record(ctx)) is not None:
+                sections.setdefault(group, []).append(record)
+        for heading, records in sections.items():
+            with formatter.section(heading):
+                formatter.write_dl(records)
+
+
 def settings_options(command: Command, leave_out: Collection[str] = (), settings: type[Settings] = TYPE) -> Command:
     """Add an option for each setting. They arrive as keyword arguments; those that are not given are None.
 
     Args:
-        command: The command.
+        command: The command, a `SettingsCommand`.
         leave_out: Settings that only variables can set there.
         settings: The settings; by default, those of a gateway.
     """
-    for name, field in reversed(fields_of(settings)):
-        if name in leave_out or name == ONLY_A_VARIABLE:
-            continue
-        variable = f"DOCK_GATEWAY_{name.upper()}"
-        default = ",".join(field.default) if isinstance(field.default, tuple) else field.default
-        command = click.option(
-            option_name(name),
-            name,
-            metavar="VALUE",
-            help=f"{field.description}  [env: {variable}; default: {default}]",
-        )(command)
+    options = [
+        _option(name, field, group)
+        for group, fields in groups_of(settings).items()
+        for name, field in fields
+        if name not in leave_out and name != ONLY_A_VARIABLE
+    ]
+    for names, attributes in reversed(options):
+        command = click.option(*names, cls=SettingOption, **attributes)(command)
     return command
 
 
-def read_settings(options: dict[str, str | None]) -> Settings:
+def _option(name: str, field: FieldInfo, group: str) -> tuple[tuple[str, str], dict[str, Any]]:
+    flag = field.annotation is bool
+    default = describe_default(field.default)
+    text = f"{plain(field.description or '')}  [env: {PREFIX}{name.upper()}{default and f'; default: {default}'}]"
+    option = f"{option_name(name)}/--no-{option_name(name)[2:]}" if flag else option_name(name)
+    kind: dict[str, Any] = {"is_flag": True, "default": None} if flag else {"metavar": "VALUE"}
+    return (option, name), {"group": group, "help": text, "hidden": is_tuning(field), **kind}
+
+
+def describe_default(default: object) -> str:
+    """Return a default as a user writes it; empty if there is none."""
+    if isinstance(default, bool):
+        return str(default).lower()
+    if isinstance(default, tuple):
+        return ",".join(default)
+    return "" if default is None else str(default)
+
+
+def plain(text: str) -> str:
+    """Return a description for a terminal: links of Markdown are the page's path, or their text."""
+
+    def shown(link: re.Match[str]) -> str:
+        return posixpath.join("docs", link[2]) if link[1].endswith(".md") else link[1]
+
+    return LINK.sub(shown, text)
+
+
+def arguments_of(options: Mapping[str, object]) -> list[str]:
+    """Return the settings among the options of a command line again, as its arguments."""
+    arguments = []
+    for name, value in options.items():
+        if isinstance(value, bool):
+            arguments.append(option_name(name) if value else f"--no-{option_name(name)[2:]}")
+        elif value is not None:
+            arguments.append(f"{option_name(name)}={value}")
+    return arguments
+
+
+def read_settings(options: Mapping[str, object]) -> Settings:
     """Read the settings of a gateway from options, the environment and defaults, in this order.
 
     Raises:
@@ -63,14 +149,15 @@ def read_settings(options: dict[str, str | None]) -> Settings:
     return read_settings_of(TYPE, options)
 
 
-def read_settings_of(settings: type[S], options: dict[str, str | None]) -> S:
+def read_settings_of(settings: type[S], options: Mapping[str, object]) -> S:
     """Read settings from options, the environment and defaults, in this order.
 
     Raises:
         click.UsageError: A value is invalid. The message says which.
     """
+    given = cast("dict[str, Any]", {name: value for name, value in options.items() if value is not None})
     try:
-        return settings(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]
+        return settings(**given)
     except ValidationError as error:
         lines = [
             f"{'.'.join(map(str, item['loc'])) or 'settings'}: {item['msg'].removeprefix('Value error, ')}"

@@ -4,19 +4,20 @@ The server takes seconds to import. It is imported where it runs, so that client
 """
 
 import os
+from typing import Any
 
 import click
 
-from dock_gateway.cli.options import read_settings, settings_options
+from dock_gateway.cli.options import SettingsCommand, read_settings, settings_options
 from dock_gateway.cli.start import check_start, load_ros
 
 # What the variables begin with that ROS and DDS read.
 ROS_PREFIXES = ("ROS_", "RMW_", "FASTDDS_", "FASTRTPS_", "CYCLONEDDS_", "ZENOH_")
 
 
-@click.command()
+@click.command(cls=SettingsCommand)
 @settings_options
-def serve(**options: str | None) -> None:
+def serve(**options: Any) -> None:
     """Run only the gateway, for action servers that run already."""
     settings = read_settings(options)
     check_start(settings, os.environ)

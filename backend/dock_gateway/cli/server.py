@@ -168,13 +168,13 @@ def _say_who_may_use(settings: Settings) -> None:
     match settings.open_to:
         case "machine":
             log.info(
-                "open: every program on this machine may move the robots, without a login; --authentication true asks "
+                "open: every program on this machine may move the robots, without a login; --authentication asks "
                 "for one (docs/access.md)"
             )
         case "network":
             log.warning(
                 "OPEN TO THE NETWORK: anyone who reaches %s may move the robots, without a login; "
-                "--authentication true asks for one (docs/access.md)",
+                "--authentication asks for one (docs/access.md)",
                 settings.published_on or settings.host,
             )
 

@@ -49,7 +49,7 @@ def check_port(settings: Settings) -> None:
 
 
 def check_exposure(settings: Settings) -> None:
-    """Refuse to let everyone on a network move the robots, unless `insecure_open` allows it.
+    """Refuse to let everyone on a network move the robots, unless `allow_open` allows it.
 
     Raises:
         click.UsageError: The message says what can be set instead.

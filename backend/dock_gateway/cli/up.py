@@ -6,10 +6,11 @@ import sys
 from collections.abc import MutableMapping
 from functools import partial
 from importlib.metadata import entry_points
+from typing import Any
 
 import click
 
-from dock_gateway.cli.options import option_name, read_settings, settings_options
+from dock_gateway.cli.options import SettingsCommand, arguments_of, read_settings, settings_options
 from dock_gateway.cli.programs import find_program
 from dock_gateway.cli.start import check_port, check_start
 from dock_gateway.cli.supervisor import END_TIMEOUT, supervise
@@ -78,23 +79,23 @@ def default_robot(settings: Settings, robots: int) -> str:
     return f"/{name}"
 
 
-@click.command()
+@click.command(cls=SettingsCommand)
 @click.option(
     "--no-sim", is_flag=True, help="No simulated robot: the tutorial's action server, and batteries published by hand."
 )
 @click.option(
-    "--robots",
+    "--count",
+    "robots",
     type=click.IntRange(1, MAX_ROBOTS),
-    help="Number of simulated robots, /robot1, /robot2, …, instead of one without a namespace. The setting of this "
-    "name is an option of `serve`; here, only the variable DOCK_GATEWAY_ROBOTS sets it.",
+    help="Number of simulated robots, /robot1, /robot2, …, instead of one without a namespace.",
 )
 @click.option(
     "--sites",
     type=click.IntRange(1, MAX_SITES),
-    help="Simulated sites, each with a gateway and --robots of its own, behind one hub. Other options are the hub's.",
+    help="Simulated sites, each with a gateway and --count of its own, behind one hub. Other options are the hub's.",
 )
-@partial(settings_options, leave_out={"robots"})
-def up(no_sim: bool, robots: int | None, sites: int | None, **options: str | None) -> None:
+@partial(settings_options, leave_out={"serve_robots"})
+def up(no_sim: bool, robots: int | None, sites: int | None, **options: Any) -> None:
     """Run the gateway, a docking server and a simulated robot together, and keep them running.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
@@ -112,7 +113,7 @@ def up(no_sim: bool, robots: int | None, sites: int | None, **options: str | Non
         return
     if robots is not None:
         if no_sim:
-            raise click.UsageError("--robots are simulated: leave out --no-sim")
+            raise click.UsageError("--count is of simulated robots: leave out --no-sim")
         options["namespace"] = default_robot(settings, robots)
         settings = read_settings(options)
     check_start(settings, os.environ, docking=True)
@@ -120,7 +121,7 @@ def up(no_sim: bool, robots: int | None, sites: int | None, **options: str | Non
     programs = TUTORIAL if no_sim else SIMULATED
     commands = robot_commands(programs, settings) if robots is None else {"the fleet": fleet(robots)}
 
-    gateway = [sys.executable, "-m", "dock_gateway", "serve", *_given(options)]
+    gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments_of(options)]
     running = supervise(
         {"the gateway": gateway} | commands, own_url(settings), end_timeout=END_TIMEOUT + 0.2 * (robots or 0)
     )
@@ -128,7 +129,7 @@ def up(no_sim: bool, robots: int | None, sites: int | None, **options: str | Non
         raise click.ClickException("the gateway could not be started; see the messages above")
 
 
-def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: dict[str, str | None]) -> None:
+def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: dict[str, Any]) -> None:
     """Run sites, by what another program adds for that; their gateways listen on the ports after the first.
 
     Raises:
@@ -147,9 +148,4 @@ def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: 
     else:
         programs, namespace = {"the fleet": fleet(robots)}, "/robot1"
     end_timeout = END_TIMEOUT + 0.2 * sites * (robots or 1)
-    run_sites.load()(ports, own_url(settings), _given(options), programs, namespace, end_timeout)
-
-
-def _given(options: dict[str, str | None]) -> list[str]:
-    """Return the options of a command line again."""
-    return [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
+    run_sites.load()(ports, own_url(settings), arguments_of(options), programs, namespace, end_timeout)

@@ -10,7 +10,7 @@ class AllowList:
     """One such setting.
 
     Args:
-        setting: Its name, such as `call_services`.
+        setting: Its name, such as `allow_services`.
         patterns: Its value.
         refused: What it allows, such as `the gateway calls no service`.
     """

@@ -45,7 +45,7 @@ class OwnTopics:
     """
 
     def __init__(self, settings: Settings) -> None:
-        stops = dict.fromkeys((settings.stop_topic, *settings.stop_topics))
+        stops = dict.fromkeys((settings.stop_state_topic, *settings.emergency_stop_topics))
         self._topics = (
             *(OwnTopic(name, frozenset({"std_msgs/msg/Bool"}), fixed=True) for name in stops),
             OwnTopic(settings.cmd_vel_topic, frozenset(VELOCITY), fixed=True),

@@ -56,12 +56,12 @@ def check_settings(settings: Settings, environment: Mapping[str, str]) -> Check:
 
 def find_exposure_fault(settings: Settings) -> str | None:
     """Return that everyone on a network could move the robots, and what can be set instead; None if not."""
-    if settings.open_to != "network" or settings.insecure_open:
+    if settings.open_to != "network" or settings.allow_open:
         return None
     return (
         f"on {settings.published_on or settings.host}, anyone who reaches this machine over the network could move "
-        "the robots. Ask for a login with --authentication true (docs/access.md), or accept that with "
-        "--insecure-open true"
+        "the robots. Ask for a login with --authentication (docs/access.md), or accept that with "
+        "--allow-open"
     )
 
 

@@ -14,7 +14,8 @@ from dock_gateway.doctor.check import Check, Level
 from dock_gateway.doctor.environment import describe_discovery
 from dock_gateway.goals.hints import Sight, find_join
 from dock_gateway.robots.plausibility import Plausibility
-from dock_gateway.settings import PREFIX, Settings
+from dock_gateway.setting_groups.group import PREFIX
+from dock_gateway.settings import Settings
 from robot_io.installation import find_package_fault
 
 COMMAND_TIMEOUT = (

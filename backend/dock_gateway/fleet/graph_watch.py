@@ -194,11 +194,15 @@ class GraphWatch:
         if robot is None:
             return {settings.diagnostics_topic: Expected((DIAGNOSTICS_TYPE,), "DOCK_GATEWAY_DIAGNOSTICS_TOPIC")}
         expected = {settings.resolve(name, robot): Expected((kind,)) for name, kind in SCENE_TYPES.items()}
-        for topic in settings.stop_topics:
-            expected[settings.resolve(topic, robot)] = Expected((STOP_TYPE,), "DOCK_GATEWAY_STOP_TOPICS", UNHEARD)
+        for topic in settings.emergency_stop_topics:
+            expected[settings.resolve(topic, robot)] = Expected(
+                (STOP_TYPE,), "DOCK_GATEWAY_EMERGENCY_STOP_TOPICS", UNHEARD
+            )
         return expected | {
             settings.battery_of(robot): Expected((BATTERY_TYPE,), "DOCK_GATEWAY_BATTERY_TOPIC"),
-            settings.resolve(settings.stop_topic, robot): Expected((STOP_TYPE,), "DOCK_GATEWAY_STOP_TOPIC", UNHEARD),
+            settings.resolve(settings.stop_state_topic, robot): Expected(
+                (STOP_TYPE,), "DOCK_GATEWAY_STOP_STATE_TOPIC", UNHEARD
+            ),
             settings.resolve(settings.cmd_vel_topic, robot): Expected(
                 VELOCITY_TYPES, "DOCK_GATEWAY_CMD_VEL_TOPIC", "A stop publishes no zero velocity there."
             ),
@@ -211,7 +215,7 @@ class GraphWatch:
             topic = before[2]
             if all(each.node is not None for each in (*topic.publishers, *topic.subscribers)):  # ROS may know it later
                 return topic, before[3]
-        node, stop_topic = self._bridge.node, self._settings.resolve(self._settings.stop_topic, robot)
+        node, stop_topic = self._bridge.node, self._settings.resolve(self._settings.stop_state_topic, robot)
         topic, gateways = await self._bridge.call(lambda: (read_topic(node, name), find_gateways(node, stop_topic)))
         self._read[name] = types, time.monotonic(), topic, gateways
         return topic, gateways

@@ -90,7 +90,7 @@ def _listen_to_poses(parts: Parts, stack: AsyncExitStack) -> None:
     def listen(kind: type[PosePort], hearers: PoseRecorder | SceneBoard) -> None:
         def port(robot: str) -> PosePort:
             resolve = partial(settings.resolve, namespace=robot)
-            return kind(robots.topics, robot, resolve, hearers.hear, stop_topic=resolve(settings.stop_topic))
+            return kind(robots.topics, robot, resolve, hearers.hear, stop_topic=resolve(settings.stop_state_topic))
 
         closed_by(stack, OnDemand(robots.topics.bridge, hearers, "poses", port))
 

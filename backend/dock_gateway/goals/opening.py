@@ -86,7 +86,7 @@ async def _listen_to_servers(parts: Parts, reasons: PendingFacts[GoalError]) -> 
         lambda: DiagnosticsPort(
             robots.topics,
             settings.diagnostics_topic,
-            stop_topic=settings.resolve(settings.stop_topic),
+            stop_topic=settings.resolve(settings.stop_state_topic),
             on_reason=reasons.put,
             on_progress=actions.on_progress,
             on_simulator=simulators.on_report,

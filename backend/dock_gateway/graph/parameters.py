@@ -62,7 +62,7 @@ class Parameters:
 
     def __init__(self, settings: Settings, bridge: Bridge) -> None:
         self._bridge = bridge
-        self._listed = AllowList("set_parameters", settings.set_parameters, "the gateway sets no parameters of")
+        self._listed = AllowList("allow_parameters", settings.allow_parameters, "the gateway sets no parameters of")
         self._within = settings.accept_timeout
         self._many = asyncio.Semaphore(MANY_AT_ONCE)
         self._ports: OrderedDict[str, ParameterPort] = OrderedDict()

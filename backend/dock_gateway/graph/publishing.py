@@ -118,7 +118,7 @@ class Publishing:
         self._settings = settings
         self._bridge = bridge
         self._interlock = interlock
-        self._listed = AllowList("publish", settings.publish, "the gateway does not publish on")
+        self._listed = AllowList("allow_publish", settings.allow_publish, "the gateway does not publish on")
         self._publications: OrderedDict[str, Publication] = OrderedDict()
         self._opening = asyncio.Lock()
 
@@ -139,7 +139,7 @@ class Publishing:
 
     @property
     def _stop_topics(self) -> tuple[str, ...]:
-        return (self._settings.stop_topic, *self._settings.stop_topics)
+        return (self._settings.stop_state_topic, *self._settings.emergency_stop_topics)
 
     async def find(self, name: str, type_name: str | None = None, grant: Grant = UNLIMITED) -> FoundTopic:
         """Return a topic and the type to publish on it.

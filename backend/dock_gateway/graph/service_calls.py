@@ -94,7 +94,7 @@ class ServiceCalls:
         self._find_within = settings.accept_timeout
         self._bridge = bridge
         self._interlock = interlock
-        self._listed = AllowList("call_services", settings.call_services, "the gateway does not call the service")
+        self._listed = AllowList("allow_services", settings.allow_services, "the gateway does not call the service")
         self._clients: OrderedDict[tuple[str, str], ServiceClient] = OrderedDict()
         self._running: Counter[str] = Counter()
 

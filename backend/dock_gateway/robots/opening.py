@@ -44,7 +44,7 @@ def _subscribe_on_demand(
 ) -> None:
     def scene(robot: str) -> ScenePort:
         resolve = partial(settings.resolve, namespace=robot)
-        return ScenePort(robots.topics, robot, resolve, fanout.publish, stop_topic=resolve(settings.stop_topic))
+        return ScenePort(robots.topics, robot, resolve, fanout.publish, stop_topic=resolve(settings.stop_state_topic))
 
     def velocity(robot: str) -> VelocityListener:
         def hear(message: Json, stamp_ns: int) -> None:

@@ -127,13 +127,13 @@ class RobotRegistry:
         def make() -> Ports:
             battery_topic = settings.battery_of(namespace)
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
-            stop_topic = settings.resolve(settings.stop_topic, namespace)
+            stop_topic = settings.resolve(settings.stop_state_topic, namespace)
             with ExitStack() as undo:
                 battery_port = BatteryPort(self.topics, battery_topic, battery.on_battery, stop_topic)
                 undo.callback(battery_port.close)
                 velocity_port = VelocityPort(self.velocities, velocity_topic, stop_topic)
                 undo.callback(velocity_port.close)
-                others = [settings.resolve(name, namespace) for name in settings.stop_topics]
+                others = [settings.resolve(name, namespace) for name in settings.emergency_stop_topics]
                 latch_port = LatchPort(self.topics, stop_topic, others, on_latch=hear_latch, on_hold=hear_hold)
                 ports = battery_port, velocity_port, latch_port
                 undo.pop_all()
@@ -251,7 +251,7 @@ class RobotRegistry:
             lambda: find_presence(
                 self._bridge.node,
                 topics,
-                stop_topic=settings.resolve(settings.stop_topic, namespace),
+                stop_topic=settings.resolve(settings.stop_state_topic, namespace),
                 velocity_topic=settings.resolve(settings.cmd_vel_topic, namespace),
             )
         )

@@ -83,7 +83,7 @@ def _listen(node: ListeningNode, found: Scan, states: States) -> None:
 
 
 def _read(settings: Settings, node: Node, found: Scan, states: States, seconds: float) -> GraphSnapshot:
-    stops = [topic for topic in found.topics if topic.endswith(f"/{settings.stop_topic.rpartition('/')[2]}")]
+    stops = [topic for topic in found.topics if topic.endswith(f"/{settings.stop_state_topic.rpartition('/')[2]}")]
     ours = {node.get_fully_qualified_name()}.union(*(find_gateways(node, topic) for topic in stops))
     nodes = {f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces()}
     published = {

@@ -240,7 +240,7 @@ class Verifier:
         except ValidationError:
             raise _refusal("something is missing in it") from None
         except (JoseError, ValueError, TypeError, KeyError, RecursionError):
-            raise _refusal("it is not signed with a key of the site's --hub-key") from None
+            raise _refusal("it is not signed with a key of the site's --hub-public-keys") from None
         if signed.header.get("typ") != KIND:
             raise _refusal("it was signed for another purpose")
         return claims, str(signed.header.get("kid"))
@@ -285,11 +285,13 @@ def _read_public_keys(path: Path) -> KeySet:
         entries = orjson.loads(path.read_bytes())["keys"]
         keys: list[Key] = [_read_key(entry, private=False) for entry in entries]
     except OSError as error:
-        raise KeyFault(f"hub_key: {path} cannot be read: {error.strerror}") from None
+        raise KeyFault(f"hub_public_keys: {path} cannot be read: {error.strerror}") from None
     except (ValueError, TypeError, KeyError):
         keys = []
     if not keys:
-        raise KeyFault(f"hub_key: {path} is not what `dock-gateway hub-key` prints: a JWK Set with Ed25519 keys")
+        raise KeyFault(
+            f"hub_public_keys: {path} is not what `dock-gateway hub-key` prints: a JWK Set with Ed25519 keys"
+        )
     return KeySet(keys)
 
 

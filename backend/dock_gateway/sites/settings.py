@@ -1,16 +1,18 @@
 """The settings of a connection to NATS servers, which a site and a hub have alike."""
 
 import ssl
-from typing import Self
+from typing import ClassVar, Self
 
 from pydantic import Field, model_validator
-from pydantic_settings import BaseSettings
 
+from dock_gateway.setting_groups.group import SettingsGroup
 from dock_gateway.setting_types import Brokers, OptionalFile, is_safe_broker
 
 
-class BrokerSettings(BaseSettings):
+class BrokerSettings(SettingsGroup):
     """The settings of connections to NATS servers."""
+
+    group: ClassVar[str] = "Sites"
 
     nats_credentials: OptionalFile = Field(
         None, description="File with the credentials (`.creds`) of this site or hub at the NATS servers."
@@ -19,7 +21,7 @@ class BrokerSettings(BaseSettings):
         None,
         description="PEM file with the certificate authorities of the NATS servers. Empty: those of this machine.",
     )
-    nats_insecure: bool = Field(
+    allow_plain_nats: bool = Field(
         False,
         description="Whether NATS servers on other machines may be used without TLS, `nats://` instead of `tls://`: "
         "then others on the network may read and change what is sent.",
@@ -33,10 +35,10 @@ class BrokerSettings(BaseSettings):
     @model_validator(mode="after")
     def _check_brokers(self) -> Self:
         for name, servers in self.brokers.items():
-            if not self.nats_insecure and not all(map(is_safe_broker, servers)):
+            if not self.allow_plain_nats and not all(map(is_safe_broker, servers)):
                 raise ValueError(
                     f"{name} names a NATS server on another machine without TLS: write tls:// instead of nats://, or "
-                    "allow it with nats_insecure"
+                    "allow it with allow_plain_nats"
                 )
         return self
 

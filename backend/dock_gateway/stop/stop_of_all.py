@@ -38,7 +38,7 @@ class StopOfAll:
         Raises:
             Unavailable: The ROS thread is down.
         """
-        if not self._settings.robots:
+        if not self._settings.serve_robots:
             return
         self._interlock.on_heard.append(self._heard)
         if ALL_ROBOTS in self._robots:
@@ -51,8 +51,8 @@ class StopOfAll:
         def make() -> LatchPort:
             return LatchPort(
                 self._robots.topics,
-                resolve(self._settings.stop_topic),
-                map(resolve, self._settings.stop_topics),
+                resolve(self._settings.stop_state_topic),
+                map(resolve, self._settings.emergency_stop_topics),
                 on_latch=hear_latch,
                 on_hold=lambda by: self._interlock.held_by_another(ALL_ROBOTS, by),
             )

@@ -38,8 +38,8 @@ __all__ = [
 async def open_history(settings: Settings) -> AsyncIterator[History]:
     """Open the history that the settings name; close it when the block ends."""
     limits = Limits(
-        event_age=settings.retention_hours * 3600,
-        event_bytes=settings.retention_mb * 1_000_000,
+        event_age=settings.feedback_retention_days * 86_400,
+        event_bytes=settings.feedback_retention_mb * 1_000_000,
         goal_age=settings.goal_retention_days * 86_400,
         goal_bytes=settings.goal_retention_mb * 1_000_000,
         audit_age=settings.audit_retention_days * 86_400,
@@ -47,7 +47,7 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
     )
     folder: Path | None = settings.spool_folder
     if settings.database == "memory:":
-        limits, folder = in_memory(limits, settings.max_goals), None
+        limits, folder = in_memory(limits, settings.memory_max_goals), None
     history = History(settings.database, Spool(folder), max_waiting=settings.history_queue, limits=limits)
     try:
         await history.open()

@@ -54,7 +54,7 @@ def test_a_port_in_use(command: str, option: str) -> None:
 def test_addresses_that_work_and_one_of_another_machine() -> None:
     assert find_port_fault(Settings(port=0)) is None
     assert find_port_fault(Settings(port=0, host="localhost")) is None
-    sentence = refusal("serve", "--port", "0", "--host", "192.0.2.1", "--insecure-open", "true")
+    sentence = refusal("serve", "--port", "0", "--host", "192.0.2.1", "--allow-open")
     assert "--host has to be an address of this machine" in sentence
 
 

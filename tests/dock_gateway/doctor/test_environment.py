@@ -82,4 +82,4 @@ def test_settings() -> None:
     assert "Did you mean DOCK_GATEWAY_PORT?" in misspelled.text
     exposed = check_settings(Settings(host="0.0.0.0"), {})
     assert exposed.level is Level.ERROR
-    assert "--authentication true" in exposed.text
+    assert "--authentication" in exposed.text

@@ -7,7 +7,7 @@ from dock_gateway.fleet.findings import Expected, Finding, FindingKind, merge, s
 
 QUALITY = Quality("reliable", "volatile", "keep_last", 10, None, None, "automatic")
 GATEWAY, BOOL, STRING = "/dock_gateway", "std_msgs/msg/Bool", "std_msgs/msg/String"
-STOP = Expected((BOOL,), "DOCK_GATEWAY_STOP_TOPIC", "It does not stop.")
+STOP = Expected((BOOL,), "DOCK_GATEWAY_STOP_STATE_TOPIC", "It does not stop.")
 
 
 def topic(*pairs: tuple[str | None, str]) -> Topic:
@@ -25,7 +25,14 @@ def test_it_names_the_topic_both_types_the_nodes_and_the_setting() -> None:
     found = wrong_type("/robot1", topic((GATEWAY, BOOL), ("/a", STRING), (None, STRING)), STOP, [GATEWAY])
     assert found is not None
     assert (found.robot, found.critical) == ("/robot1", True)
-    for part in ("/stop_latched", BOOL, f"{STRING} by /a", "not a ROS node", "DOCK_GATEWAY_STOP_TOPIC", "not stop"):
+    for part in (
+        "/stop_latched",
+        BOOL,
+        f"{STRING} by /a",
+        "not a ROS node",
+        "DOCK_GATEWAY_STOP_STATE_TOPIC",
+        "not stop",
+    ):
         assert part in found.detail
     mixed = wrong_type("/", topic(("/a", STRING), ("/b", BOOL)), STOP, [GATEWAY])
     assert mixed is not None

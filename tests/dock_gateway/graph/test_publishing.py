@@ -41,7 +41,7 @@ class World:
         monkeypatch.setattr(publishing.TopicPort, "close", FakePort.close, raising=False)
         monkeypatch.setattr(Publishing, "find", self.find)
         bridge, interlock = SimpleNamespace(call=self.call), SimpleNamespace(require_released=self.require_released)
-        self.publishing = Publishing(Settings(publish="/*"), bridge, interlock)  # type: ignore[arg-type]
+        self.publishing = Publishing(Settings(allow_publish="/*"), bridge, interlock)  # type: ignore[arg-type]
 
     @staticmethod
     async def call(function: Any, **_: Any) -> Any:

@@ -137,7 +137,7 @@ def test_forgeries(signer: Signer, verifier: Verifier, tmp_path: Path) -> None:
         "ä.ö.ü",
         *unsigned(signer, body),
     ):
-        assert refusal(verifier, forged) == "it is not signed with a key of the site's --hub-key"
+        assert refusal(verifier, forged) == "it is not signed with a key of the site's --hub-public-keys"
     assert refusal(verifier, "x" * 200_000) == "it is too long"
 
 

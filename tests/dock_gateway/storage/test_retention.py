@@ -133,7 +133,7 @@ async def test_old_goals_go_with_all_that_there_is_of_them(database_url: str, tm
 
 
 async def test_memory_keeps_a_number_of_goals_and_of_keys(tmp_path: Path) -> None:
-    async with open_history(Settings(database_url="memory:", max_goals=10)) as history:
+    async with open_history(Settings(database_url="memory:", memory_max_goals=10)) as history:
         with_key = [made(number, 3) for number in range(2)]
         for number, goal in enumerate(with_key):
             await history.add(goal, f"key-{number}")
@@ -151,7 +151,7 @@ async def test_memory_keeps_a_number_of_goals_and_of_keys(tmp_path: Path) -> Non
 
 async def test_memory_is_checked_often(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(retention, "MEMORY_INTERVAL", 0.01)
-    async with open_history(Settings(database_url="memory:", retention_hours=1)) as history:
+    async with open_history(Settings(database_url="memory:", feedback_retention_days=1 / 24)) as history:
         now = time.time_ns() - START_NS
         history.record_event(make_event(now - 2 * HOUR_NS, "battery", droppable=True))
         await until(lambda: not history.stats().waiting)
@@ -217,8 +217,8 @@ async def test_two_replicas_delete_no_more_than_is_too_much(
 
 async def test_the_longest_and_largest_that_can_be_set(database_url: str, tmp_path: Path) -> None:
     settings = Settings(
-        retention_hours=8_760_000,
-        retention_mb=10**9,
+        feedback_retention_days=365_000,
+        feedback_retention_mb=10**9,
         goal_retention_days=365_000,
         goal_retention_mb=10**9,
         audit_retention_days=365_000,

@@ -54,7 +54,7 @@ async def _run(arguments: argparse.Namespace) -> None:
             site = SimulatedSite(name, arguments.robots, journal, change_period=arguments.change_period)
             app = SiteApi(site).app
             tasks.append(group.create_task(site.run()))
-            settings = SiteSettings(hub=brokers[name], site=name, hub_key=arguments.keys, hub_role="admin")
+            settings = SiteSettings(nats=brokers[name], site=name, hub_public_keys=arguments.keys, hub_role="admin")
             uplink = Uplink(settings, Installations(site.installation), HubLink(name))  # type: ignore[arg-type]
             await uplink.open(app, {})
             stack.push_async_callback(uplink.close)

@@ -25,7 +25,9 @@ def signer(tmp_path: Path) -> Signer:
 
 def admission(signer: Signer, folder: Path, role: str = "operator", robots: str = "") -> HubAdmission:
     (keys := folder / "hub.json").write_bytes(orjson.dumps(signer.public_keys()))
-    settings = SiteSettings(hub="nats://127.0.0.1", site="berlin", hub_key=keys, hub_role=role, hub_robots=robots)  # type: ignore[arg-type]
+    settings = SiteSettings(
+        nats="nats://127.0.0.1", site="berlin", hub_public_keys=keys, hub_role=role, hub_robots=robots
+    )  # type: ignore[arg-type]
     return HubAdmission(settings, INSTANCE, HubLink("berlin"))
 
 

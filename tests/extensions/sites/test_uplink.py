@@ -35,7 +35,7 @@ async def site_at(server: NatsServer, folder: Path, history: HistoryInMemory) ->
     """One process of the site berlin."""
     keys = folder / "hub.json"
     keys.write_bytes(orjson.dumps(Signer.load_or_create(folder / "hub.key").public_keys()))
-    settings = SiteSettings(hub=(server.url,), site="berlin", hub_key=keys)
+    settings = SiteSettings(nats=(server.url,), site="berlin", hub_public_keys=keys)
     uplink = Uplink(settings, history, HubLink("berlin"))  # type: ignore[arg-type]
     await uplink.open(APP, {})
     try:

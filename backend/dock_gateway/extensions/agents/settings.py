@@ -1,6 +1,7 @@
 """The settings of agents."""
 
 import importlib.util
+from typing import ClassVar
 
 from pydantic import Field, field_validator
 
@@ -9,6 +10,8 @@ from dock_gateway.settings import ExtensionSettings
 
 class AgentSettings(ExtensionSettings):
     """The settings of agents: whether they are let in, and who allows their goals."""
+
+    group: ClassVar[str] = "Agents"
 
     mcp: bool = Field(
         False,

@@ -86,7 +86,7 @@ class FoxgloveSession(SocketSession):
             await self._parameters.close()
 
     async def _show_graph(self) -> None:
-        publishes = self.parts[Settings].publish and self.rights.grant.role.includes(Role.OPERATOR)
+        publishes = self.parts[Settings].allow_publish and self.rights.grant.role.includes(Role.OPERATOR)
         capabilities = [*CAPABILITIES, *(["clientPublish"] if publishes else [])]
         metadata = {"ROS_DISTRO": os.environ.get("ROS_DISTRO", "jazzy")}
         await self._send(protocol.server_info(capabilities, metadata, SESSION))

@@ -1,6 +1,6 @@
 """The settings of Foxglove's door."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -10,6 +10,8 @@ from dock_gateway.settings import ExtensionSettings
 
 class FoxgloveSettings(ExtensionSettings):
     """A port of its own, as clients expect it."""
+
+    group: ClassVar[str] = "Foxglove"
 
     foxglove_port: Annotated[int | None, ListensOn("/foxglove")] = Field(
         None,

@@ -1,5 +1,7 @@
 """The settings of maps."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from dock_gateway.setting_types import Topic
@@ -8,6 +10,8 @@ from dock_gateway.settings import ExtensionSettings
 
 class MapSettings(ExtensionSettings):
     """The topics that are shown on a map."""
+
+    group: ClassVar[str] = "Maps"
 
     map_topic: Topic = Field(
         "map",

@@ -29,9 +29,9 @@ async def open_recordings(parts: Parts) -> AsyncIterator[Recordings]:
     gateway, robots = parts[Settings], parts[RobotRegistry]
     settings = gateway.of(RecordingSettings)
     folder = settings.recordings_path or gateway.own_file("recordings")
-    store = RecordingStore(folder, settings.recordings_mb * 1_000_000, settings.recordings_days)
+    store = RecordingStore(folder, settings.recording_retention_mb * 1_000_000, settings.recording_retention_days)
     with parts[AlertBoard].sources.adding(lambda: _trouble(store)):
-        if settings.record == "none":
+        if settings.recordings == "none":
             yield Recordings(store, None)
             return
         async with closing(Recorder(gateway, robots.topics.bridge, parts[Relays], robots, store)) as recorder:

@@ -126,7 +126,7 @@ class Recorder:
         """Subscribe to what is to be heard of the robots, and leave the rest."""
         robots = self._robots.namespaces()
         recorded = {running.robot for running in self._running.values()}
-        wanted = dict.fromkeys((*recorded.intersection(robots), *robots[: self._settings.record_robots]))
+        wanted = dict.fromkeys((*recorded.intersection(robots), *robots[: self._settings.recording_buffer_robots]))
         for robot in self._collectors.keys() - wanted.keys() - recorded:
             await self._collectors.pop(robot).listen(self._relays, {})
         for robot in wanted:
@@ -134,7 +134,7 @@ class Recorder:
 
     def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
         """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
-        scan, more = self._scan, self._settings.record_topics
+        scan, more = self._scan, self._settings.recording_topics
         found = recorded_topics(robot, self._names, scan.topics, scan.actions, self._owner, more=more)
         return {topic: wanted for topic, wanted in found.items() if pictures or wanted.kind != CAMERA}
 
@@ -145,7 +145,9 @@ class Recorder:
     def _collector(self, robot: str) -> RobotCollector:
         if robot not in self._collectors:
             settings = self._settings
-            self._collectors[robot] = RobotCollector(Ring(settings.record_seconds, settings.record_ring_mb * 1_000_000))
+            self._collectors[robot] = RobotCollector(
+                Ring(settings.recording_buffer_s, settings.recording_buffer_mb * 1_000_000)
+            )
         return self._collectors[robot]
 
     # ------------------------------------------------------------------ goals
@@ -276,8 +278,8 @@ class Recorder:
         succeeded = goal.status is GoalStatus.SUCCEEDED
         if goal.unsent:
             self._store.forget(opened, goal_id, "The goal was not sent to the action server.")
-        elif succeeded and self._settings.record != "all":
-            self._store.forget(opened, goal_id, "The goal succeeded, and only others are kept (`--record all`).")
+        elif succeeded and self._settings.recordings != "all":
+            self._store.forget(opened, goal_id, "The goal succeeded, and only others are kept (`--recordings all`).")
         else:
             self._store.finish(opened, goal_id, running.about(), failed=not succeeded)
 
@@ -295,7 +297,7 @@ class Recorder:
     @property
     def robots(self) -> int:
         """Number of robots that are listened to while no goal runs."""
-        return self._settings.record_robots
+        return self._settings.recording_buffer_robots
 
     def heard_of(self, robot: str) -> list[Sample] | None:
         """Return what has been heard of a robot in the last seconds; None if it is not listened to."""

@@ -17,7 +17,7 @@ from dock_gateway.extensions.recordings.topics import CAMERA
 from dock_gateway.ros.raw_port import EchoType
 from robot_io.recording import EVENTS, Sample, read
 
-OFF = "Recordings are switched off (`--record none`)."
+OFF = "Recordings are switched off (`--recordings none`)."
 PICTURES = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}
 
 
@@ -56,7 +56,7 @@ class Recordings:
         if self._recorder is None:
             return OFF
         if goal.status is GoalStatus.SUCCEEDED:
-            return "The goal succeeded: such recordings are kept only with `--record all`, and deleted first."
+            return "The goal succeeded: such recordings are kept only with `--recordings all`, and deleted first."
         return "There is none at this gateway: the goal ran without it, or the recording was deleted."
 
     async def narrowed(self, recording: Recording, grant: Grant) -> memoryview:
@@ -113,7 +113,7 @@ class Recordings:
             raise NotFound(OFF, code="recording_not_found")
         samples = self._recorder.heard_of(robot)
         if samples is None:
-            detail = f"Between goals, only {self._recorder.robots} robots are recorded (`--record-robots`)."
+            detail = f"Between goals, only {self._recorder.robots} robots are recorded (`--recording-buffer-robots`)."
             raise NotFound(detail, code="recording_not_found")
         covered = covers(grant)
         return await asyncio.to_thread(_as_file, [each for each in samples if covered(each.topic)], {"robot": robot})

@@ -66,7 +66,7 @@ def recorded_topics(
     def resolved(names: Iterable[str]) -> set[str]:
         return {settings.resolve(name, robot) for name in names}
 
-    stops = resolved((settings.stop_topic, *settings.stop_topics))
+    stops = resolved((settings.stop_state_topic, *settings.emergency_stop_topics))
     named = {settings.battery_of(robot), settings.resolve(settings.diagnostics_topic, robot), *SHARED}
     named |= resolved((settings.cmd_vel_topic,))
     further = resolved(more)

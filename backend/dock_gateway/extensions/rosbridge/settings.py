@@ -1,6 +1,6 @@
 """The settings of rosbridge's door."""
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
@@ -10,6 +10,8 @@ from dock_gateway.settings import ExtensionSettings
 
 class RosbridgeSettings(ExtensionSettings):
     """A port of its own, as clients expect it."""
+
+    group: ClassVar[str] = "rosbridge"
 
     rosbridge_port: Annotated[int | None, ListensOn("/rosbridge")] = Field(
         None,

@@ -27,8 +27,8 @@ class HubAdmission:
     def __init__(
         self, settings: SiteSettings, instance: str, link: HubLink, clock: Callable[[], float] = time.time
     ) -> None:
-        assert settings.hub_key is not None
-        self._verifier = Verifier(settings.hub_key, settings.site)
+        assert settings.hub_public_keys is not None
+        self._verifier = Verifier(settings.hub_public_keys, settings.site)
         self._limits = Role(settings.hub_role), settings.hub_robots
         self._instance = instance
         self._link = link

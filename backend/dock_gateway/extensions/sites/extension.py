@@ -17,7 +17,7 @@ from dock_gateway.storage import History
 async def open_sites(parts: Parts) -> AsyncIterator[HubLink | None]:
     """Serve the requests of a hub, if there is one."""
     settings = parts[Settings].of(SiteSettings)
-    if not settings.hub:
+    if not settings.nats:
         yield None
         return
     from dock_gateway.extensions.sites.uplink import Uplink  # noqa: PLC0415 - NATS takes a tenth of a second

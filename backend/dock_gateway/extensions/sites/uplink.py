@@ -52,7 +52,7 @@ class Uplink:
 
     def __init__(self, settings: SiteSettings, history: History, link: HubLink) -> None:
         self._options = BrokerOptions(
-            urls=settings.hub,
+            urls=settings.nats,
             credentials=settings.nats_credentials,
             ca=settings.nats_ca,
             name=f"dock-gateway {settings.site}",

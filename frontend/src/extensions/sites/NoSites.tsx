@@ -4,7 +4,7 @@ import { Section } from "../../ui/Section";
 
 const KEY = "dock-gateway hub-key > hub-key.json";
 const SERVE =
-  "dock-gateway serve --hub tls://nats.example.com:4222 --site berlin --hub-key hub-key.json --nats-credentials berlin.creds";
+  "dock-gateway serve --nats tls://nats.example.com:4222 --site berlin --hub-public-keys hub-key.json --nats-credentials berlin.creds";
 
 /** How the first site is connected. */
 export function NoSites() {

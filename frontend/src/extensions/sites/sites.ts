@@ -30,7 +30,7 @@ const CODES: Record<string, string> = {
   malformed: "a message could not be read",
   too_large: "a message was too large",
   too_many_hellos: "the site said hello too often",
-  invalid_identity: "the site did not accept the hub's signature: check its hub_key",
+  invalid_identity: "the site did not accept the hub's signature: check its hub_public_keys",
 };
 
 /** Why messages were refused, in words, and how often; the most frequent first. */

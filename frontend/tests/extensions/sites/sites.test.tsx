@@ -155,7 +155,7 @@ describe("the overview of a hub", () => {
     answers.set("GET /sites", { sites: [] });
     renderPage(fakeGateway(), { robots: [] });
     expect(await screen.findByText("No site yet")).toBeDefined();
-    expect(screen.getByText(/^dock-gateway serve --hub .* --site berlin/)).toBeDefined();
+    expect(screen.getByText(/^dock-gateway serve --nats .* --site berlin/)).toBeDefined();
   });
 
   it("leads from an alert to its goal", () => {

@@ -34,9 +34,9 @@ FEEDBACK = "/fibonacci/_action/feedback"
 LONG = 45
 # What clients may reach past goals and the latch.
 ALLOWED = {
-    "publish": "/chatter,/cmd_vel",
-    "call_services": "/talker0/talker/*",
-    "set_parameters": "/talker0/talker",
+    "allow_publish": "/chatter,/cmd_vel",
+    "allow_services": "/talker0/talker/*",
+    "allow_parameters": "/talker0/talker",
 }
 PARAMETER = "/talker0/talker.use_sim_time"
 
@@ -157,7 +157,7 @@ def test_services_parameters_and_the_connection_graph(gateway: RunningGateway, c
         seen.append(client.until("parameterValues"))
     assert all(each["parameters"] == [{"name": PARAMETER, "value": False}] for each in seen)
     for parameter, reason in (
-        ({"name": "/fibonacci_action_server.step_period", "value": 1.0}, "--set-parameters"),
+        ({"name": "/fibonacci_action_server.step_period", "value": 1.0}, "--allow-parameters"),
         ({"name": PARAMETER, "value": 7}, "expected a boolean"),
         ({"name": PARAMETER}, "not removed"),
         ({"name": "nothing", "value": 7}, "a node and a parameter"),
@@ -180,7 +180,7 @@ def test_services_parameters_and_the_connection_graph(gateway: RunningGateway, c
 def test_messages_are_published_where_that_is_allowed(gateway: RunningGateway, client: Client) -> None:
     client.next()
     for identity, topic, fields, reason in (
-        (1, "/other", {}, "--publish '/other'"),
+        (1, "/other", {}, "--allow-publish '/other'"),
         (1, "/chatter", {"encoding": "protobuf"}, "encoding: expected one of cdr, json"),
         (1, "/chatter", {"schemaName": "nothing_msgs/msg/Nothing"}, "not installed"),
         (1, FEEDBACK, {"schemaName": f"{FIBONACCI}_FeedbackMessage"}, "belongs to an action"),

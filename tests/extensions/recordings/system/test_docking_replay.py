@@ -56,7 +56,7 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
     server = ("connect_to_charging_dock_server", "--ros-args", "-p", "rotate_speed:=0.25")
     with (
         ForkedProcess(*server, env=ros_environment(domain)),
-        running_gateway(domain, record="all", recordings_path=recordings) as gateway,
+        running_gateway(domain, recordings="all", recordings_path=recordings) as gateway,
     ):
         gateway.wait_until_ready()
         with observer.publishing(Twist(), "cmd_vel"):
@@ -101,7 +101,7 @@ def docking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         ros_domain() as domain,
         running_program(domain, "dock_simulator"),
         running_program(domain, "docking_server", "-p", "controller:=dock_pose"),
-        running_gateway(domain, record="all") as gateway,
+        running_gateway(domain, recordings="all") as gateway,
     ):
         wait_until(lambda: "/scan" in gateway.http.get("/graph").text, "the robot")
         gateway.wait_until_ready()

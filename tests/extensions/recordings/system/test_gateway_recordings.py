@@ -58,7 +58,11 @@ def download(gateway: RunningGateway, path: str, folder: Path) -> dict[str, list
 
 def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: int, tmp_path: Path) -> None:
     recordings = tmp_path / "recordings"
-    kept = {"database_url": f"sqlite:///{tmp_path}/history.db", "recordings_path": str(recordings), "record": "failed"}
+    kept = {
+        "database_url": f"sqlite:///{tmp_path}/history.db",
+        "recordings_path": str(recordings),
+        "recordings": "failed",
+    }
     command = ("-m", "tests.support.plain_action_server", "--feedbacks", "20")
     with ForkedProcess(*command, env=ros_environment(domain)) as server:
         server.wait_for("serving")
@@ -127,7 +131,7 @@ def test_what_was_published_once_long_before_is_the_first_in_the_recording(
     command = ("-m", "tests.support.plain_action_server", "--feedbacks", "5")
     with (
         ForkedProcess(*command, env=ros_environment(domain)) as server,
-        running_gateway(domain, record="all", record_topics="/map") as gateway,
+        running_gateway(domain, recordings="all", recording_topics="/map") as gateway,
     ):
         server.wait_for("serving")
         gateway.wait_until_ready()

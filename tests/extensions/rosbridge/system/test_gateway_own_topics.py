@@ -30,7 +30,7 @@ def robots(gateway: RunningGateway) -> list[str]:
 
 
 def test_a_stop_is_heard_although_a_viewer_asked_for_its_topic_first(domain: int, observer: Observer) -> None:
-    with running_gateway(domain, stop_topics="emergency_stop") as gateway, client_of(gateway) as viewer:
+    with running_gateway(domain, emergency_stop_topics="emergency_stop") as gateway, client_of(gateway) as viewer:
         for topic in NEEDED:
             viewer.send("subscribe", topic=topic, type=STRING)
             assert topic in viewer.error("the gateway uses")

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.ros
 # More steps than a test takes; the server accepts no more.
 LONG = 45
 # What clients may reach past goals and the latch.
-ALLOWED = {"publish": "/chatter,/points,/cmd_vel", "set_parameters": "/talker0/talker"}
+ALLOWED = {"allow_publish": "/chatter,/points,/cmd_vel", "allow_parameters": "/talker0/talker"}
 TWIST = "geometry_msgs/msg/Twist"
 SCAN = "sensor_msgs/msg/LaserScan"
 
@@ -239,7 +239,7 @@ def test_rosapi(client: Client) -> None:
 
 def test_messages_are_published_where_that_is_allowed(client: Client) -> None:
     client.send("publish", topic="/other", msg={"data": "a"}, id="p")
-    assert "--publish '/other'" in client.error("publish: ")
+    assert "--allow-publish '/other'" in client.error("publish: ")
     client.send("advertise", topic="/other", type="std_msgs/String")
     client.error("advertise: ")
     client.send("publish", topic="/chatter", msg={"data": "a"})
@@ -298,7 +298,11 @@ def test_services_and_parameters(gateway: RunningGateway, client: Client) -> Non
     (entry,) = wait_until(lambda: gateway.http.get("/audit", params=of_parameters).json()["records"], "the audit log")
     assert entry["subject"] == "/talker0/talker use_sim_time"
     for service, args, reason in (
-        ("/rosapi/set_param", {"name": "/fibonacci_action_server:use_sim_time", "value": "false"}, "--set-parameters"),
+        (
+            "/rosapi/set_param",
+            {"name": "/fibonacci_action_server:use_sim_time", "value": "false"},
+            "--allow-parameters",
+        ),
         ("/rosapi/set_param", {"name": name, "value": "{"}, "not JSON"),
         ("/rosapi/get_param", {"name": "use_sim_time"}, "a node and a parameter"),
         ("/fibonacci/_action/cancel_goal", {}, "action"),

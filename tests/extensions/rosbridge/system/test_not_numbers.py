@@ -29,7 +29,9 @@ NAN, INF = math.nan, math.inf
 def gateway(shared_domain: int) -> Iterator[RunningGateway]:
     with (
         running_program(shared_domain, "fibonacci_action_server"),
-        running_gateway(shared_domain, publish=",".join([*TOPICS, *TWISTS]), set_parameters="/fibonacci*") as gateway,
+        running_gateway(
+            shared_domain, allow_publish=",".join([*TOPICS, *TWISTS]), allow_parameters="/fibonacci*"
+        ) as gateway,
     ):
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         yield gateway

@@ -44,7 +44,7 @@ def signer(folder: Path) -> Signer:
 def site(shared_domain: int, nats: NatsServer, signer: Signer, folder: Path) -> Iterator[RunningGateway]:
     """A site that allows its hub the robot without a namespace, and no more than an operator."""
     (keys := folder / "hub.json").write_bytes(orjson.dumps(signer.public_keys()))
-    hub = {"hub": nats.url, "site": "berlin", "hub_key": str(keys), "hub_robots": "/"}
+    hub = {"nats": nats.url, "site": "berlin", "hub_public_keys": str(keys), "hub_robots": "/"}
     with running_dock_server(shared_domain), running_gateway(shared_domain, **hub) as gateway:
         gateway.wait_until_ready()
         yield gateway
@@ -128,7 +128,7 @@ async def test_identities_that_are_refused(site: RunningGateway, hub: SmallHub, 
     def signed(signer: Signer, name: str = "berlin", instance: str = address.instance, at: float = now) -> str:
         return signer.sign(name, instance, "alice", UNLIMITED, "POST", "/stop", at)
 
-    assert await refusal(hub, signed(stranger)) == "it is not signed with a key of the site's --hub-key"
+    assert await refusal(hub, signed(stranger)) == "it is not signed with a key of the site's --hub-public-keys"
     assert (
         await refusal(hub, signed(hub.signer, "oslo")) == "it is for another site, or for another process of this one"
     )
@@ -177,7 +177,7 @@ async def test_refused_lost_and_back(nats: NatsServer, site: RunningGateway, hub
 async def test_an_exit_is_said_before_streams_end(
     shared_domain: int, nats: NatsServer, signer: Signer, folder: Path
 ) -> None:
-    settings = {"hub": nats.url, "site": "oslo", "hub_key": str(folder / "hub.json"), "authentication": "true"}
+    settings = {"nats": nats.url, "site": "oslo", "hub_public_keys": str(folder / "hub.json"), "authentication": "true"}
     with running_gateway(shared_domain, **settings) as gateway:
         async with small_hub(nats.url, signer, "oslo") as hub:
             await hub.wait_for_site()
