@@ -6,7 +6,7 @@ from functools import partial
 from fastapi import APIRouter, FastAPI
 
 from dock_gateway import extension_routes
-from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
+from dock_gateway.access import session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.assembly import open_gateway
 from dock_gateway.doors.rest import (
@@ -91,7 +91,6 @@ def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
         gateway_routes.router,
         calibration_routes.router,
         session_routes.router,
-        provider_routes.router,
         user_routes.router,
         token_routes.router,
         health_routes.router,

@@ -5,7 +5,7 @@ are those of other distributions, which `DOCK_GATEWAY_EXTENSIONS` names and an e
 """
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
@@ -26,6 +26,7 @@ OURS = (
     "rosbridge",
     "foxglove",
     "agents",
+    "single_sign_on",
     "traces",
     "sites",
     "simulator",
@@ -46,9 +47,9 @@ def find_entry_point(name: str) -> EntryPoint | None:
     return next(iter(entry_points(group=GROUP, name=name)), None)
 
 
-def modules_of(kind: str) -> Iterator[str]:
+def modules_of(kind: str, names: Iterable[str] = OURS) -> Iterator[str]:
     """Yield the modules of one name, such as `settings`, that extensions of ours have."""
-    for name in OURS:
+    for name in names:
         with suppress(Exception):  # as an extension that cannot be imported has none
             if find_spec(module := f"{PACKAGE}.{name}.{kind}") is not None:
                 yield module
@@ -65,7 +66,7 @@ def missing_extension() -> str | None:
 
 
 def _setting_declared_twice() -> str | None:
-    taken = set(Settings.model_fields).union(*(kind.model_fields for kind in _ours()))
+    taken = set(Settings.model_fields).union(*(kind.model_fields for kind in ours_with_settings()))
     for kind in _further():
         if clash := sorted(taken & kind.model_fields.keys()):
             return (
@@ -78,7 +79,7 @@ def _setting_declared_twice() -> str | None:
 @cache
 def extension_settings() -> tuple[type[ExtensionSettings], ...]:
     """Return the settings of the extensions of a gateway."""
-    return (*_ours(), *_further())
+    return (*ours_with_settings(), *_further())
 
 
 @cache
@@ -87,8 +88,9 @@ def settings_type() -> type[Settings]:
     return type("GatewaySettings", (*extension_settings(), Settings), {"__doc__": Settings.__doc__})
 
 
-def _ours() -> Iterator[type[ExtensionSettings]]:
-    for name in modules_of("settings"):
+def ours_with_settings(names: Iterable[str] = OURS) -> Iterator[type[ExtensionSettings]]:
+    """Yield the settings of extensions of ours."""
+    for name in modules_of("settings", names):
         with suppress(Exception):  # the alert `extension_failed` says why, once the gateway runs
             yield from filter(_is_settings, vars(import_module(name)).values())
 

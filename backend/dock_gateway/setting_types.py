@@ -28,15 +28,10 @@ PATTERN = re.compile(r"(?!.*//)(?:/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)")
 SITE = re.compile(r"(?!hub$)[a-z][a-z0-9_]{0,39}")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
-# Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
-SIGNATURES = frozenset(
-    {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
-)
 # A host with or without a port, and an origin.
 HOST = re.compile(r"(?P<host>[a-z0-9_.-]+|\[[0-9a-f:.]+\])(?::(?P<port>[0-9]{1,5}))?")
 ORIGIN = re.compile(rf"(?P<scheme>(?!wss?:)[a-z][a-z0-9+.-]*)://{HOST.pattern}/?")
 PORTS = {"http": "80", "https": "443"}
-ROLES = frozenset({"viewer", "agent", "operator", "supervisor", "admin"})
 
 
 @dataclass(frozen=True)
@@ -62,18 +57,6 @@ def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
     """Return the names that single robots have, by namespace, from a setting such as `dock_actions`."""
     parts = (pair.partition("=") for pair in pairs)
     return {f"/{robot.strip('/')}": name for robot, _, name in parts}
-
-
-def is_safe_address(value: str) -> bool:
-    """Return whether a text is an address that can be asked safely: over TLS, or on this machine."""
-    try:
-        address = urlsplit(value)
-        host = address.hostname
-        _ = address.port
-    except ValueError:
-        return False
-    safe = address.scheme == "https" or (address.scheme == "http" and host in LOOPBACK_HOSTS)
-    return bool(safe and host and value.isprintable() and not re.search(r"[ #@\\]", value))
 
 
 def _split(value: object) -> object:
@@ -154,32 +137,6 @@ def _check_own_names(parts: tuple[str, ...]) -> tuple[str, ...]:
     return parts
 
 
-def _check_algorithms(parts: tuple[str, ...]) -> tuple[str, ...]:
-    if not parts or not SIGNATURES.issuperset(parts):
-        raise ValueError(f"choose from {', '.join(sorted(SIGNATURES))}, separated by commas")
-    return parts
-
-
-def _check_roles(parts: tuple[str, ...]) -> tuple[str, ...]:
-    for part in parts:
-        claimed, _, role = part.rpartition("=")
-        if not claimed.strip() or role.strip() not in ROLES:
-            raise ValueError(
-                f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, agent, operator, supervisor and "
-                "admin"
-            )
-    return parts
-
-
-def _check_issuer(value: str | None) -> str | None:
-    if value is not None and not (is_safe_address(value) and "?" not in value):
-        raise ValueError(
-            f"{value[:100]!r} is not an address such as https://login.example.com/realms/site; only a provider on this "
-            "machine may be at http"
-        )
-    return value
-
-
 def is_safe_broker(url: str) -> bool:
     """Return whether a broker of `Brokers` is asked over TLS, or on this machine."""
     address = urlsplit(url)
@@ -211,7 +168,6 @@ _EMPTY_AS_NONE = BeforeValidator(lambda value: value or None)
 OptionalText = Annotated[str | None, _EMPTY_AS_NONE]
 OptionalFile = Annotated[Path | None, _EMPTY_AS_NONE]
 OptionalSecret = Annotated[SecretStr | None, _EMPTY_AS_NONE]
-Issuer = Annotated[OptionalText, AfterValidator(_check_issuer)]
 
 _TOPIC = "a ROS name such as dock or /hall/dock: letters, digits, _ and /"
 Topic = Annotated[str, AfterValidator(_matching(TOPIC, _TOPIC))]
@@ -257,5 +213,3 @@ SiteName = Annotated[
 ]
 Brokers = Annotated[Texts, AfterValidator(_check_brokers)]
 OwnNames = Annotated[Texts, AfterValidator(_check_own_names)]
-Algorithms = Annotated[Texts, AfterValidator(_check_algorithms)]
-RoleNames = Annotated[Texts, AfterValidator(_check_roles)]

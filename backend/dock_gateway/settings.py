@@ -17,7 +17,6 @@ from dock_gateway.setting_groups.history import HistorySettings
 from dock_gateway.setting_groups.limits import LimitSettings
 from dock_gateway.setting_groups.robots import RobotSettings
 from dock_gateway.setting_groups.server import ServerSettings
-from dock_gateway.setting_groups.single_sign_on import SingleSignOnSettings
 from dock_gateway.setting_types import LOOPBACK_HOSTS, ListensOn, own_names
 
 # Variables of the commands that are HTTP clients.
@@ -70,9 +69,7 @@ S = TypeVar("S", bound=ExtensionSettings)
 
 
 # The last base comes first in the help.
-class Settings(
-    LimitSettings, HistorySettings, RobotSettings, SingleSignOnSettings, AccessSettings, ServerSettings, SettingsGroup
-):
+class Settings(LimitSettings, HistorySettings, RobotSettings, AccessSettings, ServerSettings, SettingsGroup):
     """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
 
     @model_validator(mode="after")
@@ -82,8 +79,6 @@ class Settings(
             raise ValueError(f"{', '.join(self.ports)} must be different ports")
         if self.authentication and self.database_url == "memory:":
             raise ValueError("authentication needs a database for users and tokens: the history `memory:` keeps none")
-        if self.oidc_issuer is not None and not self.authentication:
-            raise ValueError("oidc_issuer needs authentication: without it no one logs in")
         return self
 
     @model_validator(mode="after")

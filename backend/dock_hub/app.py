@@ -5,7 +5,7 @@ from contextlib import asynccontextmanager, nullcontext
 
 from fastapi import APIRouter, FastAPI
 
-from dock_gateway.access import provider_routes, session_routes, token_routes, user_routes
+from dock_gateway.access import session_routes, token_routes, user_routes
 from dock_gateway.application import Contents, build_app
 from dock_gateway.extension import Installed
 from dock_gateway.goals import export_routes, history_routes
@@ -35,7 +35,7 @@ from dock_hub.schema import (
     HubSnapshotEvent,
     SitesEvent,
 )
-from dock_hub.settings import HubSettings
+from dock_hub.settings import HubSettings, hub_settings_type
 from dock_hub.stop_schema import HubReleaseProblem, HubStopProblem
 
 EVENTS = (
@@ -68,7 +68,6 @@ ROUTERS = tuple(
         export_routes,  # before goals: `export` is not a goal id
         history_routes,
         session_routes,
-        provider_routes,
         user_routes,
         token_routes,
         metrics_routes,
@@ -83,7 +82,7 @@ def create_hub_app(settings: HubSettings | None = None, parts: Parts | None = No
         settings: The settings; by default, those of the environment.
         parts: Those of an open hub. Without them, the application opens one at startup and closes it at shutdown.
     """
-    settings = settings or HubSettings()
+    settings = settings or hub_settings_type()()
     installed = hub_extensions() if parts is None else parts[Installed]
 
     @asynccontextmanager

@@ -13,11 +13,11 @@ from dock_gateway.doctor.machine import find_database_fault
 from dock_gateway.setting_groups.group import PREFIX
 from dock_gateway.settings import data_file
 from dock_gateway.sites.settings import find_broker_fault
-from dock_hub.settings import HubSettings
+from dock_hub.settings import HubSettings, hub_settings_type
 
 # What a hub reads of the settings besides those of the web server, by what their names begin with.
 OPTIONS = (
-    *("host", "port", "allowed_", "log_", "authentication", "allow_open", "published_on", "tls_", "oidc_"),
+    *("host", "port", "allowed_", "log_", "authentication", "allow_open", "published_on", "tls_"),
     *("trusted_proxies", "dashboard_dir", "database_url", "spool_path", "history_queue"),
     *("feedback_retention_", "goal_retention_"),
     *("audit_", "max_body_bytes", "body_timeout", "max_header_bytes", "header_timeout", "max_connections"),
@@ -30,11 +30,11 @@ OPTIONS = (
 @partial(
     settings_options,
     leave_out=[name for name in HubSettings.model_fields if not name.startswith(OPTIONS)],
-    settings=HubSettings,
+    settings=hub_settings_type(),
 )
 def hub(**options: Any) -> None:
     """Run a hub: one dashboard, one API and one set of rights for many gateways, over NATS."""
-    settings = read_settings_of(HubSettings, options)
+    settings = read_settings_of(hub_settings_type(), options)
     if not settings.nats:
         raise click.UsageError("a hub needs --nats, the NATS servers over which it reaches its sites")
     if os.environ.get(f"{PREFIX}SITE"):

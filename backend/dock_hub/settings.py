@@ -1,13 +1,18 @@
 """The settings of a hub: those of a gateway that a hub reads, and its own."""
 
+from functools import cache
 from pathlib import Path
 from typing import ClassVar
 
 from pydantic import Field
 
+from dock_gateway.extension_list import ours_with_settings
 from dock_gateway.setting_types import Brokers
 from dock_gateway.settings import Settings, data_file
 from dock_gateway.sites.settings import BrokerSettings
+
+# The extensions of a gateway that a hub has, too: those that need no ROS and no goal that runs here.
+EXTENSIONS = frozenset({"audit_log", "single_sign_on", "statistics", "webhooks"})
 
 
 class HubSettings(BrokerSettings, Settings):
@@ -31,3 +36,9 @@ class HubSettings(BrokerSettings, Settings):
     def hub_key_file(self) -> Path:
         """The file with the private key."""
         return self.hub_private_key or data_file("hub.key")
+
+
+@cache
+def hub_settings_type() -> type[HubSettings]:
+    """Return the settings of a hub with those of its extensions."""
+    return type("HubSettings", (*ours_with_settings(sorted(EXTENSIONS)), HubSettings), {"__doc__": HubSettings.__doc__})

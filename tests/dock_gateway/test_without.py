@@ -33,7 +33,7 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("name", ["single_sign_on", "nothing"])
+@pytest.mark.parametrize("name", ["access", "nothing"])
 def test_what_is_no_extension_of_the_gateway_stays(name: str, tmp_path: Path) -> None:
     copy = copied(tmp_path)
     before = {path: path.read_bytes() for path in copy.rglob("*") if path.is_file()}

@@ -7,9 +7,9 @@ from abc import ABC, abstractmethod
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime, timedelta
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
-from dock_gateway.core.access import PersonSession, Principal, Session, Token
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.storage.shared_entries import SharedBook
@@ -20,7 +20,22 @@ ID_DIGITS = 16
 # Time between two records of the use of a secret.
 USED_EVERY = timedelta(minutes=1)
 
-CredentialT = TypeVar("CredentialT", Token, Session, PersonSession)
+
+class Credential(Protocol):
+    """A token or a session as it is stored: a dataclass, without its secret."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the secret, in hexadecimal digits."""
+
+    @property
+    def used_at(self) -> datetime | None:
+        """When it was used last, to the minute; None: never."""
+
+
+CredentialT = TypeVar("CredentialT", bound=Credential)
 
 
 class Credentials(ABC, Generic[CredentialT]):

@@ -8,21 +8,17 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
-from dock_gateway.access.claims import PREFIX as PERSON_NAMES
-from dock_gateway.access.jwt import looks_like_jwt
-from dock_gateway.access.login_attempt import LoginAttempt
-from dock_gateway.access.login_delays import CHANGE, PEOPLE, TOKENS
+from dock_gateway.access.login_delays import CHANGE, TOKENS
 from dock_gateway.access.login_guard import LoginGuard
+from dock_gateway.access.login_source import LoginSource
 from dock_gateway.access.passwords import Passwords
-from dock_gateway.access.sessions import MAX_SESSIONS, PERSON_PREFIX, PREFIX, PersonSessions, Sessions
-from dock_gateway.access.single_sign_on import SingleSignOn, no_provider
+from dock_gateway.access.sessions import MAX_SESSIONS, PREFIX, Sessions
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
 from dock_gateway.core.access import (
     FORWARDER,
     OF_FORWARDER,
     Kind,
-    PersonSession,
     Principal,
     Session,
     Token,
@@ -36,6 +32,7 @@ from dock_gateway.core.errors import (
 )
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
+from dock_gateway.core.listeners import Hooks
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
@@ -56,15 +53,16 @@ class Logins:
 
     Args:
         history: Stores them.
-        sso: An identity provider, where people and services log in as well.
         where: The database, for the log.
         sync_interval: Seconds between two reads of what other gateways have changed.
+
+    Attributes:
+        sources: What else says who makes a request.
     """
 
     def __init__(
         self,
         history: History,
-        sso: SingleSignOn | None = None,
         where: str = "",
         *,
         sync_interval: float = SYNC_INTERVAL,
@@ -75,9 +73,7 @@ class Logins:
         self._users = Users(SharedBook(history.documents("user", User), "user", MAX_USERS))
         sessions = SharedBook(history.documents("session", Session), "session", MAX_SESSIONS)
         self._sessions = Sessions(sessions, self._users.book)
-        people = SharedBook(history.documents("person_session", PersonSession), "session", MAX_SESSIONS)
-        self.people = PersonSessions(people, None if sso is None else sso.issuer)
-        self.sso = sso
+        self.sources = Hooks[LoginSource]()
         self._passwords = Passwords()
         self.guard = LoginGuard(self._users.book.get)
         self._streams: dict[Principal, set[Callable[[], object]]] = {}
@@ -86,37 +82,42 @@ class Logins:
     async def open(self) -> None:
         """Read who may log in, and watch that from now on."""
         await self.refresh()
-        if self.sso is not None:
-            self.sso.provider.open()
-        elif await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
+        self._tasks.spawn(self._run())
+
+    async def _warn_if_empty(self) -> None:
+        """Log how to add the first user, if no one can log in."""
+        if (
+            not any(each.page for each in self.sources)
+            and await self._users.book.sync()
+            and not (self._users.book.keys() | self.tokens.book.keys())
+        ):
             log.warning(
                 "no one can log in yet: there are no users or tokens in the database. This adds the first user: "
                 "`dock-gateway user add NAME --role admin --database-url %s`",
                 self._where or "URL",
             )
-        self._tasks.spawn(self._run())
 
     async def _run(self) -> None:
+        await asyncio.sleep(self._sync_interval)  # the sources are open by then
+        await self._warn_if_empty()
         while True:
-            await asyncio.sleep(self._sync_interval)
             await self.refresh()
+            await asyncio.sleep(self._sync_interval)
 
     async def refresh(self) -> None:
         """End the streams whose login has ended or changed, record uses, and read changes of other gateways."""
-        self._end_streams()
+        self.end_streams()
         await self.tokens.refresh()
         await self._sessions.refresh()  # before the users: a new session's user is known
         await self._users.book.sync()
         await self._sessions.sweep()
-        await self.people.refresh()
-        await self.people.sweep()
-        self._end_streams()
+        for source in self.sources:
+            await source.refresh()
+        self.end_streams()
 
     async def close(self) -> None:
         """Watch no longer."""
         await self._tasks.close()
-        if self.sso is not None:
-            await self.sso.provider.close()
 
     # ------------------------------------------------------------------ who makes a request
 
@@ -125,26 +126,26 @@ class Logins:
 
         Raises:
             NotAuthenticated: There is no secret, or no valid token or session with it (`invalid_token`).
-            NotAllowed: It is an access token of the provider, and its claims give no role (`no_role`).
+            NotAllowed: A source knows them, and they have no role (`no_role`).
         """
         if secret is None:
             raise NotAuthenticated("this gateway asks for a login: log in, or send `Authorization: Bearer dgw_…`")
         if secret.startswith(PREFIX):
             return self._sessions.identify(secret)
-        if secret.startswith(PERSON_PREFIX):
-            return self.people.identify(secret)
-        if self.sso is not None and looks_like_jwt(secret):
-            return self.sso.identify(secret)
-        return self.tokens.identify(secret)
+        source = self._source_of(secret)
+        return self.tokens.identify(secret) if source is None else source.identify(secret)
+
+    def _source_of(self, secret: str) -> LoginSource | None:
+        return next((each for each in self.sources if each.reads(secret)), None)
 
     async def prepare(self, secret: str | None) -> None:
-        """Ask the provider for what `identify` needs to know for this secret, if it is an access token.
+        """Let a source ask for what `identify` needs to know for this secret.
 
         Raises:
-            Unavailable: The provider has not answered yet since the gateway was started (`provider_unavailable`).
+            Unavailable: It has no answer, and has had none since the gateway was started.
         """
-        if self.sso is not None and secret is not None and looks_like_jwt(secret):
-            await self.sso.prepare(secret)
+        if secret is not None and (source := self._source_of(secret)) is not None:
+            await source.prepare(secret)
 
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
@@ -152,10 +153,8 @@ class Logins:
         if principal.credential is None or principal.kind is Kind.FORWARDED:  # whose login ends ends its streams
             return True
         match principal.kind:
-            case Kind.SERVICE:
-                return self.sso is not None and self.sso.is_valid(principal)
-            case Kind.PERSON:
-                current = self.people.principal(principal.credential)
+            case Kind.PERSON | Kind.SERVICE:
+                return any(each.is_valid(principal) for each in self.sources)
             case Kind.USER:
                 current = self._sessions.principal(principal.credential)
             case _:
@@ -183,7 +182,8 @@ class Logins:
             if not ends:
                 self._streams.pop(principal, None)
 
-    def _end_streams(self) -> None:
+    def end_streams(self) -> None:
+        """End the streams of those who are no longer logged in, or may not do any more what they could."""
         for principal, ends in list(self._streams.items()):
             if not self.is_valid(principal):
                 for end in list(ends):
@@ -201,9 +201,10 @@ class Logins:
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new token.
         """
-        if name.lower().startswith(PERSON_NAMES):
-            detail = f"names that begin with {PERSON_NAMES} are for the identity provider"
-            raise Conflict(detail, code="user_exists")
+        for prefix in (source.prefix for source in self.sources):
+            if name.lower().startswith(prefix):
+                detail = f"names that begin with {prefix} are of people and services who log in elsewhere"
+                raise Conflict(detail, code="user_exists")
         _refuse_reserved(name)
         return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
@@ -215,7 +216,7 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`); the token is still valid.
         """
         await self.tokens.book.remove(token_id)
-        self._end_streams()
+        self.end_streams()
 
     def identify_token(self, secret: str, address: str) -> Principal:
         """Return who shows the secret of a token, for a login. A valid token is never delayed: none can be guessed.
@@ -263,61 +264,6 @@ class Logins:
             secret = await self._sessions.create(name, user.era)
         return self._sessions.identify(secret), secret
 
-    async def log_in_person(
-        self,
-        attempt: LoginAttempt | None,
-        said: Mapping[str, str],
-        redirect_uri: str,
-        address: str,
-        note: Callable[[str], None] = lambda _: None,
-    ) -> tuple[Principal, str]:
-        """Log a person in whom the provider has sent back; return as `log_in` does.
-
-        Args:
-            attempt: What the browser has kept of the login.
-            said: The query with which the provider has sent it back.
-            redirect_uri: The address without the query.
-            address: The client's address.
-            note: Is given the name of the person and the provider's id, also if they are refused then.
-
-        Raises:
-            NotFound: People do not log in here with a provider (`no_provider`).
-            NotAuthenticated: The login is not valid (`login_failed`).
-            NotAllowed: The person has no role (`no_role`).
-            Conflict: There are too many sessions (`too_many_sessions`).
-            TooManyRequests: There were too many failed logins (`too_many_logins`).
-            Unavailable: The provider (`provider_unavailable`) or the history (`history_unavailable`) does not answer.
-        """
-        sso = self._require_sso()
-        code, attempt = sso.accept(attempt, said)  # not counted: any page can make a browser fail here
-        with self.guard.counted(PEOPLE, address):
-            person = await sso.redeem(code, attempt, redirect_uri)
-            note(f"{person.name} ({person.subject})")
-            grant = sso.grant_of(person)
-            secret = await self.people.create(person.name, person.subject, grant, person.attempt, sso.lifetime)
-        return self.people.identify(secret), secret
-
-    def _require_sso(self) -> SingleSignOn:
-        if self.sso is None:
-            raise no_provider()
-        return self.sso
-
-    async def begin_person(self, page: str, redirect_uri: str) -> tuple[str, LoginAttempt]:
-        """Begin a login with the provider, as `SingleSignOn.begin` does."""
-        return await self._require_sso().begin(page, redirect_uri)
-
-    async def end_person(self, name: str) -> None:
-        """End all sessions of a person.
-
-        Raises:
-            NotFound: The person has none (`person_not_found`).
-            Unavailable: The history does not answer (`history_unavailable`); some go on.
-        """
-        try:
-            await self.people.end_all(name)
-        finally:
-            self._end_streams()
-
     async def log_out(self, secret: str | None) -> None:
         """End the session of a secret, if it is one.
 
@@ -325,8 +271,23 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`); the session goes on.
         """
         if secret is not None:
-            await (self.people if secret.startswith(PERSON_PREFIX) else self._sessions).end(secret)
-            self._end_streams()
+            source = self._source_of(secret)
+            await (self._sessions.end(secret) if source is None else source.log_out(secret))
+            self.end_streams()
+
+    async def log_out_person(self, name: str) -> None:
+        """End all sessions of a person who has logged in elsewhere.
+
+        Raises:
+            NotFound: They have none any more.
+            Unavailable: The history does not answer (`history_unavailable`); some go on.
+        """
+        try:
+            for source in self.sources:
+                if name.startswith(source.prefix):
+                    await source.log_out_everywhere(name)
+        finally:
+            self.end_streams()
 
     async def end_sessions(self, name: str) -> None:
         """End all sessions of a user.
@@ -336,7 +297,7 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`); they go on.
         """
         await self._users.change(name, lambda user: replace(self._require(name, user), era=new_era()))
-        self._end_streams()
+        self.end_streams()
 
     async def change_password(self, name: str, old: str, new: str, address: str) -> str:
         """Change the password of a user who knows the old one; return the secret of a new session. All others end.
@@ -413,7 +374,7 @@ class Logins:
             lambda user: edit(self._require(name, user), grant, hashed, disabled=disabled),
             await self._keep_admin(),
         )
-        self._end_streams()
+        self.end_streams()
         assert user is not None
         return user_document(name, user, self._sessions.count()[name])
 
@@ -430,7 +391,7 @@ class Logins:
             self._require(name, user)
 
         await self._users.change(name, remove, await self._keep_admin())
-        self._end_streams()
+        self.end_streams()
 
     def _require(self, name: str, user: User | None) -> User:
         if user is None:

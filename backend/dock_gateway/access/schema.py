@@ -186,22 +186,6 @@ class User(Grant):
     sessions: int
 
 
-class Person(Grant):
-    """A person who is logged in with the identity provider. `subject` is the provider's id of them."""
-
-    name: str
-    subject: str
-    sessions: int
-    logged_in_at: datetime
-    expires_at: datetime
-
-
-class PersonList(Schema):
-    """The people, by name."""
-
-    people: list[Person]
-
-
 class UserList(Schema):
     """The users, by name."""
 

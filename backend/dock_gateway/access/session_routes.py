@@ -59,14 +59,14 @@ LOGIN_REQUEST = {
 
 def _session(request: Request, settings: Settings, logins: Logins, principal: Principal | None) -> Answer[Any]:
     who = None if principal is None else {"name": principal.name, "kind": principal.kind, **principal.grant.fields()}
-    sso = logins.sso
+    page = next((page for source in logins.sources if (page := source.page) is not None), None)
     document = {
         "required": settings.authentication,
         "open_to": None if FORWARDED in request.scope else settings.open_to,
         "principal": who,
         "hub": request.app.state.many_sites,
         "share": [] if principal is None else settings.serve_robots,
-        "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
+        "provider": None if page is None else page._asdict(),
     }
     response = json_response(document)
     response.headers["Cache-Control"] = "no-store"

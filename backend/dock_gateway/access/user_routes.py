@@ -72,7 +72,7 @@ async def log_out_everywhere(request: Request, logins: Part[Logins]) -> Response
     """Log the user who asks out in every browser."""
     principal = principal_of(request)
     if principal.kind is Kind.PERSON and principal.name is not None:
-        await logins.end_person(principal.name)
+        await logins.log_out_person(principal.name)
     else:
         await logins.end_sessions(require_user(principal))
     response = Response(status_code=204)

@@ -128,51 +128,6 @@ class Session:
 
 
 @dataclass(frozen=True)
-class PersonSession:
-    """The login of a person of the identity provider in one browser, as stored: without its secret.
-
-    Attributes:
-        user: How records name the person, `oidc:…`.
-        issuer: The provider.
-        subject: The provider's id of the person.
-        role: What they may do.
-        robots, actions, topics: With what, as in `Grant`.
-        digest: SHA-256 of the secret, in hexadecimal digits.
-        attempt: SHA-256 of the state of the login, which leads to one session only.
-        created_at: When the person logged in.
-        expires_at: When it ends at the latest.
-        used_at: When it was used last, to the minute.
-    """
-
-    user: str
-    issuer: str
-    subject: str
-    role: Role
-    robots: tuple[str, ...]
-    actions: tuple[str, ...]
-    topics: tuple[str, ...]
-    digest: str
-    attempt: str
-    created_at: datetime
-    expires_at: datetime
-    used_at: datetime
-
-    @property
-    def grant(self) -> Grant:
-        """The grant of the person."""
-        return Grant(self.role, self.robots, self.actions, self.topics)
-
-    def valid(self, issuer: str | None, now: datetime) -> bool:
-        """Return whether it has not ended.
-
-        Args:
-            issuer: The provider where people log in now.
-            now: The time.
-        """
-        return issuer == self.issuer and now < self.expires_at and now < self.used_at + IDLE
-
-
-@dataclass(frozen=True)
 class Principal:
     """The user or program that makes a request.
 

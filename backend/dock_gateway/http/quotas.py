@@ -73,7 +73,6 @@ def limits(settings: Settings) -> dict[str, Limit]:
         "parameters": Limit("requests for parameters in progress", 8, 3, 2, "too_many_calls"),
         "large messages": Limit("large messages waiting to be read", 32, 8, 8),
         "logins": Limit("logins in progress", 100, 10, 10, "too_many_logins", of_address=20),
-        "provider logins": Limit("logins in progress", 20, 5, code="too_many_logins", of_address=5),
     }
 
 

@@ -19,7 +19,7 @@ import orjson
 from joserfc import jws
 from joserfc.jwk import ECKey, OctKey, OKPKey, RSAKey
 
-from dock_gateway.access.jwt import Registry
+from dock_gateway.extensions.single_sign_on.jwt import Registry
 from tests.support.processes import Process
 
 ISSUER = "https://login.example"

@@ -13,11 +13,10 @@ import httpx2
 import orjson
 
 from dock_gateway import __version__
-from dock_gateway.access.jwt import Keys, read_keys
 from dock_gateway.core.errors import NotAuthenticated, Unavailable
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.setting_types import is_safe_address
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.single_sign_on.jwt import Keys, read_keys
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings, is_safe_address
 
 log = logging.getLogger(__name__)
 
@@ -60,13 +59,13 @@ class Provider:
     """The provider's addresses and keys. Those that it gave earlier stay valid while it does not answer.
 
     Args:
-        settings: Of them, those of the provider.
+        settings: Its settings.
         clock: Returns seconds that never go back.
         timeout: Seconds for one request with its whole answer.
     """
 
     def __init__(
-        self, settings: Settings, clock: Callable[[], float] = time.monotonic, *, timeout: float = TIMEOUT
+        self, settings: SingleSignOnSettings, clock: Callable[[], float] = time.monotonic, *, timeout: float = TIMEOUT
     ) -> None:
         assert settings.oidc_issuer is not None
         self._timeout = timeout

@@ -6,20 +6,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.access.claims import MAX_NAME, ClaimRules
 from dock_gateway.access.users import NAME
 from dock_gateway.core.errors import NotAllowed, NotAuthenticated
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.settings import Settings
-from tests.support.provider import CLIENT, ISSUER
+from dock_gateway.extensions.single_sign_on.claims import MAX_NAME, ClaimRules
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
+from tests.extensions.single_sign_on.provider import CLIENT, ISSUER
 
-BASE = {"authentication": True, "oidc_issuer": ISSUER, "oidc_client_id": CLIENT}
+BASE = {"oidc_issuer": ISSUER, "oidc_client_id": CLIENT}
 ROLES = ("ops=operator", "leads=supervisor", "cn=admins=admin", " watch = viewer ")
 JSON = st.recursive(st.none() | st.booleans() | st.integers() | st.text(max_size=9), st.lists, max_leaves=5)
 
 
 def rules(**settings: Any) -> ClaimRules:
-    return ClaimRules(Settings(**{**BASE, "oidc_roles": ROLES, **settings}))
+    return ClaimRules(SingleSignOnSettings(**{**BASE, "oidc_roles": ROLES, **settings}))
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,67 @@
-"""The settings of logins with an OpenID Connect provider."""
+"""The settings of an identity provider: OpenID Connect."""
 
+import re
 from typing import Annotated, ClassVar, Self
+from urllib.parse import urlsplit
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from dock_gateway.setting_groups.group import SettingsGroup
-from dock_gateway.setting_types import TUNING, Algorithms, Issuer, OptionalSecret, OptionalText, RoleNames
+from dock_gateway.core.grant import Role
+from dock_gateway.setting_types import LOOPBACK_HOSTS, TUNING, OptionalSecret, OptionalText, Texts
+from dock_gateway.settings import ExtensionSettings
+
+# Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
+SIGNATURES = frozenset(
+    {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
+)
+ROLES = frozenset(Role)
 
 
-class SingleSignOnSettings(SettingsGroup):
-    """The settings of logins with an OpenID Connect provider."""
+def is_safe_address(value: str) -> bool:
+    """Return whether a text is an address that can be asked safely: over TLS, or on this machine."""
+    try:
+        address = urlsplit(value)
+        host = address.hostname
+        _ = address.port
+    except ValueError:
+        return False
+    safe = address.scheme == "https" or (address.scheme == "http" and host in LOOPBACK_HOSTS)
+    return bool(safe and host and value.isprintable() and not re.search(r"[ #@\\]", value))
+
+
+def _check_algorithms(parts: tuple[str, ...]) -> tuple[str, ...]:
+    if not parts or not SIGNATURES.issuperset(parts):
+        raise ValueError(f"choose from {', '.join(sorted(SIGNATURES))}, separated by commas")
+    return parts
+
+
+def _check_roles(parts: tuple[str, ...]) -> tuple[str, ...]:
+    for part in parts:
+        claimed, _, role = part.rpartition("=")
+        if not claimed.strip() or role.strip() not in ROLES:
+            raise ValueError(
+                f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, agent, operator, supervisor and "
+                "admin"
+            )
+    return parts
+
+
+def _check_issuer(value: str | None) -> str | None:
+    if value is not None and not (is_safe_address(value) and "?" not in value):
+        raise ValueError(
+            f"{value[:100]!r} is not an address such as https://login.example.com/realms/site; only a provider on this "
+            "machine may be at http"
+        )
+    return value
+
+
+Issuer = Annotated[OptionalText, AfterValidator(_check_issuer)]
+Algorithms = Annotated[Texts, AfterValidator(_check_algorithms)]
+RoleNames = Annotated[Texts, AfterValidator(_check_roles)]
+
+
+class SingleSignOnSettings(ExtensionSettings):
+    """The provider, and what its claims mean."""
 
     group: ClassVar[str] = "Single sign-on"
 
@@ -78,6 +130,8 @@ class SingleSignOnSettings(SettingsGroup):
             ):
                 raise ValueError(f"{needless[0]} needs oidc_issuer")
             return self
+        if not getattr(self, "authentication", True):
+            raise ValueError("oidc_issuer needs authentication: without it no one logs in")
         if self.oidc_client_id is None and self.oidc_audience is None:
             raise ValueError("oidc_issuer needs oidc_client_id for people, or oidc_audience for services, or both")
         if self.oidc_client_id is None and self.oidc_client_secret is not None:

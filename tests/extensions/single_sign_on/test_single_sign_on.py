@@ -12,28 +12,28 @@ from urllib.parse import parse_qs, urlsplit
 import httpx2
 import pytest
 
-from dock_gateway.access import provider as provider_module
 from dock_gateway.access.credentials import ID_DIGITS, digest_of
-from dock_gateway.access.jwt import BEHIND
-from dock_gateway.access.login_attempt import LIFETIME, LoginAttempt, is_page
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.provider import PAUSE, RECENT, Provider
 from dock_gateway.access.sessions import MAX_PER_USER
-from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import GatewayError, NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.single_sign_on import provider as provider_module
+from dock_gateway.extensions.single_sign_on.jwt import BEHIND
+from dock_gateway.extensions.single_sign_on.login_attempt import LIFETIME, LoginAttempt, is_page
+from dock_gateway.extensions.single_sign_on.logins import ProviderLogins
+from dock_gateway.extensions.single_sign_on.provider import PAUSE, RECENT, Provider
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
+from dock_gateway.extensions.single_sign_on.single_sign_on import SingleSignOn
 from dock_gateway.storage import History
+from tests.extensions.single_sign_on.provider import AUDIENCE, CLIENT, ISSUER, Endless, FakeProvider, rsa_key, sign
 from tests.support.history import HistoryInMemory, open_at
-from tests.support.provider import AUDIENCE, CLIENT, ISSUER, Endless, FakeProvider, rsa_key, sign
 from tests.support.waiting import until
 
 REDIRECT = "https://robots.example/session/oidc/callback"
 HOME = "192.0.2.7"
 DISCOVERY = "/.well-known/openid-configuration"
 SETTINGS: dict[str, Any] = {
-    "authentication": True,
     "oidc_issuer": ISSUER,
     "oidc_client_id": CLIENT,
     "oidc_audience": AUDIENCE,
@@ -41,6 +41,19 @@ SETTINGS: dict[str, Any] = {
 }
 
 pytestmark = pytest.mark.usefixtures("quick_hashes", "stopped_clock")
+
+
+def make_logins(history: History, sso: SingleSignOn | None = None) -> Logins:
+    """The logins of a gateway, with those of a provider."""
+    logins = Logins(history)
+    logins.sources.append(ProviderLogins(history, logins.guard, sso))
+    return logins
+
+
+def provider_of(logins: Logins) -> ProviderLogins:
+    (found,) = logins.sources
+    assert isinstance(found, ProviderLogins)
+    return found
 
 
 class Site:
@@ -54,11 +67,12 @@ class Site:
 
     @asynccontextmanager
     async def gateway(self, **settings: Any) -> AsyncIterator[Logins]:
-        configured = Settings(**{**SETTINGS, **settings})
+        configured = SingleSignOnSettings(**{**SETTINGS, **settings})
         provider = Provider(configured, lambda: self.now, timeout=self.timeout)
         sso = SingleSignOn(configured, provider, lambda: self.now)
-        logins = Logins(self.history, sso)
+        logins = make_logins(self.history, sso)
         yield logins
+        await provider_of(logins).close()
         await logins.close()
 
 
@@ -80,12 +94,12 @@ async def logins(site: Site) -> AsyncIterator[Logins]:
 
 
 async def begin(logins: Logins, page: str = "/") -> tuple[str, LoginAttempt]:
-    return await logins.begin_person(page, REDIRECT)
+    return await provider_of(logins).begin(page, REDIRECT)
 
 
 async def finish(logins: Logins, attempt: LoginAttempt | None, said: dict[str, str]) -> str:
     """The secret of the session."""
-    return (await logins.log_in_person(attempt, said, REDIRECT, HOME))[1]
+    return (await provider_of(logins).log_in(attempt, said, REDIRECT, HOME))[1]
 
 
 async def log_in(logins: Logins, fake: FakeProvider) -> str:
@@ -96,7 +110,7 @@ async def log_in(logins: Logins, fake: FakeProvider) -> str:
 async def refused(logins: Logins, attempt: LoginAttempt | None, said: dict[str, str]) -> str:
     with pytest.raises(GatewayError) as error:
         await finish(logins, attempt, said)
-    assert not logins.people.count()
+    assert not provider_of(logins).people.count()
     return error.value.code
 
 
@@ -113,12 +127,12 @@ async def test_a_person_logs_in(logins: Logins, fake: FakeProvider) -> None:
     assert attempt.secret not in address
     assert attempt.verifier not in address
 
-    principal, secret = await logins.log_in_person(attempt, fake.authorize(address), REDIRECT, HOME)
+    principal, secret = await provider_of(logins).log_in(attempt, fake.authorize(address), REDIRECT, HOME)
     assert principal == logins.identify(secret)
     assert (principal.name, principal.kind, principal.grant) == ("oidc:ada", Kind.PERSON, Grant(Role.OPERATOR))
-    (person,) = await logins.people.documents()
+    (person,) = await provider_of(logins).people.documents()
     assert (person["name"], person["subject"], person["sessions"]) == ("oidc:ada", "4711", 1)
-    (stored,) = (await logins.people.book.read()).values()
+    (stored,) = (await provider_of(logins).people.book.read()).values()
     assert secret not in repr(stored)
     assert attempt.state not in repr(stored)
 
@@ -128,7 +142,7 @@ async def test_a_local_user_of_the_same_name_is_someone_else(logins: Logins, fak
     local = (await logins.log_in("ada", "correct horse battery staple", HOME))[0]
     person = logins.identify(await log_in(logins, fake))
     assert (local.name, person.name) == ("ada", "oidc:ada")
-    await logins.end_person("oidc:ada")
+    await logins.log_out_person("oidc:ada")
     assert logins.is_valid(local)
     assert not logins.is_valid(person)
     with pytest.raises(GatewayError) as taken:
@@ -139,7 +153,7 @@ async def test_a_local_user_of_the_same_name_is_someone_else(logins: Logins, fak
 async def test_every_login_is_a_session_of_its_own_and_old_ones_make_room(logins: Logins, fake: FakeProvider) -> None:
     secrets = [await log_in(logins, fake) for _ in range(MAX_PER_USER + 2)]
     assert len(set(secrets)) == len(secrets)
-    assert logins.people.count() == {"oidc:ada": MAX_PER_USER}
+    assert provider_of(logins).people.count() == {"oidc:ada": MAX_PER_USER}
     assert logins.identify(secrets[-1]).name == "oidc:ada"
 
 
@@ -160,7 +174,7 @@ async def test_a_state_is_used_once_at_all_gateways(site: Site, logins: Logins, 
         assert logins.identify(secret).name == "oidc:ada"
         with pytest.raises(NotAuthenticated, match="used already"):
             await finish(logins, attempt, fake.authorize(address))
-        assert other.people.count() == {"oidc:ada": 1}
+        assert provider_of(other).people.count() == {"oidc:ada": 1}
 
 
 async def test_only_the_browser_that_has_begun_it_finishes_it(logins: Logins, fake: FakeProvider) -> None:
@@ -228,9 +242,9 @@ async def test_who_has_no_role_does_not_get_in(logins: Logins, fake: FakeProvide
     fake.claims["roles"] = roles
     address, attempt = await begin(logins)
     with pytest.raises(GatewayError) as error:
-        await logins.log_in_person(attempt, fake.authorize(address), REDIRECT, HOME, noted.append)
+        await provider_of(logins).log_in(attempt, fake.authorize(address), REDIRECT, HOME, noted.append)
     assert (error.value.code, noted) == ("no_role", ["oidc:ada (4711)"])
-    assert not logins.people.count()
+    assert not provider_of(logins).people.count()
 
 
 async def test_roles_may_be_at_userinfo(logins: Logins, fake: FakeProvider) -> None:
@@ -238,7 +252,7 @@ async def test_roles_may_be_at_userinfo(logins: Logins, fake: FakeProvider) -> N
     fake.document = {"userinfo_endpoint": f"{ISSUER}/userinfo"}
     fake.userinfo = {"sub": "4711", "roles": ["admins"], "preferred_username": "root", "nonce": "x"}
     assert logins.identify(await log_in(logins, fake)).grant == Grant(Role.ADMIN)
-    await logins.end_person("oidc:ada")
+    await logins.log_out_person("oidc:ada")
     fake.userinfo["sub"] = "4712"
     address, attempt = await begin(logins)
     assert await refused(logins, attempt, fake.authorize(address)) == "login_failed"
@@ -276,20 +290,22 @@ async def test_what_ends_a_session(site: Site, logins: Logins, fake: FakeProvide
                     case "log out":
                         await logins.log_out(secret)
                     case "admin":
-                        await logins.end_person("oidc:ada")
+                        await logins.log_out_person("oidc:ada")
                     case _:
                         key = digest_of(secret)[:ID_DIGITS]
-                        session = (await logins.people.book.read())[key]
+                        session = (await provider_of(logins).people.book.read())[key]
                         hours = session.expires_at - session.created_at
                         assert hours == timedelta(hours=12)
-                        await logins.people.book.amend(key, replace(session, expires_at=session.created_at))
+                        await provider_of(logins).people.book.amend(
+                            key, replace(session, expires_at=session.created_at)
+                        )
                 await elsewhere.refresh()
             assert ends == ["ended"]
             for each in (logins, elsewhere):
                 with pytest.raises(NotAuthenticated):
                     each.identify(secret)
     with pytest.raises(NotFound):
-        await logins.end_person("oidc:nobody")
+        await logins.log_out_person("oidc:nobody")
 
 
 async def test_sessions_of_another_provider_are_not_valid(site: Site, logins: Logins, fake: FakeProvider) -> None:
@@ -298,7 +314,7 @@ async def test_sessions_of_another_provider_are_not_valid(site: Site, logins: Lo
         await other.refresh()
         with pytest.raises(NotAuthenticated):
             other.identify(secret)
-    without = Logins(site.history)
+    without = make_logins(site.history)
     await without.refresh()
     with pytest.raises(NotAuthenticated):
         without.identify(secret)
@@ -318,7 +334,7 @@ async def test_two_gateways_on_one_database(site: Site, fake: FakeProvider, data
                 assert elsewhere.identify(secret) == here.identify(secret)
                 assert elsewhere.identify(secret).grant == Grant(Role.OPERATOR, ("/hall_a/*",))
                 await elsewhere.refresh()  # stores the use
-                await elsewhere.end_person("oidc:ada")
+                await elsewhere.log_out_person("oidc:ada")
                 await here.refresh()
                 with pytest.raises(NotAuthenticated):
                     here.identify(secret)
@@ -475,7 +491,7 @@ async def test_without_an_audience_there_are_no_services(site: Site, fake: FakeP
             await begin(logins)
         with pytest.raises(NotFound):
             await finish(logins, None, {})
-    assert await refusal(Logins(site.history), fake.access_token()) == "invalid_token"
+    assert await refusal(make_logins(site.history), fake.access_token()) == "invalid_token"
 
 
 async def test_keys_are_rotated(site: Site, logins: Logins, fake: FakeProvider) -> None:
@@ -491,8 +507,8 @@ async def test_keys_are_rotated(site: Site, logins: Logins, fake: FakeProvider) 
     assert logins.is_valid(old)
     fake.published = fake.published[1:]  # the first key is no longer trusted
     site.now += RECENT
-    assert logins.sso is not None
-    await logins.sso.provider.refresh()
+    assert provider_of(logins).sso is not None
+    await provider_of(logins).sso.provider.refresh()
     assert (logins.is_valid(old), logins.is_valid(new)) == (False, True)
     fake.key = first
     assert await refusal(logins, fake.access_token()) == "invalid_token"
@@ -513,7 +529,7 @@ async def test_unknown_keys_do_not_make_the_gateway_flood_the_provider(
 async def test_a_stream_ends_when_its_token_expires(
     logins: Logins, fake: FakeProvider, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dock_gateway.access import single_sign_on
+    from dock_gateway.extensions.single_sign_on import single_sign_on
 
     principal = await identify(logins, fake.access_token())
     ends: list[str] = []
@@ -622,11 +638,11 @@ async def test_answers_about_a_code(logins: Logins, fake: FakeProvider, answer: 
 
 
 async def test_logging_out_at_the_provider(site: Site, logins: Logins, fake: FakeProvider) -> None:
-    assert logins.sso is not None
-    assert (logins.sso.name, logins.sso.logout_url) == ("login.example", None)
+    assert provider_of(logins).sso is not None
+    assert (provider_of(logins).sso.name, provider_of(logins).sso.logout_url) == ("login.example", None)
     fake.document = {"end_session_endpoint": f"{ISSUER}/logout"}
     await begin(logins)
-    assert logins.sso.logout_url == f"{ISSUER}/logout?client_id={CLIENT}"
+    assert provider_of(logins).sso.logout_url == f"{ISSUER}/logout?client_id={CLIENT}"
 
 
 async def test_the_gateway_does_not_wait_for_the_provider(site: Site, fake: FakeProvider) -> None:

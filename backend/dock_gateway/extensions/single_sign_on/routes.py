@@ -9,12 +9,13 @@ from fastapi import APIRouter, Path, Query, Request
 from starlette.responses import RedirectResponse, Response
 
 from dock_gateway.access.authorization import stranger
-from dock_gateway.access.login_attempt import LIFETIME, MAX_PAGE, PAGE, LoginAttempt, is_page
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.schema import PersonList
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.grant import Role
+from dock_gateway.extensions.single_sign_on.login_attempt import LIFETIME, MAX_PAGE, PAGE, LoginAttempt, is_page
+from dock_gateway.extensions.single_sign_on.logins import ProviderLogins
+from dock_gateway.extensions.single_sign_on.schema import PersonList
 from dock_gateway.http.operation import Audit, Scope, operation, public_operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import NOT_FORWARDED, address_of, cookie_name, keep_login
@@ -42,7 +43,7 @@ REDIRECT: dict[int | str, dict[str, Any]] = {303: {"description": "Where the bro
 @public_operation(errors=(404, 503))
 async def begin_login(
     request: Request,
-    logins: Part[Logins],
+    logins: Part[ProviderLogins],
     page: Annotated[
         str,
         Query(
@@ -56,7 +57,7 @@ async def begin_login(
         raise InvalidField([FieldError("page", "/, or a page of the dashboard such as /ui/goals", got(page), "query")])
 
     async def begin() -> Response:
-        address, attempt = await logins.begin_person(page, _redirect_uri(request))
+        address, attempt = await logins.begin(page, _redirect_uri(request))
         response = RedirectResponse(address, 303)
         _keep_attempt(response, request, attempt.cookie, LIFETIME)
         return response
@@ -73,7 +74,7 @@ async def begin_login(
     dependencies=[NOT_FORWARDED],
 )
 @public_operation(Audit.STORED_FIRST, any_query=True, errors=(401, 404, 409, 429, 503))
-async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quotas]) -> Response:
+async def finish_login(request: Request, logins: Part[ProviderLogins], quotas: Part[Quotas]) -> Response:
     """Log in the browser that the identity provider sends back, with `code` and `state`. Only for providers."""
     audited(request, subject=None)  # not the query, which has the code
     attempt = LoginAttempt.read(request.cookies.get(_attempt_cookie(request)))
@@ -85,7 +86,7 @@ async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quot
 
     async def finish() -> Response:
         with quotas.hold(stranger(request), "provider logins"):
-            request.scope["principal"], secret = await logins.log_in_person(
+            request.scope["principal"], secret = await logins.log_in(
                 attempt,
                 request.query_params,
                 _redirect_uri(request),
@@ -103,9 +104,9 @@ async def finish_login(request: Request, logins: Part[Logins], quotas: Part[Quot
 
 @router.get("/people", name="list_people")
 @operation(Role.ADMIN, Scope.EVERY)
-async def list_people(logins: Part[Logins]) -> Answer[PersonList]:
+async def list_people(logins: Part[ProviderLogins]) -> Answer[PersonList]:
     """List the people who are logged in with the identity provider, by name, with what they may do."""
-    return json_response({"people": await logins.people.documents()})
+    return json_response({"people": await logins.documents()})
 
 
 @router.delete("/people/{person:path}/sessions", name="end_person_sessions", status_code=204)
@@ -114,7 +115,7 @@ async def end_person_sessions(
     person: Annotated[str, Path(description="As in `/people`, such as `oidc:ada`")], logins: Part[Logins]
 ) -> Response:
     """Log a person out everywhere. They can log in again for as long as the identity provider lets them."""
-    await logins.end_person(person)
+    await logins.log_out_person(person)
     return Response(status_code=204)
 
 

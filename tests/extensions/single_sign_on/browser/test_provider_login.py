@@ -10,8 +10,8 @@ from playwright.sync_api import Browser, Page, expect
 from tests.browser.axe import find_violations
 from tests.browser.conftest import PATIENCE_MS
 from tests.browser.width import expect_no_sideways_scrolling
+from tests.extensions.single_sign_on.provider import oidc_settings, running_mock
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
-from tests.support.provider import oidc_settings, running_mock
 
 ADA = {"sub": "4711", "preferred_username": "ada", "roles": ["ops"]}
 EVE = {"sub": "4712", "preferred_username": "eve", "roles": ["guests"]}

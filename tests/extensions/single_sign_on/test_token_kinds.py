@@ -9,12 +9,12 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from joserfc.jwk import ECKey
 
-from dock_gateway.access.jwt import SCOPES, USES, read_keys
-from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import GatewayError, NotAuthenticated
-from dock_gateway.settings import Settings
-from tests.support.provider import AUDIENCE, CLIENT, ISSUER, sign
+from dock_gateway.extensions.single_sign_on.jwt import SCOPES, USES, read_keys
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
+from dock_gateway.extensions.single_sign_on.single_sign_on import SingleSignOn
+from tests.extensions.single_sign_on.provider import AUDIENCE, CLIENT, ISSUER, sign
 
 KEY = ECKey.generate_key("P-256", {"kid": "first"})
 NOW = int(time.time())
@@ -22,8 +22,7 @@ Claims = dict[str, Any]
 
 
 def provider(client_id: str | None = CLIENT) -> SingleSignOn:
-    settings = Settings(  # type: ignore[call-arg]
-        authentication=True,
+    settings = SingleSignOnSettings(  # type: ignore[call-arg]
         oidc_issuer=ISSUER,
         oidc_client_id=client_id,
         oidc_audience=AUDIENCE,

@@ -9,16 +9,22 @@ from datetime import timedelta
 from typing import Any
 from urllib.parse import urlencode, urlsplit
 
-from dock_gateway.access.claims import ClaimRules, Claims, find_claim, subject_of
 from dock_gateway.access.credentials import ID_DIGITS, digest_of
-from dock_gateway.access.jwt import check_claims, read_header, read_unverified, require_access_token, verify
-from dock_gateway.access.login_attempt import LIFETIME, LoginAttempt
-from dock_gateway.access.provider import Provider, error_code
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
-from dock_gateway.settings import Settings
+from dock_gateway.extensions.single_sign_on.claims import ClaimRules, Claims, find_claim, subject_of
+from dock_gateway.extensions.single_sign_on.jwt import (
+    check_claims,
+    read_header,
+    read_unverified,
+    require_access_token,
+    verify,
+)
+from dock_gateway.extensions.single_sign_on.login_attempt import LIFETIME, LoginAttempt
+from dock_gateway.extensions.single_sign_on.provider import Provider, error_code
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
 
 # How many used states are remembered until they expire.
 MAX_USED = 10_000
@@ -52,7 +58,7 @@ class SingleSignOn:
     """
 
     def __init__(
-        self, settings: Settings, provider: Provider | None = None, clock: Callable[[], float] = time.time
+        self, settings: SingleSignOnSettings, provider: Provider | None = None, clock: Callable[[], float] = time.time
     ) -> None:
         assert settings.oidc_issuer is not None
         self.provider = provider or Provider(settings)
@@ -246,11 +252,6 @@ class SingleSignOn:
             NotAllowed: They have no role (`no_role`).
         """
         return self.rules.grant_of(person.claims)
-
-
-def open_single_sign_on(settings: Settings) -> SingleSignOn | None:
-    """Return the identity provider of the settings; None if they have none."""
-    return None if settings.oidc_issuer is None else SingleSignOn(settings)
 
 
 def no_provider() -> NotFound:

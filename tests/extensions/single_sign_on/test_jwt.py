@@ -11,13 +11,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 from joserfc.jwk import ECKey, OKPKey, RSAKey
 
-from dock_gateway.access.jwt import AHEAD, BEHIND, MAX_KEYS, Keys, check_claims, looks_like_jwt, read_keys, verify
 from dock_gateway.core.errors import NotAuthenticated
-from dock_gateway.settings import Settings
-from tests.support.provider import AUDIENCE, ISSUER, encode, rsa_key, sign
+from dock_gateway.extensions.single_sign_on.jwt import (
+    AHEAD,
+    BEHIND,
+    MAX_KEYS,
+    Keys,
+    check_claims,
+    looks_like_jwt,
+    read_keys,
+    verify,
+)
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
+from tests.extensions.single_sign_on.provider import AUDIENCE, ISSUER, encode, rsa_key, sign
 from tests.support.reachable import reachable
 
-ALGORITHMS = Settings().oidc_algorithms
+ALGORITHMS = SingleSignOnSettings().oidc_algorithms
 KEY, OTHER = rsa_key("first"), rsa_key("second")
 # An RSA key of 1024 bits.
 SHORT = {"kty": "RSA", "kid": "short", "n": encode(((1 << 1023) | 1).to_bytes(128)), "e": "AQAB"}

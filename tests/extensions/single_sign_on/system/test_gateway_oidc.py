@@ -8,10 +8,10 @@ import httpx2
 import orjson
 import pytest
 
+from tests.extensions.single_sign_on.provider import FakeProvider, oidc_settings, rsa_key, running_mock
 from tests.support.access import Site, bearer, ends_with, log_in, stream
 from tests.support.gateway import RunningGateway
 from tests.support.installed import needs
-from tests.support.provider import FakeProvider, oidc_settings, rsa_key, running_mock
 from tests.support.waiting import wait_until
 
 pytestmark = [needs("audit_log"), pytest.mark.ros]

@@ -6,8 +6,8 @@ from typing import Any
 
 from dock_gateway.core.errors import NotAllowed, NotAuthenticated
 from dock_gateway.core.grant import MAX_PATTERN, MAX_PATTERNS, Grant, Role
+from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
 from dock_gateway.setting_types import PATTERN
-from dock_gateway.settings import Settings
 
 Claims = Mapping[str, Any]
 
@@ -28,7 +28,7 @@ class ClaimRules:
         settings: The settings.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: SingleSignOnSettings) -> None:
         pairs = (pair.rpartition("=") for pair in settings.oidc_roles)
         self._roles = {value.strip(): Role(role.strip()) for value, _, role in pairs}
         self._role_claim = settings.oidc_role_claim

@@ -1,0 +1,9 @@
+"""The browser of other tests."""
+
+from tests.browser.conftest import (  # noqa: F401 - fixtures and hooks
+    browser,
+    domain,
+    page,
+    pytest_collection_modifyitems,
+    pytest_runtest_makereport,
+)
