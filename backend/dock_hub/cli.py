@@ -1,4 +1,4 @@
-"""`dock-gateway hub`: one dashboard and one API for many sites; `dock-gateway hub-key`: its keys. Needs no ROS."""
+"""`dock-gateway hub`: one dashboard and one API for many sites; `dock-gateway hub key`: its keys. Needs no ROS."""
 
 import os
 from functools import partial
@@ -7,7 +7,7 @@ from typing import Any
 import click
 import orjson
 
-from dock_gateway.cli.options import SettingsCommand, read_settings_of, settings_options
+from dock_gateway.cli.options import CommandsWithSettings, read_settings_of, settings_options
 from dock_gateway.cli.start import check_exposure, check_port
 from dock_gateway.doctor.machine import find_database_fault
 from dock_gateway.setting_groups.group import PREFIX
@@ -26,7 +26,7 @@ OPTIONS = (
 )
 
 
-@click.command(cls=SettingsCommand)
+@click.group(cls=CommandsWithSettings, invoke_without_command=True)
 @partial(
     settings_options,
     leave_out=[name for name in HubSettings.model_fields if not name.startswith(OPTIONS)],
@@ -34,6 +34,12 @@ OPTIONS = (
 )
 def hub(**options: Any) -> None:
     """Run a hub: one dashboard, one API and one set of rights for many gateways, over NATS."""
+    if click.get_current_context().invoked_subcommand is None:
+        _run(_checked(options))
+
+
+def _checked(options: dict[str, Any]) -> HubSettings:
+    """Return the settings of a hub that can start."""
     settings = read_settings_of(hub_settings_type(), options)
     if not settings.nats:
         raise click.UsageError("a hub needs --nats, the NATS servers over which it reaches its sites")
@@ -51,6 +57,10 @@ def hub(**options: Any) -> None:
     check_port(settings)
     if (fault := find_database_fault(settings)) is not None:
         raise click.ClickException(fault)
+    return settings
+
+
+def _run(settings: HubSettings) -> None:
     from dock_gateway.cli.server import run  # noqa: PLC0415 - takes long to import
     from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415
     from dock_gateway.sites.identity import KeyFault  # noqa: PLC0415
@@ -68,9 +78,9 @@ def hub(**options: Any) -> None:
         raise SystemExit(1)
 
 
-@click.command()
+@hub.command()
 @click.option("--hub-private-key", metavar="FILE", help="The private key.  [env: DOCK_GATEWAY_HUB_PRIVATE_KEY]")
-def hub_key(hub_private_key: str | None) -> None:
+def key(hub_private_key: str | None) -> None:
     """Print the hub's public keys, a JWK Set: what each of its sites needs as `--hub-public-keys`.
 
     Makes the private key if there is none yet.

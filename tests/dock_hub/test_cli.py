@@ -1,4 +1,4 @@
-"""`dock-gateway hub-key`, and what a start says about a file of keys."""
+"""`dock-gateway hub key`, and what a start says about a file of keys."""
 
 import re
 from pathlib import Path
@@ -14,7 +14,7 @@ from dock_hub.settings import HubSettings
 
 def test_the_public_keys_of_a_hub(tmp_path: Path) -> None:
     private, public = tmp_path / "hub.key", tmp_path / "hub.json"
-    first, second = (CliRunner().invoke(main, ["hub-key", "--hub-private-key", str(private)]) for _ in range(2))
+    first, second = (CliRunner().invoke(main, ["hub", "key", "--hub-private-key", str(private)]) for _ in range(2))
     assert first.exit_code == 0
     assert first.output == second.output
     assert Signer.load_or_create(private).public_keys()["keys"][0]["x"] in first.output
@@ -48,7 +48,7 @@ def test_a_start_with_other_files(tmp_path: Path, setting: str, sentence: str) -
 
 def test_a_file_that_is_no_key(tmp_path: Path) -> None:
     (path := tmp_path / "hub.key").write_text("secret")
-    result = CliRunner().invoke(main, ["hub-key", "--hub-private-key", str(path)])
+    result = CliRunner().invoke(main, ["hub", "key", "--hub-private-key", str(path)])
     assert (result.exit_code, result.output) == (
         1,
         f"Error: {path} is not the hub's key, which is a private Ed25519 key as a JWK\n",

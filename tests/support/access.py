@@ -36,7 +36,7 @@ class Site:
             return Done(process.wait(), process.output)
 
     def user(self, name: str, role: str, *limits: str) -> None:
-        self._make("user", "add", name, "--role", role, *limits, typed=f"{PASSWORD}\n")
+        self._make("user", "create", name, "--role", role, *limits, typed=f"{PASSWORD}\n")
 
     def token(self, name: str, role: str, *limits: str) -> str:
         return self._make("token", "create", name, "--role", role, *limits).split()[-1]

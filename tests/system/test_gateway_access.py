@@ -66,7 +66,7 @@ def test_a_revoked_token_ends_its_streams_and_no_goal(domain: int, site: Site) -
             reader = stack.enter_context(stream(gateway, "/ws/feedback", other))
             sse = gateway.http.stream("GET", f"/goals/{goal['goal_id']}/events", headers=bearer(cron))
             events = stack.enter_context(sse)
-            assert site.run("token", "revoke", "cron").returncode == 0
+            assert site.run("token", "delete", "cron").returncode == 0
             assert [ends_with(socket) for socket in sockets] == [(INVALID_TOKEN, "invalid_token")] * len(paths)
             assert "invalid_token" in "".join(events.iter_text())
             assert gateway.http.post("/dock", headers=bearer(cron)).json()["code"] == "invalid_token"
@@ -89,7 +89,7 @@ def test_tokens_survive_a_restart_and_new_ones_come_by_themselves(shared_domain:
     listed = site.run("token", "list").output
     assert all(text in listed for text in ("admin", "ada", "late"))
     assert admin not in listed
-    assert "there is no token nobody" in site.run("token", "revoke", "nobody").output
+    assert "there is no token nobody" in site.run("token", "delete", "nobody").output
     assert "token_exists" in site.run("token", "create", "ada").output
 
 

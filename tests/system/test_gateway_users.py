@@ -168,18 +168,18 @@ def test_a_name_is_of_a_user_or_of_a_token(shared_domain: int, site: Site) -> No
 
 
 def test_users_on_the_command_line(site: Site) -> None:
-    short = site.run("user", "add", "bob", typed="too short\n")
+    short = site.run("user", "create", "bob", typed="too short\n")
     assert short.returncode == 2
     assert "12 to 200 characters" in short.output
-    assert "user_exists" in site.run("user", "add", "ada", typed=PASSWORD).output
-    assert "lower-case" in site.run("user", "add", "Bob", typed=PASSWORD).output
-    assert "cannot be limited" in site.run("user", "add", "bob", "--role", "admin", "--robot", "/a").output
+    assert "user_exists" in site.run("user", "create", "ada", typed=PASSWORD).output
+    assert "lower-case" in site.run("user", "create", "Bob", typed=PASSWORD).output
+    assert "cannot be limited" in site.run("user", "create", "bob", "--role", "admin", "--robot", "/a").output
     site.user("bob", "operator", "--robot", "/hall_a/*")
     assert site.run("user", "passwd", "bob", typed=OTHER).returncode == 0
     assert site.run("user", "disable", "bob").returncode == 0
     listed = site.run("user", "list").output
     assert "operator    bob  (never logged in, disabled, only robots /hall_a/*)" in listed
-    assert site.run("user", "remove", "bob").returncode == 0
+    assert site.run("user", "delete", "bob").returncode == 0
     assert "bob" not in site.run("user", "list").output
     assert "user_not_found" in site.run("user", "enable", "bob").output
     assert "last_admin" in site.run("user", "disable", "root").output

@@ -131,13 +131,13 @@ def test_a_hub_needs_nothing_of_ros(environment: dict[str, str], tmp_path: Path)
     assert not [name for name in names if name.startswith(("ros-", "action-")) or name.endswith("-msgs")]
     assert [path.name for path in folder.glob("bin/*dock*")] == ["dock-gateway"]
     only = environment | {"PATH": str(folder / "bin"), "HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)}
-    assert '"keys"' in run(only, "dock-gateway", "hub-key")
+    assert '"keys"' in run(only, "dock-gateway", "hub", "key")
     assert "--nats" in run(only, "dock-gateway", "hub", "--help")
-    assert '"/sites/{site}"' in run(only, "dock-gateway", "openapi", "--hub")
+    assert '"/sites/{site}"' in run(only, "dock-gateway", "schema", "openapi", "--hub")
     assert "Usage" in run(only, "dock-gateway", "stop", "--help")
-    for command in ("serve", "up", "openapi", "asyncapi"):
+    for command in ("serve", "up", "schema openapi", "schema asyncapi"):
         done = subprocess.run(
-            [folder / "bin/dock-gateway", command], env=only, capture_output=True, text=True, check=False
+            [folder / "bin/dock-gateway", *command.split()], env=only, capture_output=True, text=True, check=False
         )
         assert (done.returncode, done.stderr.count("\n"), done.stderr[:7]) == (1, 1, "Error: "), done.stderr
 

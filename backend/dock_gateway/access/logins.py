@@ -93,7 +93,7 @@ class Logins:
         ):
             log.warning(
                 "no one can log in yet: there are no users or tokens in the database. This adds the first user: "
-                "`dock-gateway user add NAME --role admin --database-url %s`",
+                "`dock-gateway user create NAME --role admin --database-url %s`",
                 self._where or "URL",
             )
 

@@ -73,14 +73,27 @@ class SettingsCommand(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options, each group with its heading."""
-        sections: dict[str, list[tuple[str, str]]] = {"Options": []}
-        for parameter in self.get_params(ctx):
-            group = parameter.group if isinstance(parameter, SettingOption) else "Options"
-            if (record := parameter.get_help_record(ctx)) is not None:
-                sections.setdefault(group, []).append(record)
-        for heading, records in sections.items():
-            with formatter.section(heading):
-                formatter.write_dl(records)
+        _format_options(self, ctx, formatter)
+
+
+class CommandsWithSettings(click.Group):
+    """A command with settings that has further commands."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, each group with its heading, and the commands."""
+        _format_options(self, ctx, formatter)
+        self.format_commands(ctx, formatter)
+
+
+def _format_options(command: click.Command, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+    sections: dict[str, list[tuple[str, str]]] = {"Options": []}
+    for parameter in command.get_params(ctx):
+        group = parameter.group if isinstance(parameter, SettingOption) else "Options"
+        if (record := parameter.get_help_record(ctx)) is not None:
+            sections.setdefault(group, []).append(record)
+    for heading, records in sections.items():
+        with formatter.section(heading):
+            formatter.write_dl(records)
 
 
 def settings_options(command: Command, leave_out: Collection[str] = (), settings: type[Settings] = TYPE) -> Command:

@@ -10,7 +10,7 @@ from pathlib import Path
 HOMES = (Path("/home"), Path("/root"), Path("/run/user"))
 
 UNIT = """\
-# Written by `dock-gateway install-service`, which overwrites it: change it with `systemctl{manager} edit dock-gateway`.
+# Written by `dock-gateway service install`, which overwrites it: change it with `systemctl{manager} edit dock-gateway`.
 # Settings: {settings}
 [Unit]
 Description=dock-gateway: ROS 2 actions for browsers, curl and WebSockets

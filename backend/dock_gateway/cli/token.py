@@ -1,4 +1,4 @@
-"""`dock-gateway token create`, `list`, `revoke`: tokens of scripts and of those who log in without a password.
+"""`dock-gateway token create`, `list`, `delete`: tokens of scripts and of those who log in without a password.
 
 They are read and written in the history's database. A running gateway knows changes 2 s later.
 """
@@ -15,13 +15,13 @@ from dock_gateway.core.event import utc_now
 
 @click.group()
 def token() -> None:
-    """Create, list and revoke tokens."""
+    """Create, list and delete tokens."""
 
 
 @token.command()
 @click.argument("name")
 @grant_options
-@click.option("--days", type=click.IntRange(1, 3650), help="For how long it is valid.  [default: until it is revoked]")
+@click.option("--days", type=click.IntRange(1, 3650), help="For how long it is valid.  [default: until it is deleted]")
 @database_option
 def create(name: str, role: str, days: int | None, database_url: str | None, **limits: tuple[str, ...]) -> None:
     """Create a token for NAME, and print its secret, which is not stored."""
@@ -45,13 +45,13 @@ def list_tokens(database_url: str | None) -> None:
 @token.command()
 @click.argument("name")
 @database_option
-def revoke(name: str, database_url: str | None) -> None:
-    """Revoke the token with this NAME or id."""
+def delete(name: str, database_url: str | None) -> None:
+    """Delete the token with this NAME or id: it is valid no more."""
 
-    async def find_and_revoke(logins: Any) -> None:
+    async def find_and_delete(logins: Any) -> None:
         found = [each["id"] for each in await logins.tokens.documents() if name in (each["id"], each["name"])]
         if not found:
             raise NotFound(f"there is no token {name}", code="token_not_found")
         await logins.revoke_token(found[0])
 
-    with_logins(database_url, find_and_revoke)
+    with_logins(database_url, find_and_delete)

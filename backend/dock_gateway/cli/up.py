@@ -96,7 +96,7 @@ def default_robot(settings: Settings, robots: int) -> str:
 )
 @partial(settings_options, leave_out={"serve_robots"})
 def up(no_sim: bool, robots: int | None, sites: int | None, **options: Any) -> None:
-    """Run the gateway, a docking server and a simulated robot together, and keep them running.
+    """Run the gateway, a docking server and a simulated robot together, until Ctrl-C ends them all.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
     network. With --no-sim, ROS_AUTOMATIC_DISCOVERY_RANGE may say otherwise.

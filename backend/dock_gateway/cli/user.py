@@ -1,6 +1,6 @@
-"""`dock-gateway user add`, `passwd`, `disable`, `enable`, `remove`, `list`: people who log in with a password.
+"""`dock-gateway user create`, `list`, `passwd`, `disable`, `enable`, `delete`: people who log in with a password.
 
-They are read and written in the history's database, whether a gateway runs or not: the first admin is added here. A
+They are read and written in the history's database, whether a gateway runs or not: the first admin is created here. A
 running gateway knows changes 2 s later.
 """
 
@@ -52,15 +52,15 @@ def read_password() -> str:
 
 @click.group()
 def user() -> None:
-    """Add, change, list and remove users, who log in with a name and a password."""
+    """Create, list, change and delete users, who log in with a name and a password."""
 
 
 @user.command()
 @name_argument
 @grant_options
 @database_option
-def add(name: str, role: str, database_url: str | None, **limits: tuple[str, ...]) -> None:
-    """Add the user NAME. The password is asked for, or read from the input."""
+def create(name: str, role: str, database_url: str | None, **limits: tuple[str, ...]) -> None:
+    """Create the user NAME. The password is asked for, or read from the input."""
     grant, password = make_grant(role, limits), read_password()
     with_logins(database_url, lambda logins: logins.add_user(name, grant, password))
 
@@ -93,8 +93,8 @@ def enable(name: str, database_url: str | None) -> None:
 @user.command()
 @name_argument
 @database_option
-def remove(name: str, database_url: str | None) -> None:
-    """Remove the user NAME, and log them out everywhere."""
+def delete(name: str, database_url: str | None) -> None:
+    """Delete the user NAME, and log them out everywhere."""
     with_logins(database_url, lambda logins: logins.remove_user(name))
 
 

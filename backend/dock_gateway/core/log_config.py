@@ -6,11 +6,13 @@ import re
 import sys
 import threading
 from datetime import UTC, datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.log_limit import LogLimit
 from dock_gateway.core.request import CURRENT
-from dock_gateway.settings import Settings
+
+if TYPE_CHECKING:  # a stop does not wait for pydantic
+    from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
@@ -65,7 +67,7 @@ class JsonFormatter(logging.Formatter):
         return json.dumps({name: value for name, value in line.items() if value is not None})
 
 
-def configure_logs(settings: Settings) -> None:
+def configure_logs(settings: "Settings") -> None:
     """Configure the root logger, which every line goes to. With JSON, warnings and uncaught exceptions do, too."""
     debug = settings.log_level == "debug"
     logging.basicConfig(level=settings.log_level.upper())

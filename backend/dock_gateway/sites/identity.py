@@ -178,7 +178,7 @@ class Verifier:
     """The hub's public keys at a site. It accepts what they have signed for this site, once.
 
     Args:
-        keys: File with a JWK Set: what `dock-gateway hub-key` prints at the hub.
+        keys: File with a JWK Set: what `dock-gateway hub key` prints at the hub.
         site: Name of the site.
 
     Raises:
@@ -290,7 +290,7 @@ def _read_public_keys(path: Path) -> KeySet:
         keys = []
     if not keys:
         raise KeyFault(
-            f"hub_public_keys: {path} is not what `dock-gateway hub-key` prints: a JWK Set with Ed25519 keys"
+            f"hub_public_keys: {path} is not what `dock-gateway hub key` prints: a JWK Set with Ed25519 keys"
         )
     return KeySet(keys)
 

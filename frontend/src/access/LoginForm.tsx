@@ -11,7 +11,7 @@ import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/requests";
 
 const { user: USER, password: PASSWORD } = LIMITS["POST /session"];
-const ADD_USER = "dock-gateway user add NAME --role operator";
+const ADD_USER = "dock-gateway user create NAME --role operator";
 const CREATE_TOKEN = "dock-gateway token create NAME --role operator";
 
 /** Logs in with a name and a password, or with a token. */

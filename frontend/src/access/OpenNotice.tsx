@@ -5,7 +5,7 @@ import { pageSite } from "../api/site";
 import { Command } from "../ui/CopyButton";
 import { Kept, useKept } from "../ui/kept";
 
-const ADD_ADMIN = "dock-gateway user add NAME --role admin";
+const ADD_ADMIN = "dock-gateway user create NAME --role admin";
 
 /** Who may do what on this page, in a few words; null where the gateway has not said. */
 export function accessWords({ open_to, principal }: SessionState): string | null {

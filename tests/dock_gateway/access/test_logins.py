@@ -448,7 +448,7 @@ async def test_streams_are_watched_while_the_gateway_runs(site: Site, logins: Lo
 async def test_a_gateway_that_nobody_can_log_in_at_says_so(site: Site, caplog: pytest.LogCaptureFixture) -> None:
     logins = site.logins(sync_interval=0.01)
     await logins.open()
-    await until(lambda: "dock-gateway user add" in caplog.text)
+    await until(lambda: "dock-gateway user create" in caplog.text)
     await logins.close()
     caplog.clear()
     await logins.add_user("ada", ADMIN, PASSWORD)

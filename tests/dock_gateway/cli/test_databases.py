@@ -43,7 +43,7 @@ def test_what_is_written_where_is_said_and_the_secret_stands_alone(folder: Path)
     assert done.stderr == f"stored in sqlite:///{folder / DEFAULT}\n"
     assert run("token", "list").stderr == f"read in sqlite:///{folder / DEFAULT}\n"
     assert run("user", "list").stderr == f"read in sqlite:///{folder / DEFAULT}\n"
-    missing = run("token", "revoke", "day shift")
+    missing = run("token", "delete", "day shift")
     assert missing.exit_code == 1
     assert f"looked in sqlite:///{folder / DEFAULT}" in missing.stderr
     assert "there is no token day shift" in missing.stderr

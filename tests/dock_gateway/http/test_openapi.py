@@ -131,4 +131,4 @@ def test_each_command_has_its_role_and_requires_its_op(document: dict[str, Any])
 
 
 def test_the_copy_is_fresh(document: dict[str, Any]) -> None:
-    assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway openapi > frontend/openapi.json"
+    assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway schema openapi > frontend/openapi.json"

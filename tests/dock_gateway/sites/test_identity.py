@@ -179,7 +179,7 @@ def test_the_key_is_kept_and_is_for_its_user_alone(tmp_path: Path, signer: Signe
 def test_files_that_are_no_keys(tmp_path: Path, text: str) -> None:
     path = tmp_path / "keys.json"
     path.write_text(text)
-    with pytest.raises(KeyFault, match="not what `dock-gateway hub-key` prints"):
+    with pytest.raises(KeyFault, match="not what `dock-gateway hub key` prints"):
         Verifier(path, "berlin")
     with pytest.raises(KeyFault, match="not the hub's key"):
         Signer.load_or_create(path)

@@ -96,7 +96,7 @@ def test_each_command_has_its_role_and_its_answers(asyncapi: Json, openapi: Json
 def test_it_is_printed_and_without_logins_needs_none(asyncapi: Json) -> None:
     assert len(asyncapi["servers"]["websockets"]["security"]) == 3
     assert len(asyncapi["servers"]["http"]["security"]) == 2
-    printed = CliRunner().invoke(main, ["asyncapi"])
+    printed = CliRunner().invoke(main, ["schema", "asyncapi"])
     assert printed.exit_code == 0, printed.output
     document = orjson.loads(printed.output)
     assert document["servers"]["websockets"]["security"] == []

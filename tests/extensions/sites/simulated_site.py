@@ -13,7 +13,7 @@ def read_arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     parser.add_argument("sites", nargs="+")
     parser.add_argument("--brokers", type=Path, required=True, help="JSON file: the broker's URL for each site")
-    parser.add_argument("--keys", type=Path, required=True, help="what `dock-gateway hub-key` prints")
+    parser.add_argument("--keys", type=Path, required=True, help="what `dock-gateway hub key` prints")
     parser.add_argument("--robots", type=int, default=3)
     parser.add_argument("--journals", type=Path, help="folder for what outlives the process")
     parser.add_argument("--clock-offset", type=float, default=0.0, help="seconds by which the clock is ahead")

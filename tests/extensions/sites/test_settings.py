@@ -46,7 +46,7 @@ def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
     ("change", "sentence"),
     [
         ({"site": None}, "nats needs site, the name of this site"),
-        ({"hub_public_keys": None}, "nats needs hub_public_keys: a file with what `dock-gateway hub-key` prints"),
+        ({"hub_public_keys": None}, "nats needs hub_public_keys: a file with what `dock-gateway hub key` prints"),
         ({"hub_role": "admin", "hub_robots": "/robot1"}, "hub_robots limits no admin"),
         ({"nats": None}, "site needs nats, the NATS servers"),
         ({"nats": "nats://ada:secret@nats.example.com"}, "nats names a NATS server on another machine without TLS"),

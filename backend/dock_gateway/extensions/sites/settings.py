@@ -22,7 +22,7 @@ class SiteSettings(BrokerSettings, ExtensionSettings):
     site: SiteName = Field("", description="Name of this site at its hub, such as `berlin`.")
     hub_public_keys: OptionalFile = Field(
         None,
-        description="File with the hub's public keys, as `dock-gateway hub-key` prints them there. Only what they have "
+        description="File with the hub's public keys, as `dock-gateway hub key` prints them there. Only what they have "
         "signed is believed.",
     )
     hub_role: Literal["viewer", "agent", "operator", "supervisor", "admin"] = Field(
@@ -43,7 +43,7 @@ class SiteSettings(BrokerSettings, ExtensionSettings):
         elif not self.site:
             raise ValueError("nats needs site, the name of this site, such as berlin")
         elif self.hub_public_keys is None:
-            raise ValueError("nats needs hub_public_keys: a file with what `dock-gateway hub-key` prints at the hub")
+            raise ValueError("nats needs hub_public_keys: a file with what `dock-gateway hub key` prints at the hub")
         elif self.hub_role == "admin" and self.hub_robots:
             raise ValueError("hub_robots limits no admin, who can change any limit: choose a lower hub_role")
         return self

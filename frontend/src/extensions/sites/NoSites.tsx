@@ -2,7 +2,7 @@ import { Code, Stack, Text } from "@mantine/core";
 import { Command } from "../../ui/CopyButton";
 import { Section } from "../../ui/Section";
 
-const KEY = "dock-gateway hub-key > hub-key.json";
+const KEY = "dock-gateway hub key > hub-key.json";
 const SERVE =
   "dock-gateway serve --nats tls://nats.example.com:4222 --site berlin --hub-public-keys hub-key.json --nats-credentials berlin.creds";
 

@@ -73,7 +73,7 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
         ) as stream:
             pictures = parts(stream)
             assert next(pictures)
-            assert site.run("token", "revoke", "mallory").returncode == 0
+            assert site.run("token", "delete", "mallory").returncode == 0
             for _ in pictures:  # to its end
                 pass
         wait_until(lambda: not readers(http), "it is left")

@@ -290,7 +290,7 @@ def test_a_port_of_its_own_subprotocols_tokens_and_tickets(shared_domain: int, t
             client.error("needs the role")
             assert SCAN not in client.channels
             other.channel("/talker0/battery_status")
-            site.run("token", "revoke", "viewer")
+            site.run("token", "delete", "viewer")
             assert ends_with(other.connection) == (4401, "invalid_token")
 
 

@@ -1,4 +1,4 @@
-"""`dock-gateway install-service`: writes the systemd unit of a gateway."""
+"""`dock-gateway service install`: writes the systemd unit of a gateway."""
 
 import os
 import pwd
@@ -26,7 +26,12 @@ SETTINGS = """\
 """
 
 
-@click.command()
+@click.group()
+def service() -> None:
+    """Run the gateway as a service of systemd."""
+
+
+@service.command()
 @click.option("--user", "for_user", is_flag=True, help="A service of your own user instead of the machine.")
 @click.option(
     "--user-name",
@@ -34,7 +39,7 @@ SETTINGS = """\
     help="The existing user that it runs as. Without it: one that exists only while it runs.",
 )
 @click.option("--print", "only_print", is_flag=True, help="Show the unit, and write nothing.")
-def install_service(for_user: bool, user_name: str | None, only_print: bool) -> None:
+def install(for_user: bool, user_name: str | None, only_print: bool) -> None:
     """Write a systemd unit that runs `dock-gateway serve` of this environment.
 
     The unit has the ROS variables of this shell, and of ROS what is sourced here. Settings are in a file of their own,
@@ -62,7 +67,7 @@ def install_service(for_user: bool, user_name: str | None, only_print: bool) -> 
         aim = " " if user_name is None else f" --user-name {user_name} "
         raise click.ClickException(
             f"cannot write {error.filename or target}: {error.strerror}; run "
-            f"`{program} install-service{aim}--print | sudo tee {target}`, or take --user"
+            f"`{program} service install{aim}--print | sudo tee {target}`, or take --user"
         ) from None
     click.echo(f"Wrote {target}.\n\nNext:\n{_advice(for_user, settings)}")
     for hint in _hints(os.environ, settings, own_user=not for_user):

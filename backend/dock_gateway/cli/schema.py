@@ -1,4 +1,4 @@
-"""`dock-gateway openapi` and `asyncapi`: the documents of the API."""
+"""`dock-gateway schema openapi` and `schema asyncapi`: the documents of the API."""
 
 from importlib.metadata import entry_points
 from typing import Any
@@ -19,14 +19,19 @@ def _flags(command: Any) -> Any:
     return command
 
 
-@click.command()
+@click.group()
+def schema() -> None:
+    """Print the documents of the API."""
+
+
+@schema.command()
 @_flags
 def openapi(other: str | None = None) -> None:
     """Print the OpenAPI document: requests and answers."""
     _print(_openapi() if other is None else OTHERS[other].load()().openapi())
 
 
-@click.command()
+@schema.command()
 def asyncapi() -> None:
     """Print the AsyncAPI document: streams, and the commands of /ws."""
     document = _openapi()

@@ -1,4 +1,4 @@
-"""`dock-gateway install-service`: systemd takes the units, and they find the ROS of the shell."""
+"""`dock-gateway service install`: systemd takes the units, and they find the ROS of the shell."""
 
 import getpass
 import os
@@ -10,20 +10,20 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.install_service import service_variables
+from dock_gateway.cli.service import service_variables
 from dock_gateway.cli.service_unit import find_unreadable, system_unit
 
 needs_systemd = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd-analyze is not installed")
 
 
 def install(*arguments: str, **environment: str) -> str:
-    result = CliRunner().invoke(main, ("install-service", *arguments), env=environment)
+    result = CliRunner().invoke(main, ("service", "install", *arguments), env=environment)
     assert result.exit_code == 0, result.output
     return result.output
 
 
 def refusal(*arguments: str, **environment: str) -> str:
-    result = CliRunner().invoke(main, ("install-service", *arguments), env=environment)
+    result = CliRunner().invoke(main, ("service", "install", *arguments), env=environment)
     assert result.exit_code != 0
     return result.output.splitlines()[-1]
 
