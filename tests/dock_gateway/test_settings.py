@@ -197,7 +197,7 @@ def test_help_names_every_setting_but_those_for_tuning() -> None:
         ONLY_A_VARIABLE,
         *tuning,
     }
-    assert len(tuning) == 27
+    assert "ping_interval" in tuning
     assert [heading for heading in groups_of(TYPE) if f"\n{heading}:\n" not in text] == []
     assert "](" not in text, "a terminal shows no Markdown links"
 

@@ -65,7 +65,12 @@ def test_a_role_counts_also_where_the_site_asks_nobody(authentication: bool) -> 
 
 @pytest.mark.parametrize(
     ("method", "path"),
-    [("POST", "/session"), ("DELETE", "/session"), ("POST", "/session/ticket"), ("GET", "/session/oidc")],
+    [
+        ("POST", "/session"),
+        ("DELETE", "/session"),
+        ("POST", "/session/ticket"),
+        pytest.param("GET", "/session/oidc", marks=needs("single_sign_on")),
+    ],
 )
 def test_logins_are_not_for_a_hub(method: str, path: str) -> None:
     with through_the_hub(forwarded("root", UNLIMITED, "key")) as client:
